@@ -1,0 +1,145 @@
+"""QuadMesh: vertices and quads, and what can be asked of them without a skeleton."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scaffold_cad.arrays import (
+    Bools,
+    Edges,
+    Floats,
+    Ints,
+    Points,
+    Quads,
+    Triangles,
+    as_points,
+    as_quads,
+    read_only,
+)
+from scaffold_cad.errors import MeshError
+from scaffold_cad.vectors import dot
+
+
+@dataclass(frozen=True, eq=False)
+class QuadMesh:
+    """A mesh of quads, each counter-clockwise seen from outside."""
+
+    vertices: Points
+    """Vertex positions, shape (v, 3), mm."""
+    quads: Quads
+    """Vertex indices of each quad, shape (f, 4)."""
+
+    def __post_init__(self) -> None:
+        vertices = as_points(self.vertices, "vertices")
+        object.__setattr__(self, "vertices", vertices)
+        object.__setattr__(self, "quads", as_quads(self.quads, "quads", count=len(vertices)))
+
+    def moved(self, vertices: ArrayLike) -> QuadMesh:
+        """Return the same quads on other vertices, shape (v, 3), mm.
+
+        Raises
+        ------
+        MeshError
+            If there are not as many vertices as before.
+        """
+        points = as_points(vertices, "vertices")
+        if len(points) != len(self.vertices):
+            raise MeshError(f"{len(points)} vertices given; need {len(self.vertices)}")
+        mesh = object.__new__(QuadMesh)
+        object.__setattr__(mesh, "vertices", points)
+        object.__setattr__(mesh, "quads", self.quads)
+        return mesh
+
+    @cached_property
+    def half_edges(self) -> Edges:
+        """Start and end vertex of each quad's four sides in turn, shape (4 f, 2)."""
+        pairs = np.stack([self.quads, np.roll(self.quads, -1, axis=1)], axis=2).reshape(-1, 2)
+        read_only(pairs)
+        return pairs
+
+    @cached_property
+    def _undirected(self) -> tuple[Edges, Ints]:
+        low, high = np.sort(self.half_edges, axis=1).T
+        keys, edge_of_half_edge = np.unique(low * len(self.vertices) + high, return_inverse=True)
+        edges = np.stack(np.divmod(keys, max(len(self.vertices), 1)), axis=1)
+        read_only(edges)
+        read_only(edge_of_half_edge)
+        return edges, edge_of_half_edge
+
+    @property
+    def edges(self) -> Edges:
+        """Vertex pairs, each edge once, lower index first, in ascending order, shape (e, 2)."""
+        return self._undirected[0]
+
+    @property
+    def edge_of_half_edge(self) -> Ints:
+        """Row of `edges` of each of `half_edges`, shape (4 f,)."""
+        return self._undirected[1]
+
+    @property
+    def euler_characteristic(self) -> int:
+        """Vertices used by a quad − edges + quads: 2 − 2 genus, summed over closed components."""
+        return len(np.unique(self.quads)) - len(self.edges) + len(self.quads)
+
+    @cached_property
+    def triangles(self) -> Triangles:
+        """Two triangles a quad, shape (2 f, 3), split along its shorter diagonal.
+
+        At a tie the first diagonal is taken: the same mesh always gives the same triangles.
+        """
+        a, b, c, d = (self.vertices[self.quads[:, k]] for k in range(4))
+        first = dot(a - c, a - c) <= dot(b - d, b - d) * (1 + 1e-9)
+        q = self.quads
+        split_ac = np.stack([q[:, [0, 1, 2]], q[:, [0, 2, 3]]], axis=1)
+        split_bd = np.stack([q[:, [0, 1, 3]], q[:, [1, 2, 3]]], axis=1)
+        triangles = np.where(first[:, None, None], split_ac, split_bd).reshape(-1, 3)
+        read_only(triangles)
+        return triangles
+
+    @property
+    def signed_volume(self) -> float:
+        """Volume inside the bilinear quads, mm³: > 0 for a closed mesh with outward quads.
+
+        A bilinear patch has exactly the mean of the volumes of its two triangulations.
+        """
+        origin = self.vertices.mean(axis=0) if len(self.vertices) else np.zeros(3)
+        a, b, c, d = (self.vertices[self.quads[:, k]] - origin for k in range(4))
+        return float(_patch_volumes(a, b, c, d).sum())
+
+    def check_closed(self) -> None:
+        """Raise unless every edge is shared by two quads that run along it in opposite directions.
+
+        Raises
+        ------
+        MeshError
+            If the mesh is empty, or an edge is open, shared by more than two quads, or run along
+            twice in the same direction; the edge is named.
+        """
+        if len(self.quads) == 0:
+            raise MeshError("the mesh has no quads; need at least 6 for a closed surface")
+        uses = np.bincount(self.edge_of_half_edge, minlength=len(self.edges))
+        self._refuse(uses == 1, "belongs to one quad only; need two (the mesh is open)")
+        self._refuse(uses > 2, "belongs to more than two quads; need two")
+        forward = self.half_edges[:, 0] < self.half_edges[:, 1]
+        ahead = np.bincount(self.edge_of_half_edge[forward], minlength=len(self.edges))
+        self._refuse(ahead != 1, "is run along twice in the same direction; need one quad each way")
+
+    def _refuse(self, bad: Bools, why: str) -> None:
+        """Raise for the first edge that is marked in `bad` (e,)."""
+        found = np.flatnonzero(bad)
+        if len(found):
+            a, b = self.edges[found[0]].tolist()
+            raise MeshError(f"the edge between vertices {a} and {b} {why}")
+
+
+def _patch_volumes(a: Points, b: Points, c: Points, d: Points) -> Floats:
+    """Return the signed volume between the origin and each bilinear patch (f,)."""
+
+    def cone(p: Points, q: Points, r: Points) -> Floats:
+        return dot(np.cross(p, q), r)
+
+    return (cone(a, b, c) + cone(a, c, d) + cone(a, b, d) + cone(b, c, d)) / 12.0

@@ -1,0 +1,266 @@
+"""Skeleton: a graph in space with a radius at each node, and its checks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scaffold_cad.arrays import (
+    Edges,
+    Floats,
+    Ints,
+    Points,
+    Radii,
+    UnitVectors,
+    as_edges,
+    as_points,
+    as_radii,
+    read_only,
+)
+from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.repair import Repairs, overlapping_half_edges, repaired
+from scaffold_cad.thinning import kept_samples
+from scaffold_cad.topology import Chains, Incidence, chains, component_labels, incidence, valencies
+from scaffold_cad.vectors import length
+
+
+@dataclass(frozen=True, eq=False)
+class Skeleton:
+    """A skeleton (G, p, r): nodes joined by straight edges, with a radius at each node.
+
+    The constructor refuses what no graph may hold: wrong shapes, numbers that are not finite,
+    radii ≤ 0, indices out of range. `check_skeleton` refuses what cannot be scaffolded, and
+    `cleaned` repairs it.
+
+    Half-edge `2 e` leaves node `edges[e, 0]`, half-edge `2 e + 1` leaves `edges[e, 1]`.
+    """
+
+    nodes: Points
+    """Node positions, shape (n, 3), mm."""
+    edges: Edges
+    """Node pairs, shape (m, 2), each edge once."""
+    radii: Radii
+    """Sphere radius of each node, shape (n,), mm, all > 0; one number stands for all."""
+
+    def __post_init__(self) -> None:
+        nodes = as_points(self.nodes, "nodes")
+        object.__setattr__(self, "nodes", nodes)
+        object.__setattr__(self, "edges", as_edges(self.edges, "edges", count=len(nodes)))
+        object.__setattr__(self, "radii", as_radii(self.radii, "radii", count=len(nodes)))
+
+    @cached_property
+    def valency(self) -> Ints:
+        """Number of edges at each node, shape (n,)."""
+        return _frozen(valencies(self.edges, len(self.nodes)))
+
+    @property
+    def extremities(self) -> Ints:
+        """Nodes of valency 1."""
+        return np.flatnonzero(self.valency == 1)
+
+    @property
+    def joints(self) -> Ints:
+        """Nodes of valency 2."""
+        return np.flatnonzero(self.valency == 2)
+
+    @property
+    def branch_points(self) -> Ints:
+        """Nodes of valency 3 or more."""
+        return np.flatnonzero(self.valency >= 3)
+
+    @cached_property
+    def lengths(self) -> Floats:
+        """Length of each edge, shape (m,), mm."""
+        return _frozen(length(self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]]))
+
+    @cached_property
+    def directions(self) -> UnitVectors:
+        """Unit direction in which each half-edge leaves its node, shape (2 m, 3)."""
+        spans = self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]]
+        ahead = spans / self.lengths[:, None]
+        return _frozen(np.stack([ahead, -ahead], axis=1).reshape(-1, 3))
+
+    @cached_property
+    def incidence(self) -> Incidence:
+        """The half-edges that leave each node."""
+        return incidence(self.edges, len(self.nodes))
+
+    @cached_property
+    def chains(self) -> Chains:
+        """The branches as chains of half-edges."""
+        return chains(self.edges, len(self.nodes))
+
+    @cached_property
+    def component_of_node(self) -> Ints:
+        """Component of each node, numbered from 0, shape (n,)."""
+        return _frozen(component_labels(self.edges, len(self.nodes)))
+
+    @property
+    def component_count(self) -> int:
+        """Number of connected components."""
+        return int(self.component_of_node.max(initial=-1)) + 1
+
+    @property
+    def loop_count(self) -> int:
+        """Number of independent loops: edges − nodes + components."""
+        return len(self.edges) - len(self.nodes) + self.component_count
+
+    def moved(self, nodes: ArrayLike) -> Skeleton:
+        """Return the same graph and radii at other positions, shape (n, 3), mm."""
+        return Skeleton(np.asarray(nodes), self.edges, self.radii)
+
+    def with_radii(self, radii: ArrayLike) -> Skeleton:
+        """Return the same graph with other radii, shape (n,) or one number, mm."""
+        return Skeleton(self.nodes, self.edges, np.asarray(radii))
+
+    def scaled(self, factor: float) -> Skeleton:
+        """Return the skeleton with positions and radii multiplied by `factor` > 0."""
+        if not 0 < factor < np.inf:
+            raise OptionError(f"scale factor is {factor:g}; need > 0")
+        return Skeleton(self.nodes * factor, self.edges, self.radii * factor)
+
+    def cleaned(
+        self, *, weld_distance: float | None = None, split_contacts: bool = False
+    ) -> Cleaning:
+        """Return the skeleton repaired so that it can be scaffolded, and what was repaired.
+
+        Coincident nodes are welded, zero-length and repeated edges and isolated nodes dropped,
+        and edges that leave a node in the same direction made to follow each other.
+
+        Parameters
+        ----------
+        weld_distance : mm; nodes closer than this become one; by default 1e-7 of the diagonal
+        split_contacts : whether an edge is split at the nodes that lie on it
+
+        Raises
+        ------
+        SkeletonError
+            If no edge is left.
+        """
+        graph = repaired(
+            self.nodes,
+            self.edges,
+            self.radii,
+            weld_distance=weld_distance,
+            split_contacts=split_contacts,
+        )
+        return Cleaning(Skeleton(graph.nodes, graph.edges, graph.radii), graph.repairs)
+
+    def simplified(self, tolerance: float) -> Skeleton:
+        """Return the skeleton without the joints that its shape does not need.
+
+        A joint goes where the branch without it stays within `tolerance` of the old one in
+        (x, y, z, r), or where it stands closer to its neighbour than its radius. Branch points,
+        extremities, and three joints of each ring stay.
+
+        Parameters
+        ----------
+        tolerance : mm, ≥ 0
+        """
+        if not 0 <= tolerance < np.inf:
+            raise OptionError(f"simplification tolerance is {tolerance:g} mm; need >= 0")
+        walks = self._walks()
+        kept = [self._kept(stops, tolerance) for stops in walks]
+        ends = np.asarray([(row[0], row[-1]) for row in kept], dtype=np.intp).reshape(-1, 2)
+        _, pair, uses = np.unique(
+            np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True
+        )
+        # Branches between the same two nodes must not become the same edge.
+        for branch in np.flatnonzero(uses[pair.reshape(-1)] > 1).tolist():
+            stops = walks[branch]
+            if len(kept[branch]) == 2 and len(stops) > 2:
+                kept[branch] = stops[[0, len(stops) // 2, -1]]
+        links = [np.stack([row[:-1], row[1:]], axis=1) for row in kept]
+        edges = np.concatenate(links) if links else self.edges
+        used = np.unique(edges)
+        thin = Skeleton(self.nodes[used], np.searchsorted(used, edges), self.radii[used])
+        return thin.cleaned(weld_distance=0.0).skeleton
+
+    def _walks(self) -> list[Ints]:
+        """Return the nodes that each branch passes, a ring's first node at both ends."""
+        half_edges, offsets = self.chains.half_edges, self.chains.offsets
+        tails = self.edges.reshape(-1)
+        return [
+            np.append(tails[row], tails[row[-1] ^ 1])
+            for row in np.split(half_edges, offsets[1:-1])
+            if len(row)
+        ]
+
+    def _kept(self, stops: Ints, tolerance: float) -> Ints:
+        """Return the nodes of a walk to keep; a walk that ends where it began keeps two inside."""
+        last = len(stops) - 1
+        third = (last + 1) // 3
+        cuts = [0, last] if stops[0] != stops[-1] else [0, third, 2 * third, last]
+        keep = np.zeros(len(stops), dtype=np.bool_)
+        for start, stop in pairwise(cuts):
+            part = slice(start, stop + 1)
+            keep[part] |= kept_samples(self.nodes[stops[part]], self.radii[stops[part]], tolerance)
+        return stops[keep]
+
+
+@dataclass(frozen=True, eq=False)
+class Cleaning:
+    """A repaired skeleton and what was repaired."""
+
+    skeleton: Skeleton
+    repairs: Repairs
+
+
+def check_skeleton(skeleton: Skeleton) -> None:
+    """Raise unless `skeleton` can be scaffolded.
+
+    Raises
+    ------
+    SkeletonError
+        For the first of: no edge, a self-loop, an isolated node, coincident nodes (and so any
+        zero-length edge), a repeated edge, two edges that leave a node within 0.01° of each other.
+    """
+    nodes, edges = skeleton.nodes, skeleton.edges
+    hint = "use Skeleton.cleaned() to repair it"
+    if len(edges) == 0:
+        raise SkeletonError("the skeleton has no edges; need at least one")
+    loops = np.flatnonzero(edges[:, 0] == edges[:, 1])
+    if len(loops):
+        edge, node = loops[0], edges[loops[0], 0]
+        raise SkeletonError(f"edge {edge} joins node {node} to itself; need two nodes ({hint})")
+    isolated = np.flatnonzero(skeleton.valency == 0)
+    if len(isolated):
+        raise SkeletonError(f"node {isolated[0]} has no edge; need at least one ({hint})")
+    for first, second in _equal_rows(nodes):
+        place = nodes[second].tolist()
+        raise SkeletonError(
+            f"nodes {first} and {second} are both at {place} mm; need distinct places ({hint})"
+        )
+    for first, second in _equal_rows(np.sort(edges, axis=1)):
+        pair = edges[second].tolist()
+        raise SkeletonError(
+            f"edges {first} and {second} both join nodes {pair}; need each edge once ({hint})"
+        )
+    overlaps = overlapping_half_edges(nodes, edges)
+    if len(overlaps):
+        node = edges.reshape(-1)[overlaps[0, 0]]
+        first, second = (overlaps[0] >> 1).tolist()
+        raise SkeletonError(
+            f"edges {first} and {second} leave node {node} in the same direction; "
+            f"need more than 0.01 degrees between them ({hint})"
+        )
+
+
+def _equal_rows(rows: np.ndarray) -> list[tuple[int, int]]:
+    """Return the first two equal rows of `rows`, if any, as a list of at most one pair."""
+    order = np.lexsort(rows.T[::-1])
+    same = (rows[order[1:]] == rows[order[:-1]]).all(axis=1)
+    if not same.any():
+        return []
+    at = int(np.argmax(same))
+    first, second = sorted((int(order[at]), int(order[at + 1])))
+    return [(first, second)]
+
+
+def _frozen(array: np.ndarray) -> np.ndarray:
+    read_only(array)
+    return array

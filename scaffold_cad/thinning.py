@@ -1,0 +1,59 @@
+"""Thinning of over-sampled chains: which nodes of a polyline may go."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scaffold_cad.arrays import Bools, Floats, Points
+from scaffold_cad.vectors import length
+
+LEAST_SPACING = 1.0
+"""Least distance of two neighbouring joints, as a multiple of the larger of their radii."""
+
+
+def kept_samples(points: Points, radii: Floats, tolerance: float) -> Bools:
+    """Return which samples of a polyline to keep, its two ends always, shape (k,).
+
+    Between kept samples neither the positions nor the radii stray more than `tolerance` (mm)
+    from their linear interpolation (Douglas and Peucker's rule in x, y, z, r); of what is kept,
+    a joint closer to its neighbour than its radius goes as well.
+    """
+    samples = np.column_stack([points, radii])  # (k, 4)
+    keep = np.zeros(len(samples), dtype=np.bool_)
+    keep[[0, -1]] = True
+    spans = [(0, len(samples) - 1)]
+    while spans:
+        first, last = spans.pop()
+        if last - first < 2:
+            continue
+        distance = _distance_to_chord(samples[first : last + 1])
+        worst = int(np.argmax(distance))
+        if distance[worst] > tolerance:
+            keep[first + worst] = True
+            spans += [(first, first + worst), (first + worst, last)]
+    _drop_crowded(points, radii, keep)
+    return keep
+
+
+def _distance_to_chord(samples: Floats) -> Floats:
+    """Return the distance of each sample (k, d) to the segment from the first to the last."""
+    chord = samples[-1] - samples[0]
+    offset = samples - samples[0]
+    squared = float(chord @ chord)
+    along = np.clip(offset @ chord / squared, 0.0, 1.0) if squared > 0 else np.zeros(len(samples))
+    rest = offset - along[:, None] * chord
+    distance: Floats = np.linalg.norm(rest, axis=1)
+    return distance
+
+
+def _drop_crowded(points: Points, radii: Floats, keep: Bools) -> None:
+    """Clear in `keep` the joints that stand closer to their neighbour than their radius."""
+    kept = np.flatnonzero(keep)
+    last, end = kept[0], kept[-1]
+    for sample in kept[1:-1].tolist():
+        room = LEAST_SPACING * radii[sample]
+        near = length(points[[last, end]] - points[sample]) < np.maximum(room, radii[[last, end]])
+        if near.any():
+            keep[sample] = False
+        else:
+            last = sample

@@ -1,0 +1,86 @@
+"""Helpers on stacks of vectors: the last axis has length 3, the others are free."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scaffold_cad.arrays import Floats, UnitVectors
+from scaffold_cad.errors import PartitionError
+
+
+def dot(a: Floats, b: Floats) -> Floats:
+    """Return the dot products of `a` and `b` along the last axis, shape (...)."""
+    products: Floats = np.einsum("...i,...i->...", a, b)
+    return products
+
+
+def length(vectors: Floats) -> Floats:
+    """Return the lengths of `vectors` (..., 3), shape (...)."""
+    lengths: Floats = np.sqrt(dot(vectors, vectors))
+    return lengths
+
+
+def normalize(vectors: Floats) -> UnitVectors:
+    """Return `vectors` (..., 3) scaled to length 1; a zero vector stays zero."""
+    lengths = length(vectors)[..., None]
+    return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0)
+
+
+def triple(a: Floats, b: Floats, c: Floats) -> Floats:
+    """Return det(a, b, c), the signed volume that the vectors span, shape (...)."""
+    return dot(np.cross(a, b), c)
+
+
+def angle_between(a: UnitVectors, b: UnitVectors) -> Floats:
+    """Return the angles between unit vectors in [0, π], exact for tiny angles too, rad."""
+    return 2.0 * np.arctan2(length(a - b), length(a + b))
+
+
+def mirror(vectors: Floats, normals: Floats) -> Floats:
+    """Return `vectors` mirrored in the planes through 0 with `normals` (of any length > 0)."""
+    scale = 2.0 * dot(vectors, normals) / dot(normals, normals)
+    return vectors - scale[..., None] * normals
+
+
+def any_perpendicular(vectors: UnitVectors) -> UnitVectors:
+    """Return a unit vector at right angles to each of `vectors` (..., 3).
+
+    It is the part of the coordinate axis least along the vector that is at right angles to
+    it: the same input gives the same output.
+    """
+    axes = np.eye(3)[np.argmin(np.abs(vectors), axis=-1)]
+    return normalize(axes - dot(axes, vectors)[..., None] * vectors)
+
+
+def rotate(vectors: Floats, axes: UnitVectors, angles: Floats) -> Floats:
+    """Return `vectors` turned about `axes` by `angles` (rad, right-handed): Rodrigues."""
+    cosine = np.cos(angles)[..., None]
+    sine = np.sin(angles)[..., None]
+    along = dot(axes, vectors)[..., None] * axes
+    return cosine * (vectors - along) + sine * np.cross(axes, vectors) + along
+
+
+def arc_midpoint(a: UnitVectors, b: UnitVectors) -> UnitVectors:
+    """Return the middle of the shorter great-circle arc from each row of `a` to that of `b`.
+
+    Parameters
+    ----------
+    a, b : (..., 3) float64, unit vectors
+
+    Returns
+    -------
+    (..., 3) float64, unit vectors
+
+    Raises
+    ------
+    PartitionError
+        If a row of `b` is opposite that of `a`: every great circle through them will do.
+
+    References
+    ----------
+    Panotopoulou et al., Scaffolding a Skeleton, 2018, Algorithm 1, line 18.
+    """
+    middle = a + b
+    if np.any(length(middle) < 1e-12):
+        raise PartitionError("an arc joins opposite points of the sphere; its middle is not unique")
+    return normalize(middle)
