@@ -1,0 +1,115 @@
+"""The proof that quads tile the sphere, each one star-shaped around its direction.
+
+Quad i with corners a, b, c, d, counter-clockwise seen from outside, is star-shaped around P_i
+when det(a, b, P_i), det(b, c, P_i), det(c, d, P_i) and det(d, a, P_i) are all positive. The 4 N
+spherical triangles (P_i, a, b) then keep their orientation. If each arc is run along once in
+either direction they close up to a surface that covers the sphere a whole number of times, and
+if their areas add up to 4 π it covers it once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from scaffold_cad.arrays import Bools, Floats, Ints, UnitVectors
+
+MIN_CLEARANCE = 1e-9
+"""Least clearance of a certified quad, rad: rounding moves a determinant by some 1e-15."""
+AREA_TOLERANCE = 1e-6
+"""Largest error of the sum of the triangles' areas, steradian: it can only jump by 4 π."""
+BLOCK = 200_000
+"""Quads treated at once, which bounds the memory taken."""
+
+
+@dataclass(frozen=True, eq=False)
+class Certificate:
+    """What was proved about each of M partitions of valency N."""
+
+    clearance: Floats
+    """Angle from each direction to the nearest great circle of its quad, rad, shape (M, N).
+
+    It is negative where the direction lies on the wrong side of an arc.
+    """
+    valid: Bools
+    """Whether the quads tile the sphere, each star-shaped around its direction, shape (M,)."""
+
+
+def certify(directions: UnitVectors, vertices: UnitVectors, quads: Ints) -> Certificate:
+    """Return the clearances of M partitions, and whether each is valid.
+
+    Parameters
+    ----------
+    directions : (M, N, 3) float64, unit vectors
+    vertices : (M, N + 2, 3) float64, unit vectors
+    quads : (M, N, 4) intp, vertices of the quad around each direction
+    """
+    clearance = np.empty(directions.shape[:2])
+    valid = np.empty(len(directions), dtype=np.bool_)
+    rows = max(1, BLOCK // directions.shape[1])
+    for start in range(0, len(directions), rows):
+        block = slice(start, start + rows)
+        apexes, corners = directions[block], corners_of(vertices[block], quads[block])
+        clearance[block] = clearances(apexes, arc_normals(corners))
+        areas = triangle_areas(apexes, corners).sum(axis=(1, 2))
+        with np.errstate(invalid="ignore"):
+            valid[block] = (
+                (clearance[block] > MIN_CLEARANCE).all(axis=1)
+                & (np.abs(areas - 4 * np.pi) < AREA_TOLERANCE)
+                & is_closed(quads[block])
+            )
+    return Certificate(clearance, valid)
+
+
+def corners_of(vertices: UnitVectors, quads: Ints) -> UnitVectors:
+    """Return the corners of each quad, shape (M, N, 4, 3)."""
+    return vertices[np.arange(len(quads))[:, None, None], quads]
+
+
+def arc_normals(corners: UnitVectors) -> UnitVectors:
+    """Return the unit normal, towards the quad, of each arc's great circle, (M, N, 4, 3).
+
+    The normal of an arc between equal or opposite vertices is not a number.
+    """
+    normals = np.cross(corners, np.roll(corners, -1, axis=2))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        unit: UnitVectors = normals / np.sqrt((normals**2).sum(axis=-1, keepdims=True))
+    return unit
+
+
+def clearances(directions: UnitVectors, normals: UnitVectors) -> Floats:
+    """Return the angle from each direction to the nearest great circle of its arcs, rad, (M, N)."""
+    sines = (normals * directions[:, :, None]).sum(axis=-1)  # (M, N, 4)
+    nearest: Floats = np.arcsin(np.clip(sines, -1.0, 1.0)).min(axis=2)
+    return nearest
+
+
+def triangle_areas(directions: UnitVectors, corners: UnitVectors) -> Floats:
+    """Return the signed areas of the triangles (P_i, corner, next corner), (M, N, 4).
+
+    References
+    ----------
+    Van Oosterom, Strackee, The solid angle of a plane triangle, IEEE TBME 30(2), 1983.
+    """
+    following = np.roll(corners, -1, axis=2)
+    apexes = directions[:, :, None]
+    spanned = (np.cross(corners, following) * apexes).sum(axis=-1)
+    leaving = (apexes * corners).sum(axis=-1)
+    along = (corners * following).sum(axis=-1)
+    areas: Floats = 2 * np.arctan2(spanned, 1 + leaving + np.roll(leaving, -1, axis=2) + along)
+    return areas
+
+
+def is_closed(quads: Ints) -> Bools:
+    """Return whether the quads of each partition meet in pairs along every arc, shape (M,).
+
+    Every arc must be run along once in either direction.
+    """
+    count = quads.shape[1] + 2
+    following = np.roll(quads, -1, axis=2)
+    ahead = np.sort((quads * count + following).reshape(len(quads), -1), axis=1)
+    back = np.sort((following * count + quads).reshape(len(quads), -1), axis=1)
+    once = (np.diff(ahead, axis=1) > 0).all(axis=1)
+    closed: Bools = (ahead == back).all(axis=1) & once
+    return closed
