@@ -1,0 +1,118 @@
+"""Collars: joints put where each strut leaves the blend of its branch point.
+
+Between two collars a strut is straight and its section constant, as an engineer's strut is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from scaffold_cad.arrays import Bools, Floats, Ints, Points
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.stars import Stars
+from scaffold_cad.vectors import dot
+
+BLEND = 0.5
+"""Distance from a branch point's furthest corner along a strut to its collar, in radii."""
+
+LEAST_STRUT = 0.25
+"""Least length of strut between two collars, in radii; below it the strut gets one or none."""
+
+MOST_SQUEEZED = 0.9
+"""Part of an edge that its collars and what lies before them may take when they must stay."""
+
+
+@dataclass(frozen=True, eq=False)
+class Refinement:
+    """A skeleton with more joints, and where its edges come from."""
+
+    skeleton: Skeleton
+    """The refined skeleton: the old nodes first, then the new joints."""
+    edge_of_edge: Ints
+    """Old edge of each new one, shape (m',); the new edges of an old one follow each other."""
+    collared: Bools
+    """Which ends of each old edge have a collar, shape (m, 2)."""
+
+    @property
+    def leaving(self) -> Ints:
+        """New half-edge that leaves a node where each old half-edge did, shape (2 m,)."""
+        pieces = 1 + self.collared.sum(axis=1)
+        last = np.cumsum(pieces) - 1
+        first = last - pieces + 1
+        return np.stack([2 * first, 2 * last + 1], axis=1).reshape(-1)
+
+
+def without_collars(skeleton: Skeleton) -> Refinement:
+    """Return the skeleton as it is."""
+    edges = len(skeleton.edges)
+    return Refinement(skeleton, np.arange(edges), np.zeros((edges, 2), dtype=np.bool_))
+
+
+def with_collars(
+    skeleton: Skeleton, stars: Stars, positions: Points, like: Bools | None = None
+) -> Refinement:
+    """Return the skeleton with a joint where each strut leaves the blend of a branch point.
+
+    Parameters
+    ----------
+    positions : (w, 3) float64, mm; the partition vertices seen from their nodes
+    like : (m, 2) bool; exactly these ends get a collar, squeezed together where room is short
+    """
+    near, far = collar_distances(skeleton, stars, positions, like).T  # (m,), nan for none
+    lengths = skeleton.lengths
+    ends = skeleton.edges
+    fractions = np.stack([near / lengths, 1.0 - far / lengths], axis=1)  # (m, 2)
+    edge, slot = np.nonzero(np.isfinite(fractions))
+    share = fractions[edge, slot][:, None]
+    start, end = ends[edge, 0], ends[edge, 1]
+    nodes = (1.0 - share) * skeleton.nodes[start] + share * skeleton.nodes[end]
+    radii = (1.0 - share[:, 0]) * skeleton.radii[start] + share[:, 0] * skeleton.radii[end]
+
+    # The stops of each edge in order: start, collars, end.
+    stops = np.full((len(ends), 4), -1, dtype=np.intp)
+    stops[:, 0], stops[:, 3] = ends.T
+    stops[edge, slot + 1] = len(skeleton.nodes) + np.arange(len(edge))
+    owner = np.repeat(np.arange(len(ends)), 4).reshape(-1, 4)[stops >= 0]
+    flat = stops[stops >= 0]
+    joined = owner[:-1] == owner[1:]
+    refined = Skeleton(
+        np.concatenate([skeleton.nodes, nodes]),
+        np.stack([flat[:-1], flat[1:]], axis=1)[joined],
+        np.concatenate([skeleton.radii, radii]),
+    )
+    return Refinement(refined, owner[:-1][joined], np.isfinite(fractions))
+
+
+def collar_distances(
+    skeleton: Skeleton, stars: Stars, positions: Points, like: Bools | None = None
+) -> Floats:
+    """Return how far from each end of each edge its collar stands, (m, 2), mm; nan for none.
+
+    An edge with no room for two gets one in the middle of the room that is left, or none.
+    """
+    at_branch = stars.corners[:, 0] >= 0  # (2 m,)
+    corner = positions[stars.corners[at_branch]]  # (k, 4, 3)
+    axis = np.broadcast_to(skeleton.directions[at_branch][:, None, :], corner.shape)
+    extent = np.zeros(at_branch.shape)
+    extent[at_branch] = dot(corner, axis).max(axis=1)
+    extents = extent.reshape(-1, 2)
+    blend = BLEND * skeleton.radii[skeleton.edges] * at_branch.reshape(-1, 2)
+    wanted = np.where(at_branch.reshape(-1, 2), extents + blend, np.nan)  # (m, 2)
+
+    lengths = skeleton.lengths
+    if like is not None:
+        wanted[~like] = np.nan
+        total = np.nansum(wanted, axis=1)
+        squeeze = np.minimum(1.0, MOST_SQUEEZED * lengths / np.maximum(total, 1e-300))
+        squeezed: Floats = wanted * squeeze[:, None]
+        return squeezed
+    least = LEAST_STRUT * skeleton.radii[skeleton.edges].max(axis=1)
+    fits = lengths - np.nansum(wanted, axis=1) >= least
+    room = lengths - extents.sum(axis=1)
+    middle = extents[:, 0] + room / 2
+    one = ~fits & (room >= least) & at_branch.reshape(-1, 2).any(axis=1)
+    wanted[~fits] = np.nan
+    wanted[one, 0] = middle[one]
+    return wanted

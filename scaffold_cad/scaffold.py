@@ -1,0 +1,238 @@
+"""Scaffold: the coarse quad mesh around a skeleton, and what each part of it belongs to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import get_args
+
+import numpy as np
+
+from scaffold_cad.arrays import Floats, Ints, Points, Quads
+from scaffold_cad.collars import Refinement, with_collars, without_collars
+from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.skeleton import Skeleton, check_skeleton
+from scaffold_cad.sleeves import (
+    REVERSED,
+    Sections,
+    SphericalQuads,
+    Walk,
+    carry_sections,
+    join_sections,
+    walk_branches,
+)
+from scaffold_cad.stars import APOTHEM, Fit, Section, Stars, partition_stars, star_positions
+
+
+@dataclass(frozen=True)
+class ScaffoldOptions:
+    """How a scaffold is built; `build_scaffold` tells what each one means."""
+
+    fit: Fit = "enclose"
+    section: Section = "circumscribed"
+    collars: bool = False
+    method: str = "dual"
+
+    def __post_init__(self) -> None:
+        for name, value, known in (
+            ("fit", self.fit, get_args(Fit)),
+            ("section", self.section, get_args(Section)),
+        ):
+            if value not in known:
+                raise OptionError(f"{name} is {value!r}; need one of {', '.join(known)}")
+
+
+@dataclass(frozen=True, eq=False)
+class Scaffold:
+    """The coarsest all-quad mesh with quadrilateral sections around a skeleton.
+
+    Four quads an edge, one an extremity; N + 2 vertices a branch point of valency N, four a
+    joint or an extremity.
+    """
+
+    skeleton: Skeleton
+    """The skeleton that was asked for."""
+    mesh: QuadMesh
+    """Vertices and quads; the quads are counter-clockwise seen from outside."""
+    edge_of_quad: Ints
+    """Skeleton edge that each quad belongs to, a cap to the edge that it closes, shape (f,)."""
+    node_of_vertex: Ints
+    """Node of `refined` that each vertex stands around, shape (v,)."""
+    sleeves: Ints
+    """Vertices of the sections at both ends of each edge of `refined`, row j of the one joined
+    to row j of the other, counter-clockwise about the edge's direction, shape (m', 2, 4)."""
+    stars: Stars
+    """The partitions of the branch points; their vertices come first in the mesh."""
+    refinement: Refinement
+    """The skeleton with its collars as joints, and where its edges come from."""
+    sections: Sections
+    """The sections at joints and extremities, and the matching at the end of each branch."""
+    options: ScaffoldOptions
+    """How the scaffold was built."""
+
+    @property
+    def refined(self) -> Skeleton:
+        """The skeleton with its collars as joints."""
+        return self.refinement.skeleton
+
+    @property
+    def clearance(self) -> Floats:
+        """Angle from each half-edge to the nearest side of its spherical quad, rad, shape (2 m,).
+
+        It is nan where the half-edge leaves no branch point.
+        """
+        return self.stars.clearance
+
+    @property
+    def twist(self) -> Floats:
+        """Twist spread over each branch of `refined`, rad, shape (b,)."""
+        return self.sections.twist
+
+
+def build_scaffold(
+    skeleton: Skeleton,
+    *,
+    fit: Fit = "enclose",
+    section: Section = "circumscribed",
+    collars: bool = False,
+    method: str = "dual",
+    like: Scaffold | None = None,
+) -> Scaffold:
+    """Return the scaffold of `skeleton`.
+
+    Parameters
+    ----------
+    skeleton : as `check_skeleton` asks
+    fit : "enclose" puts the corners at a branch point far enough out for no strut to be cut thin
+        there; "paper" puts them on the sphere of the node's radius
+    section : which square stands for a circle of the node's radius: "circumscribed" around it,
+        "area" of its area, "inscribed" in it
+    collars : whether a joint is added where each strut leaves the blend of its branch point
+    method : of the partition, see `partition_sphere`
+    like : a scaffold of a skeleton with the same edges; its quads and its options are kept and
+        only the vertices move
+
+    Raises
+    ------
+    SkeletonError
+        If the skeleton cannot be scaffolded, or `like` belongs to other edges.
+    PartitionError
+        If a partition of `like` fits the moved skeleton nowhere.
+    OptionError
+        If an option has none of its values.
+
+    References
+    ----------
+    Panotopoulou et al., Scaffolding a Skeleton, 2018, sections 4 to 7.
+    """
+    check_skeleton(skeleton)
+    if like is None:
+        options = ScaffoldOptions(fit, section, collars, method)
+        stars = partition_stars(skeleton, options.method)
+    else:
+        options = like.options
+        _check_same_edges(skeleton, like.skeleton)
+        stars = partition_stars(skeleton, options.method, like.stars.corners)
+    positions = star_positions(skeleton, stars, options.fit, options.section)
+    if options.collars:
+        slots = None if like is None else like.refinement.collared
+        refinement = with_collars(skeleton, stars, positions, slots)
+    else:
+        refinement = without_collars(skeleton)
+
+    refined = refinement.skeleton
+    walk = walk_branches(refined)
+    quads = SphericalQuads(stars.vertices, _refined_corners(stars, refinement))
+    corner_distance = APOTHEM[options.section] * np.sqrt(2.0)
+    shift = None if like is None else like.sections.shift
+    sections = carry_sections(refined, walk, quads, corner_distance, shift)
+    node_of_vertex, first_vertex = _number_vertices(refined, stars)
+    vertices = _place_vertices(refined, walk, sections, positions, node_of_vertex, first_vertex)
+    sleeves = join_sections(walk, sections, quads, first_vertex)
+    if like is None:
+        mesh = QuadMesh(vertices, _quads(refined, sleeves))
+    else:
+        mesh = like.mesh.moved(vertices)
+    return Scaffold(
+        skeleton=skeleton,
+        mesh=mesh,
+        edge_of_quad=_edge_of_quad(refined, refinement),
+        node_of_vertex=node_of_vertex,
+        sleeves=sleeves,
+        stars=stars,
+        refinement=refinement,
+        sections=sections,
+        options=options,
+    )
+
+
+def _check_same_edges(skeleton: Skeleton, other: Skeleton) -> None:
+    """Raise unless both skeletons have the same nodes and edges, in the same order."""
+    if len(skeleton.nodes) != len(other.nodes) or not np.array_equal(skeleton.edges, other.edges):
+        raise SkeletonError(
+            f"`like` has {len(other.nodes)} nodes and {len(other.edges)} edges of its own; "
+            f"need the same {len(skeleton.nodes)} nodes and {len(skeleton.edges)} edges"
+        )
+
+
+def _refined_corners(stars: Stars, refinement: Refinement) -> Ints:
+    """Return `stars.corners` by half-edge of the refined skeleton, (2 m', 4)."""
+    corners = np.full((2 * len(refinement.edge_of_edge), 4), -1, dtype=np.intp)
+    corners[refinement.leaving] = stars.corners
+    return corners
+
+
+def _number_vertices(refined: Skeleton, stars: Stars) -> tuple[Ints, Ints]:
+    """Return the node of each vertex (v,), and the first vertex of each joint and extremity (n',).
+
+    The partition vertices of all branch points come first, then four a joint or extremity.
+    """
+    others = np.flatnonzero(refined.valency < 3)
+    first_vertex = np.full(len(refined.nodes), -1, dtype=np.intp)
+    first_vertex[others] = len(stars.vertices) + 4 * np.arange(len(others))
+    owners = np.repeat(np.arange(len(stars.offsets) - 1), np.diff(stars.offsets))
+    return np.concatenate([owners, np.repeat(others, 4)]), first_vertex
+
+
+def _place_vertices(
+    refined: Skeleton,
+    walk: Walk,
+    sections: Sections,
+    positions: Points,
+    node_of_vertex: Ints,
+    first_vertex: Ints,
+) -> Points:
+    """Return the position of every vertex, (v, 3), mm."""
+    vertices = np.empty((len(node_of_vertex), 3))
+    vertices[: len(positions)] = refined.nodes[node_of_vertex[: len(positions)]] + positions
+    corner = np.arange(4)
+    vertices[first_vertex[walk.head[sections.steps]][:, None] + corner] = sections.corners
+    # Last, for a ring's last step ends at its start.
+    start = first_vertex[walk.tail[walk.first]]
+    own = start >= 0
+    vertices[start[own][:, None] + corner] = sections.start_corners[own]
+    return vertices
+
+
+def _quads(refined: Skeleton, sleeves: Ints) -> Quads:
+    """Return four quads an edge, then one an extremity, (4 m' + k, 4)."""
+    near, far = sleeves[:, 0], sleeves[:, 1]  # (m', 4)
+    sides = np.stack([near, np.roll(near, -1, axis=1), np.roll(far, -1, axis=1), far], axis=2)
+    closing = _closing_half_edges(refined)
+    # Seen from outside: against the edge's direction at its start, along it at its end.
+    caps = sleeves[closing >> 1, closing & 1]
+    caps = np.where((closing & 1 == 0)[:, None], caps[:, REVERSED], caps)
+    return np.concatenate([sides.reshape(-1, 4), caps])
+
+
+def _closing_half_edges(refined: Skeleton) -> Ints:
+    """Return the half-edge that leaves each extremity."""
+    return refined.incidence.at_nodes(refined.extremities, 1)[:, 0]
+
+
+def _edge_of_quad(refined: Skeleton, refinement: Refinement) -> Ints:
+    """Return the edge of the given skeleton that each quad belongs to, (f,)."""
+    closed = _closing_half_edges(refined) >> 1
+    owner = np.concatenate([np.repeat(np.arange(len(refined.edges)), 4), closed])
+    edge: Ints = refinement.edge_of_edge[owner]
+    return edge

@@ -1,0 +1,141 @@
+"""The branch points of a skeleton: their partitions, and how far out each partition vertex lies.
+
+A branch point's `star` is the set of directions in which its edges leave it. Stars of one valency
+are partitioned together.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias, get_args
+
+import numpy as np
+
+from scaffold_cad.arrays import Floats, Ints, Points, UnitVectors
+from scaffold_cad.errors import OptionError
+from scaffold_cad.partition import partition_spheres
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.vectors import dot, length
+
+Fit: TypeAlias = Literal["enclose", "paper"]
+"""How large a branch point's sphere is: so that no strut is cut thin at it, or as given."""
+
+Section: TypeAlias = Literal["circumscribed", "area", "inscribed"]
+"""Which square section stands for a circle of the node's radius: around it, of its area, in it."""
+
+APOTHEM: dict[Section, float] = {
+    "circumscribed": 1.0,
+    "area": float(np.sqrt(np.pi) / 2),
+    "inscribed": float(np.sqrt(0.5)),
+}
+"""Distance of a section's sides from its centre, as a multiple of the radius."""
+
+SHARED_REACH = 0.45
+"""Part of an edge that an enlarged sphere may take where both ends are branch points."""
+
+FREE_REACH = 0.8
+"""Part of an edge that an enlarged sphere may take where the other end is none."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stars:
+    """The partitions of all branch points of a skeleton, vertices and quads run together."""
+
+    vertices: UnitVectors
+    """Partition vertices of all branch points, seen from their nodes, shape (w, 3)."""
+    offsets: Ints
+    """Number of partition vertices before those of each node, shape (n + 1,)."""
+    corners: Ints
+    """Row in `vertices` of the four corners of each half-edge's spherical quad,
+    counter-clockwise seen from outside; -1 where the tail is no branch point, shape (2 m, 4)."""
+    clearance: Floats
+    """Angle from each half-edge's direction to the nearest side of its spherical quad, rad;
+    nan where the tail is no branch point, shape (2 m,)."""
+
+
+def partition_stars(skeleton: Skeleton, method: str, like: Ints | None = None) -> Stars:
+    """Return the partitions of all branch points.
+
+    Parameters
+    ----------
+    skeleton : checked
+    method : of `partition_sphere`
+    like : (2 m, 4) intp, the `corners` of another skeleton with the same edges, whose
+        combinatorics are kept
+    """
+    valency = skeleton.valency
+    counts = np.where(valency >= 3, valency + 2, 0)
+    offsets = np.concatenate([[0], np.cumsum(counts)]).astype(np.intp)
+    vertices = np.empty((offsets[-1], 3))
+    corners = np.full((2 * len(skeleton.edges), 4), -1, dtype=np.intp)
+    clearance = np.full(2 * len(skeleton.edges), np.nan)
+    for n in np.unique(valency[valency >= 3]).tolist():
+        nodes = np.flatnonzero(valency == n)  # (k,)
+        half_edges = skeleton.incidence.at_nodes(nodes, n)  # (k, n)
+        first = offsets[nodes][:, None, None]
+        same = None if like is None else like[half_edges] - first
+        cut = partition_spheres(skeleton.directions[half_edges], method, like=same)
+        vertices[offsets[nodes][:, None] + np.arange(n + 2)] = cut.vertices
+        corners[half_edges] = cut.quads + first
+        clearance[half_edges] = cut.clearance
+    return Stars(vertices, offsets, corners, clearance)
+
+
+def star_positions(skeleton: Skeleton, stars: Stars, fit: Fit, section: Section) -> Points:
+    """Return the partition vertices at their distances from their nodes, shape (w, 3), mm.
+
+    With `fit="paper"` all lie on the sphere of the node's radius. With `fit="enclose"` each lies
+    far enough out for the strut sections of the quads around it to pass within them, but neither
+    further than its share of the edges nor less than the sphere of the paper's fit.
+    """
+    if fit not in get_args(Fit):
+        raise OptionError(f"fit is {fit!r}; need one of {', '.join(get_args(Fit))}")
+    owner = np.repeat(np.arange(len(skeleton.nodes)), np.diff(stars.offsets))  # (w,)
+    radius = skeleton.radii[owner]
+    if fit == "enclose":
+        radius = _enclosing_radius(skeleton, stars, radius, APOTHEM[section])
+    return stars.vertices * radius[:, None]
+
+
+def _enclosing_radius(skeleton: Skeleton, stars: Stars, radius: Floats, apothem: float) -> Floats:
+    """Return the distance of each partition vertex from its node, (w,).
+
+    The side of a quad keeps a distance `need` from the strut's axis if both its ends lie at least
+    `need` / (distance of the side between unit vectors) out: scaling the ends of a side up moves
+    every point of it outwards.
+    """
+    need = np.zeros(len(stars.vertices))
+    room = np.full(len(stars.vertices), np.inf)
+    reach = edge_reach(skeleton)  # (2 m,)
+    tails = skeleton.edges.reshape(-1)
+    at_branch = np.flatnonzero(stars.corners[:, 0] >= 0)
+    for part in np.array_split(at_branch, max(1, len(at_branch) // 200_000)):
+        rows = stars.corners[part]  # (k, 4)
+        corner = stars.vertices[rows]  # (k, 4, 3)
+        axis = skeleton.directions[part][:, None, :]
+        along = dot(corner, np.broadcast_to(axis, corner.shape))  # (k, 4)
+        across = corner - along[:, :, None] * axis
+        distance = _distance_to_side(across, np.roll(across, -1, axis=1))  # (k, 4)
+        wanted = apothem * skeleton.radii[tails[part]][:, None] / np.maximum(distance, 1e-9)
+        np.maximum.at(need, rows, wanted)
+        np.maximum.at(need, np.roll(rows, -1, axis=1), wanted)
+        limit = np.divide(
+            reach[part][:, None], along, out=np.full_like(along, np.inf), where=along > 1e-9
+        )
+        np.minimum.at(room, rows, limit)
+    outward: Floats = np.minimum(need, np.maximum(radius, room))
+    return outward
+
+
+def _distance_to_side(a: Floats, b: Floats) -> Floats:
+    """Return the distance from 0 to the segments from `a` to `b` (..., 3), shape (...)."""
+    span = b - a
+    squared = np.maximum(dot(span, span), np.finfo(np.float64).tiny)
+    nearest = np.clip(-dot(a, span) / squared, 0.0, 1.0)
+    return length(a + nearest[..., None] * span)
+
+
+def edge_reach(skeleton: Skeleton) -> Floats:
+    """Return how far along each half-edge its branch point may extend, shape (2 m,), mm."""
+    both = (skeleton.valency[skeleton.edges] >= 3).all(axis=1)
+    return np.repeat(np.where(both, SHARED_REACH, FREE_REACH) * skeleton.lengths, 2)
