@@ -6,23 +6,34 @@ radii of zero. `repaired` turns them into what a `Skeleton` needs, or says why i
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
+from itertools import chain
 
 import numpy as np
 from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
-from scaffold_cad.arrays import Bools, Edges, Floats, Ints, Points, Radii
+from scaffold_cad.arrays import Bools, Edges, Floats, Ints, Points, Radii, UnitVectors
 from scaffold_cad.errors import OptionError, SkeletonError
-from scaffold_cad.topology import incidence, valencies
+from scaffold_cad.topology import component_labels, incidence
 from scaffold_cad.vectors import dot, length, normalize
 
 WELD_FRACTION = 1e-7
 """Distance within which nodes are welded, as a fraction of the bounding box diagonal."""
 
+LEAST_LENGTH = 1e-100
+"""Distance within which nodes are always welded, mm: the square of a shorter one may be 0."""
+
 LEAST_ANGLE = 1.7e-4
 """Least angle between two edges at a node, rad: a little under 0.01°."""
+
+CROWD = 64
+"""Valency above which a node's directions are compared through a tree, not each with each."""
+
+CONTACT_BATCH = 2**20
+"""How many pairs of an edge and a node near it are held at once."""
 
 
 @dataclass(frozen=True)
@@ -31,8 +42,10 @@ class Repairs:
 
     nodes_without_position: int = 0
     """Nodes dropped because a coordinate was not a finite number."""
+    edges_without_position: int = 0
+    """Edges dropped because they reach such a node."""
     radii_replaced: int = 0
-    """Radii that were not finite numbers > 0, taken from the nearest nodes along the graph."""
+    """Radii that were not finite numbers > 0, taken from the nearest node along the graph."""
     nodes_welded: int = 0
     """Nodes merged into another one at the same place."""
     zero_length_edges: int = 0
@@ -87,8 +100,10 @@ def repaired(
     ----------
     nodes : (n, 3) float64, mm; rows that are not finite are dropped
     edges : (m, 2) intp, all in 0..n-1
-    radii : (n,) float64, mm; what is not finite and > 0 is taken from the neighbours
-    weld_distance : mm; nodes closer than this become one; by default 1e-7 of the diagonal
+    radii : (n,) float64, mm; what is not finite and > 0 is taken from the nearest node that
+        has a radius, by the way along the edges
+    weld_distance : mm; nodes closer than this become one, with the largest of their radii; by
+        default 1e-7 of the diagonal
     split_contacts : whether an edge is split at the nodes that lie on it
 
     Raises
@@ -102,104 +117,111 @@ def repaired(
         raise OptionError(f"weld distance is {weld_distance:g} mm; need >= 0")
     located: Bools = np.asarray(np.isfinite(nodes).all(axis=1))
     counts = {"nodes_without_position": int(np.sum(~located))}
-    edges = edges[located[edges].all(axis=1)]
+    placed = edges[located[edges].all(axis=1)]
+    counts["edges_without_position"] = len(edges) - len(placed)
     if weld_distance is None:
         weld_distance = default_weld_distance(nodes[located])
 
-    radii, counts["radii_replaced"] = _with_radii_filled(edges, radii, located)
-    target, radii = _weld(nodes, radii, located, weld_distance)
-    counts["nodes_welded"] = int(np.sum(target[located] != np.flatnonzero(located)))
-    edges = target[edges]
-    edges, counts["zero_length_edges"], counts["duplicate_edges"] = _distinct(edges)
-    if split_contacts:
-        edges, counts["contacts_split"] = _split_at_contacts(nodes, edges, weld_distance)
-    edges, counts["overlapping_edges"] = _without_overlaps(nodes, edges)
+    target = _weld(nodes, located, max(weld_distance, LEAST_LENGTH))
+    merged_away = target != np.arange(len(nodes))
+    counts["nodes_welded"] = int(np.sum(merged_away))
+    edges, counts["zero_length_edges"], counts["duplicate_edges"] = _distinct(
+        target[placed], len(nodes)
+    )
     if len(edges) == 0:
         raise SkeletonError("the skeleton has no edge of length > 0; need at least one")
+    if split_contacts:
+        edges, counts["contacts_split"], repeated = _split_at_contacts(nodes, edges, weld_distance)
+        counts["duplicate_edges"] += repeated
+    edges, counts["overlapping_edges"], repeated = _without_overlaps(nodes, edges)
+    counts["duplicate_edges"] += repeated
 
     used = np.zeros(len(nodes), dtype=np.bool_)
     used[edges] = True
-    merged_away = located & (target != np.arange(len(nodes)))
     counts["isolated_nodes"] = int(np.sum(located & ~used & ~merged_away))
+    radii, counts["radii_replaced"] = _with_radii_filled(
+        nodes, edges, _largest_of_welded(radii, target), used
+    )
     rank = np.cumsum(used) - 1
-    bad = np.flatnonzero(used & ~(np.isfinite(radii) & (radii > 0)))
-    if len(bad):
-        raise SkeletonError(
-            f"node {bad[0]} and all of its component have radius {radii[bad[0]]:g} mm; need > 0"
-        )
     return RepairedGraph(nodes[used], rank[edges], radii[used], Repairs(**counts))
 
 
-def _with_radii_filled(edges: Edges, radii: Floats, located: Bools) -> tuple[Floats, int]:
-    """Give nodes without a radius the mean of their neighbours', spreading along the graph."""
-    filled = np.where(np.isfinite(radii) & (radii > 0), radii, 0.0)
-    missing = (filled == 0) & located & (valencies(edges, len(radii)) > 0)
-    count = int(np.sum(missing))
-    while missing.any():
-        known = filled[edges] > 0
-        total = np.zeros_like(filled)
-        number = np.zeros_like(filled)
-        for near, far in ((0, 1), (1, 0)):
-            rows = known[:, far]
-            np.add.at(total, edges[rows, near], filled[edges[rows, far]])
-            np.add.at(number, edges[rows, near], 1.0)
-        reached = missing & (number > 0)
-        if not reached.any():
-            break
-        filled[reached] = total[reached] / number[reached]
-        missing &= ~reached
-    return filled, count
+def _largest_of_welded(radii: Floats, target: Ints) -> Floats:
+    """Return for each node the largest radius of those welded into it; 0 where none is > 0."""
+    known = np.where(np.isfinite(radii) & (radii > 0), radii, 0.0)
+    largest = known.copy()
+    np.maximum.at(largest, target, known)
+    return largest
 
 
-def _weld(nodes: Points, radii: Floats, located: Bools, distance: float) -> tuple[Ints, Floats]:
-    """Return the node that each one becomes, the first of its cluster, and the largest radius."""
+def _with_radii_filled(
+    nodes: Points, edges: Edges, radii: Floats, used: Bools
+) -> tuple[Floats, int]:
+    """Give nodes of radius 0 that of the nearest node with one along the graph; count them."""
+    missing = np.flatnonzero(used & (radii == 0))
+    if len(missing) == 0:
+        return radii, 0
+    known = np.flatnonzero(used & (radii > 0))
+    lengths = length(nodes[edges[:, 1]] - nodes[edges[:, 0]])
+    roads = coo_array((lengths, (edges[:, 0], edges[:, 1])), shape=(len(nodes), len(nodes)))
+    _, _, nearest = dijkstra(
+        roads.tocsr(), directed=False, indices=known, return_predecessors=True, min_only=True
+    )
+    lost = missing[nearest[missing] < 0]
+    if len(lost):
+        raise SkeletonError(
+            f"node {lost[0]} and all of its component have no radius; need at least one > 0"
+        )
+    filled = radii.copy()
+    filled[missing] = radii[nearest[missing]]
+    return filled, len(missing)
+
+
+def _weld(nodes: Points, located: Bools, distance: float) -> Ints:
+    """Return the node that each one becomes, the first of its cluster, shape (n,)."""
     target = np.arange(len(nodes))
     index = np.flatnonzero(located)
     if len(index) == 0:
-        return target, radii
-    if distance == 0:
-        _, cluster = np.unique(nodes[index] + 0.0, axis=0, return_inverse=True)
-        cluster = cluster.reshape(-1)  # some numpy versions keep the rows' shape
-    else:
-        pairs = cKDTree(nodes[index]).query_pairs(distance, output_type="ndarray")
-        links = coo_array(
-            (np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 1])),
-            shape=(len(index), len(index)),
-        )
-        cluster = connected_components(links, directed=False)[1].astype(np.intp)
-    _, first = np.unique(cluster, return_index=True)
-    target[index] = index[first[cluster]]
-    welded = radii.copy()
-    np.maximum.at(welded, target, radii)
-    return target, welded
+        return target
+    # Equal positions first: a heap of them would make the pairs below as many as its square.
+    place, first = _equal_positions(nodes[index])
+    pairs = cKDTree(nodes[index[first]]).query_pairs(distance, output_type="ndarray")
+    place = component_labels(pairs, len(first))[place]
+    _, first = np.unique(place, return_index=True)
+    target[index] = index[first[place]]
+    return target
 
 
-def _distinct(edges: Edges) -> tuple[Edges, int, int]:
+def _equal_positions(points: Points) -> tuple[Ints, Ints]:
+    """Return the place of each point, numbered by their first one, and that point."""
+    order = np.lexsort(points.T)
+    ordered = points[order]
+    new = np.concatenate([[True], (ordered[1:] != ordered[:-1]).any(axis=1)])
+    # The sort is stable: the first of a run of equals is the one of the lowest index.
+    first = order[new]
+    rank = np.empty(len(first), dtype=np.intp)
+    rank[np.argsort(first)] = np.arange(len(first))
+    place = np.empty(len(points), dtype=np.intp)
+    place[order] = rank[np.cumsum(new) - 1]
+    return place, np.sort(first)
+
+
+def _distinct(edges: Edges, count: int) -> tuple[Edges, int, int]:
     """Return the edges without self-loops and repeats, in order, and how many of each went."""
     proper = edges[edges[:, 0] != edges[:, 1]]
-    _, first = np.unique(np.sort(proper, axis=1), axis=0, return_index=True)
+    keys = proper.min(axis=1) * count + proper.max(axis=1)
+    _, first = np.unique(keys, return_index=True)
     kept = proper[np.sort(first)]
     return kept, len(edges) - len(proper), len(proper) - len(kept)
 
 
-def _split_at_contacts(nodes: Points, edges: Edges, distance: float) -> tuple[Edges, int]:
-    """Split each edge at the nodes within `distance` of its inside."""
-    used = np.unique(edges)
-    tree = cKDTree(nodes[used])
-    start, end = nodes[edges[:, 0]], nodes[edges[:, 1]]
-    near = tree.query_ball_point((start + end) / 2, length(end - start) / 2 + distance)
-    edge = np.repeat(np.arange(len(edges)), [len(row) for row in near])  # (k,)
-    node = used[np.concatenate([np.asarray(row, dtype=np.intp) for row in near])]  # (k,)
-
-    span = end[edge] - start[edge]
-    along = dot(nodes[node] - start[edge], span) / dot(span, span)
-    foot = start[edge] + along[:, None] * span
-    inside = (node != edges[edge, 0]) & (node != edges[edge, 1]) & (along > 0) & (along < 1)
-    touches = inside & (length(nodes[node] - foot) <= distance)
-    edge, node, along = edge[touches], node[touches], along[touches]
-
-    order = np.lexsort([along, edge])
-    edge, node = edge[order], node[order]
+def _split_at_contacts(nodes: Points, edges: Edges, distance: float) -> tuple[Edges, int, int]:
+    """Split each edge at the nodes within `distance` of its inside; count those and repeats."""
+    contacts = [
+        _contacts(nodes, edges, edge, node, distance)
+        for edge, node in _nodes_near_edges(nodes, edges, distance)
+    ]
+    edge, node = (np.concatenate(parts) for parts in zip(*contacts, strict=True))
     # The stops of each edge in order: its start, the nodes on it, its end.
     stops = np.concatenate([edges[:, 0], node, edges[:, 1]])
     owner = np.concatenate([np.arange(len(edges)), edge, np.arange(len(edges))])
@@ -207,23 +229,57 @@ def _split_at_contacts(nodes: Points, edges: Edges, distance: float) -> tuple[Ed
     stops, owner = stops[sequence], owner[sequence]
     consecutive = owner[:-1] == owner[1:]
     pieces = np.stack([stops[:-1], stops[1:]], axis=1)[consecutive]
-    return _distinct(pieces)[0], len(node)
+    distinct, _, repeated = _distinct(pieces, len(nodes))
+    return distinct, len(node), repeated
 
 
-def _without_overlaps(nodes: Points, edges: Edges) -> tuple[Edges, int]:
-    """Let an edge that leaves a node along a shorter one go on from the shorter one's end."""
-    rerouted = 0
-    for _ in range(len(edges)):
+def _nodes_near_edges(nodes: Points, edges: Edges, distance: float) -> Iterator[tuple[Ints, Ints]]:
+    """Yield batches of edges and nodes no farther from an edge's middle than its ends are."""
+    used = np.unique(edges)
+    tree = cKDTree(nodes[used])
+    start, end = nodes[edges[:, 0]], nodes[edges[:, 1]]
+    middle, reach = (start + end) / 2, length(end - start) / 2 + distance
+    number = np.asarray(tree.query_ball_point(middle, reach, return_length=True))  # (m,)
+    batch = np.cumsum(number) // CONTACT_BATCH
+    for rows in np.split(np.arange(len(edges)), np.flatnonzero(np.diff(batch)) + 1):
+        near = chain.from_iterable(tree.query_ball_point(middle[rows], reach[rows]))
+        total = int(number[rows].sum())
+        yield np.repeat(rows, number[rows]), used[np.fromiter(near, dtype=np.intp, count=total)]
+
+
+def _contacts(
+    nodes: Points, edges: Edges, edge: Ints, node: Ints, distance: float
+) -> tuple[Ints, Ints]:
+    """Return those pairs of `edge` and `node` that touch between the ends, along each edge."""
+    start, end = nodes[edges[edge, 0]], nodes[edges[edge, 1]]  # (k, 3)
+    span = end - start
+    along = dot(nodes[node] - start, span) / dot(span, span)
+    foot = start + along[:, None] * span
+    inside = (node != edges[edge, 0]) & (node != edges[edge, 1]) & (along > 0) & (along < 1)
+    touches = inside & (length(nodes[node] - foot) <= distance)
+    edge, node, along = edge[touches], node[touches], along[touches]
+    order = np.lexsort([along, edge])
+    return edge[order], node[order]
+
+
+def _without_overlaps(nodes: Points, edges: Edges) -> tuple[Edges, int, int]:
+    """Let an edge that leaves a node along a shorter one go on from the shorter one's end.
+
+    Counts how often that was done and the edges that repeated another one then.
+    """
+    rerouted, repeated = 0, 0
+    while True:
         longer, shorter = _first_overlaps(nodes, edges)
         if len(longer) == 0:
-            break
+            return edges, rerouted, repeated
+        # Every change makes an edge shorter, so that this comes to an end.
         rerouted += len(longer)
         edges = edges.copy()
         ends = edges.reshape(-1)
         # The longer half-edge leaves the shorter one's head from now on.
         ends[longer] = ends[shorter ^ 1]
-        edges, _, _ = _distinct(edges)
-    return edges, rerouted
+        edges, _, dropped = _distinct(edges, len(nodes))
+        repeated += dropped
 
 
 def _first_overlaps(nodes: Points, edges: Edges) -> tuple[Ints, Ints]:
@@ -255,11 +311,28 @@ def overlapping_half_edges(nodes: Points, edges: Edges) -> Edges:
         half_edges = leaving.at_nodes(np.flatnonzero(valency == n), n)  # (k, n)
         heads = nodes[tails[half_edges ^ 1]]  # (k, n, 3)
         directions = normalize(heads - nodes[tails[half_edges]])
-        for shift in range(1, n // 2 + 1):  # every pair once, or twice at shift n / 2
-            gap = length(directions - np.roll(directions, -shift, axis=1))  # (k, n)
-            row, column = np.nonzero(gap < LEAST_ANGLE)
-            pair = np.stack(
-                [half_edges[row, column], half_edges[row, (column + shift) % n]], axis=1
-            )
-            found.append(np.sort(pair, axis=1))
-    return np.unique(np.concatenate(found), axis=0)
+        near = _near_in_rows if n <= CROWD else _near_in_trees
+        row, first, second = near(directions)
+        found.append(np.stack([half_edges[row, first], half_edges[row, second]], axis=1))
+    return np.unique(np.sort(np.concatenate(found), axis=1), axis=0)
+
+
+def _near_in_rows(directions: UnitVectors) -> tuple[Ints, Ints, Ints]:
+    """Return row and columns of the close pairs in each row of `directions` (k, n, 3)."""
+    n = directions.shape[1]
+    rows, firsts, seconds = [], [], []
+    for shift in range(1, n // 2 + 1):  # every pair once, or twice at shift n / 2
+        gap = length(directions - np.roll(directions, -shift, axis=1))  # (k, n)
+        row, first = np.nonzero(gap < LEAST_ANGLE)
+        rows.append(row)
+        firsts.append(first)
+        seconds.append((first + shift) % n)
+    return np.concatenate(rows), np.concatenate(firsts), np.concatenate(seconds)
+
+
+def _near_in_trees(directions: UnitVectors) -> tuple[Ints, Ints, Ints]:
+    """Return the same as `_near_in_rows`, in less time where rows are long."""
+    pairs = [cKDTree(row).query_pairs(LEAST_ANGLE, output_type="ndarray") for row in directions]
+    rows = np.repeat(np.arange(len(directions)), [len(found) for found in pairs])
+    first, second = np.concatenate(pairs).T
+    return rows, first, second

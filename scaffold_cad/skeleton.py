@@ -22,8 +22,8 @@ from scaffold_cad.arrays import (
     read_only,
 )
 from scaffold_cad.errors import OptionError, SkeletonError
-from scaffold_cad.repair import Repairs, overlapping_half_edges, repaired
-from scaffold_cad.thinning import kept_samples
+from scaffold_cad.repair import LEAST_LENGTH, Repairs, overlapping_half_edges, repaired
+from scaffold_cad.thinning import farthest_sample, kept_samples
 from scaffold_cad.topology import Chains, Incidence, chains, component_labels, incidence, valencies
 from scaffold_cad.vectors import length
 
@@ -163,32 +163,40 @@ class Skeleton:
         """
         if not 0 <= tolerance < np.inf:
             raise OptionError(f"simplification tolerance is {tolerance:g} mm; need >= 0")
-        walks = self._walks()
+        lone, walks = self._walks()
         kept = [self._kept(stops, tolerance) for stops in walks]
         ends = np.asarray([(row[0], row[-1]) for row in kept], dtype=np.intp).reshape(-1, 2)
         _, pair, uses = np.unique(
-            np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True
+            np.sort(np.concatenate([ends, lone]), axis=1),
+            axis=0,
+            return_inverse=True,
+            return_counts=True,
         )
         # Branches between the same two nodes must not become the same edge.
-        for branch in np.flatnonzero(uses[pair.reshape(-1)] > 1).tolist():
-            stops = walks[branch]
-            if len(kept[branch]) == 2 and len(stops) > 2:
-                kept[branch] = stops[[0, len(stops) // 2, -1]]
+        for branch in np.flatnonzero(uses[pair.reshape(-1)[: len(kept)]] > 1).tolist():
+            if len(kept[branch]) == 2:
+                stops = walks[branch]
+                kept[branch] = stops[[0, farthest_sample(self.nodes[stops]), -1]]
         links = [np.stack([row[:-1], row[1:]], axis=1) for row in kept]
-        edges = np.concatenate(links) if links else self.edges
+        edges = np.concatenate([lone, *links])
         used = np.unique(edges)
         thin = Skeleton(self.nodes[used], np.searchsorted(used, edges), self.radii[used])
         return thin.cleaned(weld_distance=0.0).skeleton
 
-    def _walks(self) -> list[Ints]:
-        """Return the nodes that each branch passes, a ring's first node at both ends."""
+    def _walks(self) -> tuple[Edges, list[Ints]]:
+        """Return the edges that are a branch of their own, and the nodes that each other passes.
+
+        A ring has its first node at both ends.
+        """
         half_edges, offsets = self.chains.half_edges, self.chains.offsets
         tails = self.edges.reshape(-1)
-        return [
-            np.append(tails[row], tails[row[-1] ^ 1])
-            for row in np.split(half_edges, offsets[1:-1])
-            if len(row)
-        ]
+        counts = np.diff(offsets)
+        lone = self.edges[half_edges[offsets[:-1][counts == 1]] >> 1]
+        walks = []
+        for branch in np.flatnonzero(counts > 1).tolist():
+            row = half_edges[offsets[branch] : offsets[branch + 1]]
+            walks.append(np.append(tails[row], tails[row[-1] ^ 1]))
+        return lone, walks
 
     def _kept(self, stops: Ints, tolerance: float) -> Ints:
         """Return the nodes of a walk to keep; a walk that ends where it began keeps two inside."""
@@ -216,8 +224,8 @@ def check_skeleton(skeleton: Skeleton) -> None:
     Raises
     ------
     SkeletonError
-        For the first of: no edge, a self-loop, an isolated node, coincident nodes (and so any
-        zero-length edge), a repeated edge, two edges that leave a node within 0.01° of each other.
+        For the first of: no edge, a self-loop, an isolated node, coincident nodes, an edge too
+        short for its direction to be computed, a repeated edge, two edges that leave a node within 0.01° of each other.
     """
     nodes, edges = skeleton.nodes, skeleton.edges
     hint = "use Skeleton.cleaned() to repair it"
@@ -234,6 +242,12 @@ def check_skeleton(skeleton: Skeleton) -> None:
         place = nodes[second].tolist()
         raise SkeletonError(
             f"nodes {first} and {second} are both at {place} mm; need distinct places ({hint})"
+        )
+    short = np.flatnonzero(skeleton.lengths < LEAST_LENGTH)
+    if len(short):
+        found = skeleton.lengths[short[0]]
+        raise SkeletonError(
+            f"edge {short[0]} is {found:g} mm long; need at least {LEAST_LENGTH:g} ({hint})"
         )
     for first, second in _equal_rows(np.sort(edges, axis=1)):
         pair = edges[second].tolist()

@@ -35,6 +35,11 @@ def kept_samples(points: Points, radii: Floats, tolerance: float) -> Bools:
     return keep
 
 
+def farthest_sample(points: Points) -> int:
+    """Return which inner sample of a polyline (k ≥ 3) is farthest from the chord of its ends."""
+    return 1 + int(np.argmax(_distance_to_chord(points)[1:-1]))
+
+
 def _distance_to_chord(samples: Floats) -> Floats:
     """Return the distance of each sample (k, d) to the segment from the first to the last."""
     chord = samples[-1] - samples[0]
