@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import get_args
 
 import numpy as np
 
 from scaffold_cad.arrays import Floats, Ints, Points, Quads
 from scaffold_cad.collars import Refinement, with_collars, without_collars
+from scaffold_cad.embedding import Embedding, embedding
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.skeleton import Skeleton, check_skeleton
@@ -40,6 +43,11 @@ class ScaffoldOptions:
         ):
             if value not in known:
                 raise OptionError(f"{name} is {value!r}; need one of {', '.join(known)}")
+
+    @property
+    def corner_distance(self) -> float:
+        """Distance of a section's corners from its node, in radii."""
+        return APOTHEM[self.section] * math.sqrt(2.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +90,14 @@ class Scaffold:
         It is nan where the half-edge leaves no branch point.
         """
         return self.stars.clearance
+
+    def embedding(self) -> Embedding:
+        """Return which struts keep to their own room; computed at the first call."""
+        return self._embedding
+
+    @cached_property
+    def _embedding(self) -> Embedding:
+        return embedding(self)
 
     @property
     def twist(self) -> Floats:
@@ -143,9 +159,8 @@ def build_scaffold(
     refined = refinement.skeleton
     walk = walk_branches(refined)
     quads = SphericalQuads(stars.vertices, _refined_corners(stars, refinement))
-    corner_distance = APOTHEM[options.section] * np.sqrt(2.0)
     shift = None if like is None else like.sections.shift
-    sections = carry_sections(refined, walk, quads, corner_distance, shift)
+    sections = carry_sections(refined, walk, quads, options.corner_distance, shift)
     node_of_vertex, first_vertex = _number_vertices(refined, stars)
     vertices = _place_vertices(refined, walk, sections, positions, node_of_vertex, first_vertex)
     sleeves = join_sections(walk, sections, quads, first_vertex)

@@ -189,7 +189,7 @@ def _start_axes(
 
     half_edge = walk.half_edge[walk.first]
     branch = quads.corners[half_edge, 0] >= 0
-    angle = _fitted_angle(quads.at(half_edge[branch]), across[branch], tangent[branch])
+    angle = fitted_angle(quads.at(half_edge[branch]), across[branch], tangent[branch])
     axes[branch] = rotate(across[branch], tangent[branch], angle)
     return axes
 
@@ -203,7 +203,7 @@ def _bend_direction(walk: Walk, tail_tangent: UnitVectors, head_tangent: UnitVec
     return np.where(first_bent[:, None] >= 0, turning[first_bent], 0.0)
 
 
-def _fitted_angle(corners: Floats, x: UnitVectors, z: UnitVectors) -> Floats:
+def fitted_angle(corners: Floats, x: UnitVectors, z: UnitVectors) -> Floats:
     """Return the angle from `x` about `z` to the first corner of the square that fits best, (k,).
 
     The circular mean of the angles at which the corners (k, 4, 3) stand, less their quarter turns.
@@ -236,7 +236,7 @@ def _end_twist(
     twin = walk.half_edge[walk.last] ^ 1
     branch = quads.corners[twin, 0] >= 0
     met = quads.at(twin[branch])[:, REVERSED]
-    twist[branch] = _fitted_angle(met, end_x[branch], end_tangent[branch])
+    twist[branch] = fitted_angle(met, end_x[branch], end_tangent[branch])
     return twist
 
 

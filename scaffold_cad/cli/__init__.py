@@ -1,0 +1,62 @@
+"""The command `scaffold-cad`: one module a subcommand, no geometry.
+
+Exit codes: 0 done, 2 bad input (one line on standard error says what), 130 interrupted. What was
+repaired or must be known is logged on standard error; results go to standard output.
+"""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import sys
+from collections.abc import Sequence
+
+from scaffold_cad import __version__
+from scaffold_cad.cli import build, info
+from scaffold_cad.errors import ScaffoldCadError
+
+COMMANDS = (build, info)
+
+BAD_INPUT = 2
+INTERRUPTED = 130
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code."""
+    options = _parser().parse_args(arguments)
+    _log_to_stderr(logging.ERROR if options.quiet else logging.INFO)
+    try:
+        options.run(options)
+    except ScaffoldCadError as error:
+        print(f"scaffold-cad: {error}", file=sys.stderr)
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        print("scaffold-cad: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="scaffold-cad",
+        description="Solid lattice frames and organic solids from skeletons.",
+    )
+    parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
+    common = argparse.ArgumentParser(add_help=False)
+    common.add_argument("--quiet", action="store_true", help="log nothing but errors")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    for command in COMMANDS:
+        command.add_parser(commands, common)
+    return parser
+
+
+def _log_to_stderr(level: int) -> None:
+    """Send the package's log records of `level` and above to standard error, and them only."""
+    logger = logging.getLogger("scaffold_cad")
+    for handler in list(logger.handlers):
+        logger.removeHandler(handler)
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setFormatter(logging.Formatter("scaffold-cad: %(message)s"))
+    logger.addHandler(handler)
+    logger.setLevel(level)
+    logger.propagate = False

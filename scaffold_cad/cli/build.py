@@ -1,0 +1,130 @@
+"""`scaffold-cad build`: a file with a skeleton becomes a scaffold, a solid or a frame."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, get_args
+
+import numpy as np
+
+from scaffold_cad.cli import source
+from scaffold_cad.export import BREP_SUFFIXES, check_writable, write
+from scaffold_cad.scaffold import Scaffold, build_scaffold
+from scaffold_cad.solid import solidified
+from scaffold_cad.stars import Fit, Section
+from scaffold_cad.thicken import frame_scaffold
+
+if TYPE_CHECKING:
+    from scaffold_cad.skeleton import Skeleton
+
+PRODUCTS = ("scaffold", "frame", "shell")
+
+FRAME_RADIUS = 0.15
+"""Radius of a frame's struts when none is given, as a fraction of the median node radius."""
+
+_log = logging.getLogger(__name__)
+
+
+def add_parser(
+    commands: argparse._SubParsersAction[argparse.ArgumentParser], common: argparse.ArgumentParser
+) -> None:
+    """Add this command to the command line."""
+    parser = commands.add_parser(
+        "build", parents=[common], help="build a solid, a shell or a frame from a skeleton"
+    )
+    source.add_arguments(parser)
+    parser.add_argument(
+        "-o",
+        "--output",
+        required=True,
+        type=Path,
+        metavar="OUT",
+        help="file to write: .step .brep .stl .3mf .obj .ply .glb",
+    )
+    parser.add_argument(
+        "--as",
+        dest="product",
+        choices=PRODUCTS,
+        default="scaffold",
+        help="the solid inside the scaffold, the scaffold's edges as struts, or its bare quads",
+    )
+    parser.add_argument(
+        "--strut-radius",
+        type=float,
+        metavar="R",
+        help=f"radius of a frame's struts, mm (default: {FRAME_RADIUS} of the median radius)",
+    )
+    parser.add_argument(
+        "--fit",
+        choices=get_args(Fit),
+        default="enclose",
+        help="how large branch points are: so that no strut is cut thin, or as in the paper",
+    )
+    parser.add_argument(
+        "--section",
+        choices=get_args(Section),
+        default="circumscribed",
+        help="which square section stands for a circle of the radius",
+    )
+    parser.add_argument(
+        "--collars", action="store_true", help="keep struts straight between their nodes' blends"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Read, build and write."""
+    check_writable(options.output)
+    skeleton = source.skeleton_from(options)
+    scaffold = build_scaffold(
+        skeleton, fit=options.fit, section=options.section, collars=options.collars
+    )
+    if options.product == "frame":
+        scaffold = frame_scaffold(scaffold, _frame_radius(options.strut_radius, skeleton))
+    write(_product(scaffold, options), options.output)
+    _log.info("%s written", options.output)
+
+
+def _frame_radius(asked: float | None, skeleton: Skeleton) -> float:
+    if asked is not None:
+        return asked
+    radius = FRAME_RADIUS * float(np.median(skeleton.radii))
+    _log.info("the frame's struts have radius %.4g mm; --strut-radius sets another", radius)
+    return radius
+
+
+def _product(scaffold: Scaffold, options: argparse.Namespace) -> Any:
+    """Return what to write: a B-rep for CAD formats, bare quads, or a solid's triangles."""
+    if options.output.suffix.lower() in BREP_SUFFIXES:
+        # Imported here: only CAD formats need build123d.
+        from scaffold_cad.brep import to_brep
+
+        _warn_of_overlaps(scaffold)
+        return to_brep(scaffold.mesh, "shell" if options.product == "shell" else "solid")
+    if options.product == "shell":
+        _warn_of_overlaps(scaffold)
+        return scaffold.mesh
+    solid = solidified(scaffold)
+    if not len(solid.united_edges):
+        return scaffold.mesh
+    _log.warning(
+        "%d of %d struts overlap others or their nodes and were united by a boolean",
+        len(solid.united_edges),
+        len(scaffold.skeleton.edges),
+    )
+    return solid.manifold
+
+
+def _warn_of_overlaps(scaffold: Scaffold) -> None:
+    """Say so where the surface to be written may cross itself."""
+    left_out = scaffold.embedding().left_out
+    if len(left_out):
+        _log.warning(
+            "%d of %d struts may overlap others or their nodes, edge %d first: the surface may "
+            "cross itself there; STL, 3MF, OBJ, PLY and GLB solids are united, or use --simplify",
+            len(left_out),
+            len(scaffold.skeleton.edges),
+            left_out[0],
+        )

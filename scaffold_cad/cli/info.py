@@ -1,0 +1,59 @@
+"""`scaffold-cad info`: what a file with a skeleton holds."""
+
+from __future__ import annotations
+
+import argparse
+
+import numpy as np
+
+from scaffold_cad.arrays import Floats
+from scaffold_cad.io import read_raw, read_with_repairs
+from scaffold_cad.skeleton import Skeleton
+
+
+def add_parser(
+    commands: argparse._SubParsersAction[argparse.ArgumentParser], common: argparse.ArgumentParser
+) -> None:
+    """Add this command to the command line."""
+    parser = commands.add_parser("info", parents=[common], help="count what a skeleton holds")
+    parser.add_argument("input", metavar="INPUT", help="file with a skeleton")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Print the counts of the skeleton as it is built, one a line."""
+    has_radii = read_raw(options.input).radii is not None
+    # Any radius will do for the counts of a file without radii; it is not shown.
+    cleaning = read_with_repairs(options.input, None if has_radii else 1.0)
+    rows = _counts(cleaning.skeleton)
+    rows["radius"] = (
+        _range(cleaning.skeleton.radii) if has_radii else "none in the file: build needs --radius"
+    )
+    rows["repairs"] = str(cleaning.repairs)
+    width = max(len(name) for name in rows)
+    for name, value in rows.items():
+        print(f"{name:<{width}}  {value}")
+
+
+def _counts(skeleton: Skeleton) -> dict[str, str]:
+    """Return what is printed of a skeleton, in order."""
+    kinds = np.bincount(skeleton.valency[skeleton.branch_points])
+    by_valency = [f"{count} of valency {n}" for n, count in enumerate(kinds.tolist()) if count]
+    size = np.ptp(skeleton.nodes, axis=0)
+    return {
+        "nodes": str(len(skeleton.nodes)),
+        "edges": str(len(skeleton.edges)),
+        "components": str(skeleton.component_count),
+        "loops": str(skeleton.loop_count),
+        "branch points": f"{len(skeleton.branch_points)}"
+        + (f" ({', '.join(by_valency)})" if by_valency else ""),
+        "joints": str(len(skeleton.joints)),
+        "extremities": str(len(skeleton.extremities)),
+        "edge length": _range(skeleton.lengths),
+        "size": " x ".join(f"{extent:.6g}" for extent in size) + " mm",
+    }
+
+
+def _range(values: Floats) -> str:
+    """Return the least and greatest of `values` in mm."""
+    return f"{values.min():.6g} to {values.max():.6g} mm"

@@ -1,0 +1,329 @@
+"""Where a scaffold is embedded: which struts keep to their own room, edge by edge.
+
+Every strut is a *tube*: its sleeves, closed at both ends towards its nodes. The tubes tile the
+inside of the scaffold. No two faces meet outside shared edges if
+
+- each tube leaves each of its nodes within its own cone, the part of space that the spherical
+  quad around its direction cuts out (at a joint or an extremity: within its own half-space),
+- each sleeve is star-shaped around a point of its axis, so that it does not cross itself,
+- tubes that share no node keep apart.
+
+A strut that breaks a condition is left out, and the quads that it leaves open at its branch
+points are closed by *stubs*, four triangles around a point on its axis. Stubs must keep apart
+from what is left as well; a branch point whose stub does not is left out with all its struts.
+
+Every condition is sufficient and none is necessary: what breaks one may still be embedded.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from scaffold_cad.arrays import Bools, Edges, Floats, Ints, Points
+from scaffold_cad.boxes import overlapping_boxes
+from scaffold_cad.segments import nearest_on_segments
+from scaffold_cad.vectors import dot, length, normalize, triple
+
+if TYPE_CHECKING:
+    from scaffold_cad.scaffold import Scaffold
+
+MARGIN = 1e-9
+"""Least distance from a separating plane that counts as apart, in lengths of what is compared."""
+
+STAR_CENTRES = (0.5, 0.25, 0.75, 0.1, 0.9, 0.02, 0.98)
+"""Where on its axis a sleeve is tried to be star-shaped, as fractions of its length."""
+
+STUB_HEIGHT = 0.25
+"""Least height of a stub's apex, as a fraction of the distance of its corners from the node."""
+
+CHUNK = 50_000
+"""Sleeves looked at together; bounds the memory needed."""
+
+PAIR_CHUNK = 10_000
+"""Pairs of bodies looked at together; bounds the memory needed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Embedding:
+    """Which struts of a scaffold keep to their own room."""
+
+    within_cone: Bools
+    """Whether each strut leaves each of its two nodes within its own cone, shape (m, 2)."""
+    star_shaped: Bools
+    """Whether no sleeve of each strut crosses itself, shape (m,)."""
+    conflicts: Edges
+    """Pairs of struts without a common node that could not be shown to keep apart, (k, 2)."""
+    kept: Bools
+    """Struts that make an embedded surface with the nodes that are kept, shape (m,)."""
+    kept_nodes: Bools
+    """Nodes whose sphere keeps apart from all others and from all kept struts, shape (n,)."""
+
+    @property
+    def certified(self) -> bool:
+        """Whether the whole scaffold is embedded: no two faces meet outside shared edges."""
+        return bool(self.kept.all())
+
+    @property
+    def left_out(self) -> Ints:
+        """Edges that break a condition, or end at a node that does, ascending."""
+        return np.flatnonzero(~self.kept)
+
+
+def embedding(scaffold: Scaffold) -> Embedding:
+    """Return which struts of `scaffold` keep to their own room.
+
+    Notes
+    -----
+    Linear in the number of struts, but for the pairs of sleeves whose bounding boxes overlap.
+    """
+    edge_count = len(scaffold.skeleton.edges)
+    within_cone = _within_cones(scaffold)
+    star_shaped = np.ones(edge_count, dtype=np.bool_)
+    star_shaped[scaffold.refinement.edge_of_edge[~_star_shaped(scaffold)]] = False
+    kept = within_cone.all(axis=1) & star_shaped
+
+    tubes = _tubes(scaffold)
+    conflicts = np.unique(tubes.owner[_conflicts(tubes.only(kept[tubes.owner]))], axis=0)
+    kept[conflicts] = False
+
+    kept_nodes = np.ones(len(scaffold.skeleton.nodes), dtype=np.bool_)
+    while True:
+        left_out = np.flatnonzero(~kept)
+        bodies = _with_stubs(scaffold, tubes.only(kept[tubes.owner]), left_out, kept_nodes)
+        dropped = np.unique(bodies.node[_conflicts(bodies, among=bodies.node >= 0)])
+        dropped = dropped[dropped >= 0]
+        if len(dropped) == 0:
+            return Embedding(within_cone, star_shaped, conflicts, kept, kept_nodes)
+        kept_nodes[dropped] = False
+        kept &= kept_nodes[scaffold.skeleton.edges].all(axis=1)
+
+
+def stub_apexes(scaffold: Scaffold, half_edges: Ints) -> Points:
+    """Return the point on each half-edge's axis that closes its spherical quad, (k, 3), mm.
+
+    Seen from the node, the four triangles from the sides of the quad to it are positive, as the
+    quad is star-shaped around its direction.
+    """
+    skeleton = scaffold.skeleton
+    node = skeleton.nodes[skeleton.edges.reshape(-1)[half_edges]]
+    axis = skeleton.directions[half_edges]
+    spokes = scaffold.mesh.vertices[scaffold.stars.corners[half_edges]] - node[:, None, :]
+    height = dot(spokes, np.broadcast_to(axis[:, None, :], spokes.shape)).mean(axis=1)
+    least = STUB_HEIGHT * length(spokes).mean(axis=1)
+    apexes: Points = node + np.maximum(height, least)[:, None] * axis
+    return apexes
+
+
+def _within_cones(scaffold: Scaffold) -> Bools:
+    """Return whether each strut leaves each of its nodes within its own cone, (m, 2)."""
+    skeleton, refined = scaffold.skeleton, scaffold.refined
+    vertices = scaffold.mesh.vertices
+    inside = np.ones(2 * len(skeleton.edges), dtype=np.bool_)
+
+    # At branch points: no section of the strut but the first crosses a side plane of the cone.
+    edge = scaffold.refinement.edge_of_edge
+    for side in (0, 1):
+        half_edge = 2 * edge + side  # (m',) of the skeleton
+        for part in _chunks(np.flatnonzero(scaffold.stars.corners[half_edge, 0] >= 0)):
+            node = skeleton.nodes[skeleton.edges[edge[part], side]][:, None, :]
+            quad = vertices[scaffold.stars.corners[half_edge[part]]] - node
+            planes = np.cross(quad, np.roll(quad, -1, axis=1))  # (k, 4, 3)
+            far = vertices[scaffold.sleeves[part, 1 - side]] - node  # (k, 4, 3)
+            fine = _in_front(planes, far)
+            inside[half_edge[part][~fine]] = False
+
+    # At joints and extremities, collars among them: the sleeve stays in front of its section.
+    for side in (0, 1):
+        ends = refined.edges[:, side]
+        for part in _chunks(np.flatnonzero(refined.valency[ends] < 3)):
+            node = refined.nodes[ends[part]][:, None, :]
+            section = vertices[scaffold.sleeves[part, side]]
+            plane = np.cross(section[:, 2] - section[:, 0], section[:, 3] - section[:, 1])
+            plane = plane if side == 0 else -plane
+            far = vertices[scaffold.sleeves[part, 1 - side]] - node
+            fine = _in_front(plane[:, None, :], far)
+            inside[2 * edge[part][~fine] + side] = False
+    return inside.reshape(-1, 2)
+
+
+def _in_front(planes: Floats, points: Points) -> Bools:
+    """Return whether all `points` (k, p, 3) lie in front of all `planes` (k, q, 3) through 0."""
+    heights = points @ np.swapaxes(planes, 1, 2)  # (k, p, q)
+    scale = length(points)[:, :, None] * length(planes)[:, None, :]
+    return np.asarray((heights > MARGIN * scale).all(axis=(1, 2)))
+
+
+def _star_shaped(scaffold: Scaffold) -> Bools:
+    """Return whether each sleeve is star-shaped around a point of its axis, (m',).
+
+    It is when its triangles, and those that close it towards its nodes, are all seen from one
+    side and together cover the sphere of directions once.
+    """
+    refined = scaffold.refined
+    start, end = (refined.nodes[refined.edges[:, side]] for side in (0, 1))
+    sides = scaffold.mesh.triangles[: 8 * len(refined.edges)].reshape(-1, 8, 3)
+    fine = np.zeros(len(refined.edges), dtype=np.bool_)
+    for fraction in STAR_CENTRES:
+        for part in _chunks(np.flatnonzero(~fine)):
+            centre = (1 - fraction) * start[part] + fraction * end[part]
+            shell = _closed_sleeves(scaffold, part, sides[part])  # (k, 16, 3, 3)
+            fine[part] = _seen_once(shell - centre[:, None, None, :])
+    return fine
+
+
+def _closed_sleeves(scaffold: Scaffold, sleeves: Ints, sides: Ints) -> Points:
+    """Return the corners of a sleeve's triangles and of those that close it, (k, 16, 3, 3)."""
+    refined, vertices = scaffold.refined, scaffold.mesh.vertices
+    triangles = [vertices[sides]]
+    for side in (0, 1):
+        ring = vertices[scaffold.sleeves[sleeves, side]]  # (k, 4, 3)
+        node = np.broadcast_to(refined.nodes[refined.edges[sleeves, side]][:, None, :], ring.shape)
+        following = np.roll(ring, -1, axis=1)
+        order = [following, ring, node] if side == 0 else [ring, following, node]
+        triangles.append(np.stack(order, axis=2))
+    return np.concatenate(triangles, axis=1)
+
+
+def _seen_once(triangles: Points) -> Bools:
+    """Return whether closed surfaces (k, t, 3, 3) are seen from 0, all of them and only once."""
+    a, b, c = (triangles[:, :, corner] for corner in range(3))
+    volume = triple(a, b, c)  # (k, t)
+    la, lb, lc = length(a), length(b), length(c)
+    product = la * lb * lc
+    cosine = product + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb
+    solid_angle = 2.0 * np.arctan2(volume, cosine).sum(axis=1)
+    positive = (volume > MARGIN * product).all(axis=1)
+    return np.asarray(positive & (np.abs(solid_angle - 4 * np.pi) < 1e-3))
+
+
+@dataclass(frozen=True, eq=False)
+class _Bodies:
+    """Convex bodies around segments, padded to the same number of points and planes."""
+
+    points: Points
+    """Corners, some repeated, shape (k, 10, 3)."""
+    normals: Floats
+    """Normals of faces, not of length 1, some 0, shape (k, 8, 3)."""
+    axis: Points
+    """Ends of the segment inside, shape (k, 2, 3)."""
+    ends: Edges
+    """Nodes of the skeleton that the strut or stub belongs to; bodies of one node keep apart
+    by its cones, shape (k, 2)."""
+    owner: Ints
+    """Edge of the skeleton, shape (k,)."""
+    node: Ints
+    """Branch point of a stub, -1 for a tube, shape (k,)."""
+
+    def only(self, rows: Bools | Ints) -> _Bodies:
+        return _Bodies(
+            self.points[rows],
+            self.normals[rows],
+            self.axis[rows],
+            self.ends[rows],
+            self.owner[rows],
+            self.node[rows],
+        )
+
+
+def _tubes(scaffold: Scaffold) -> _Bodies:
+    """Return each sleeve with its ends closed as a body, one an edge of the refined skeleton."""
+    refined, vertices = scaffold.refined, scaffold.mesh.vertices
+    edge = scaffold.refinement.edge_of_edge
+    axis = refined.nodes[refined.edges]  # (m', 2, 3)
+    rings = vertices[scaffold.sleeves]  # (m', 2, 4, 3)
+    near, far = rings[:, 0], rings[:, 1]
+    # Both triangulations of a side share these normals' directions closely enough to try.
+    along = np.roll(far, -1, axis=1) + far - np.roll(near, -1, axis=1) - near
+    normals = [np.cross(np.roll(ring, -1, axis=1) - ring, along) for ring in (near, far)]
+    return _Bodies(
+        points=np.concatenate([rings.reshape(-1, 8, 3), axis], axis=1),
+        normals=np.concatenate(normals, axis=1),
+        axis=axis,
+        ends=scaffold.skeleton.edges[edge],
+        owner=edge,
+        node=np.full(len(edge), -1),
+    )
+
+
+def _with_stubs(scaffold: Scaffold, tubes: _Bodies, left_out: Ints, kept_nodes: Bools) -> _Bodies:
+    """Return `tubes` and the stubs of the edges left out, at the branch points that are kept."""
+    skeleton = scaffold.skeleton
+    half_edges = np.stack([2 * left_out, 2 * left_out + 1], axis=1).reshape(-1)
+    tails = skeleton.edges.reshape(-1)
+    at_star = (scaffold.stars.corners[half_edges, 0] >= 0) & kept_nodes[tails[half_edges]]
+    half_edges = half_edges[at_star]
+    node = tails[half_edges]
+    quad = scaffold.mesh.vertices[scaffold.stars.corners[half_edges]]  # (k, 4, 3)
+    apex = stub_apexes(scaffold, half_edges)
+    axis = np.stack([skeleton.nodes[node], apex], axis=1)
+    following = np.roll(quad, -1, axis=1)
+    centre, top = axis[:, :1], axis[:, 1:]
+    sides = np.cross(following - centre, quad - centre)
+    caps = np.cross(following - top, quad - top)
+    stubs = _Bodies(
+        points=np.concatenate([quad, axis, quad], axis=1),
+        normals=np.concatenate([sides, caps], axis=1),
+        axis=axis,
+        ends=np.stack([node, node], axis=1),
+        owner=half_edges >> 1,
+        node=node,
+    )
+    return _Bodies(
+        *(
+            np.concatenate([getattr(tubes, name), getattr(stubs, name)])
+            for name in ("points", "normals", "axis", "ends", "owner", "node")
+        )
+    )
+
+
+def _conflicts(bodies: _Bodies, among: Bools | None = None) -> Edges:
+    """Return pairs of bodies without a common node that no plane tried keeps apart, (k, 2).
+
+    With `among`, only pairs in which one body is marked.
+    """
+    low, high = bodies.points.min(axis=1), bodies.points.max(axis=1)
+    found = [np.zeros((0, 2), dtype=np.intp)]
+    if among is not None and not among.any():
+        return found[0]
+    for first, second in overlapping_boxes(low, high):
+        a, b = bodies.ends[first], bodies.ends[second]
+        apart = (a[:, :, None] != b[:, None, :]).all(axis=(1, 2))
+        if among is not None:
+            apart &= among[first] | among[second]
+        pairs = np.stack([first[apart], second[apart]], axis=1)
+        found += [part[_meet(bodies, part)] for part in _chunks(pairs, PAIR_CHUNK)]
+    return np.concatenate(found)
+
+
+def _meet(bodies: _Bodies, pairs: Edges) -> Bools:
+    """Return whether no plane tried separates each pair of bodies, (k,).
+
+    Tried are the plane across the shortest way between the axes and the planes of the faces.
+    """
+    i, j = pairs.T
+    near, far = nearest_on_segments(
+        *np.moveaxis(bodies.axis[i], 1, 0), *np.moveaxis(bodies.axis[j], 1, 0)
+    )
+    meet = _overlap(bodies, i, j, (far - near)[:, None, :])
+    rest = np.flatnonzero(meet)
+    i, j = i[rest], j[rest]
+    planes = np.concatenate([bodies.normals[i], bodies.normals[j]], axis=1)
+    meet[rest] = _overlap(bodies, i, j, planes)
+    return meet
+
+
+def _overlap(bodies: _Bodies, i: Ints, j: Ints, planes: Floats) -> Bools:
+    """Return whether bodies overlap seen along each of `planes` (k, q, 3), (k,)."""
+    directions = np.swapaxes(normalize(planes), 1, 2)  # (k, 3, q)
+    a, b = bodies.points[i] @ directions, bodies.points[j] @ directions  # (k, 10, q)
+    size = np.ptp(bodies.points[i], axis=1).max(axis=1, initial=0.0)
+    gap = np.maximum(b.min(axis=1) - a.max(axis=1), a.min(axis=1) - b.max(axis=1))  # (k, q)
+    return np.asarray((gap <= MARGIN * size[:, None]).all(axis=1))
+
+
+def _chunks(rows: Ints, size: int = CHUNK) -> list[Ints]:
+    """Return `rows` cut into parts of at most `size`."""
+    return np.array_split(rows, range(size, len(rows), size)) if len(rows) else []

@@ -1,0 +1,37 @@
+"""Distances between segments in space, many pairs at once."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scaffold_cad.arrays import Floats, Points
+from scaffold_cad.vectors import dot
+
+
+def nearest_on_segments(
+    start_a: Points, end_a: Points, start_b: Points, end_b: Points
+) -> tuple[Points, Points]:
+    """Return the nearest points of each pair of segments, two arrays of shape (k, 3).
+
+    Parameters
+    ----------
+    start_a, end_a, start_b, end_b : (k, 3) float64; a segment may have length 0
+
+    References
+    ----------
+    Ericson, Real-Time Collision Detection, 2005, section 5.1.9.
+    """
+    along_a, along_b, between = end_a - start_a, end_b - start_b, start_a - start_b
+    a, b, e = dot(along_a, along_a), dot(along_a, along_b), dot(along_b, along_b)
+    c, f = dot(along_a, between), dot(along_b, between)
+    s = np.clip(_quotient(b * f - c * e, a * e - b * b), 0.0, 1.0)
+    t = np.clip(_quotient(b * s + f, e), 0.0, 1.0)
+    s = np.clip(_quotient(b * t - c, a), 0.0, 1.0)
+    return start_a + s[:, None] * along_a, start_b + t[:, None] * along_b
+
+
+def _quotient(numerator: Floats, denominator: Floats) -> Floats:
+    """Return the quotients, and 0 where the denominator is 0."""
+    return np.divide(
+        numerator, denominator, out=np.zeros_like(numerator), where=np.abs(denominator) > 0
+    )

@@ -1,0 +1,50 @@
+"""Frames: the edges of a mesh or a skeleton as struts.
+
+The edges of a quad mesh are a skeleton of their own; its scaffold, with collars, is the frame.
+
+References
+----------
+Srinivasan, Mandal, Akleman, Solidifying frames, Bridges 2004.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from scaffold_cad.errors import OptionError
+from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.scaffold import Scaffold, build_scaffold
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.solid import to_solid
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+
+def thicken(what: Scaffold | QuadMesh | Skeleton, radius: float) -> Manifold:
+    """Return the edges of a scaffold, quad mesh or skeleton as struts: one watertight solid.
+
+    Parameters
+    ----------
+    what : whose edges
+    radius : of the circle that a strut's square section is around, mm
+
+    Raises
+    ------
+    OptionError
+        If `radius` is not a finite number > 0.
+    """
+    return to_solid(frame_scaffold(what, radius))
+
+
+def frame_scaffold(what: Scaffold | QuadMesh | Skeleton, radius: float) -> Scaffold:
+    """Return the scaffold of the edges of a scaffold, quad mesh or skeleton, with collars."""
+    if not 0 < radius < np.inf:
+        raise OptionError(f"strut radius is {radius:g} mm; need > 0")
+    if isinstance(what, Scaffold):
+        what = what.mesh
+    if isinstance(what, QuadMesh):
+        what = Skeleton(what.vertices, what.edges, np.asarray(radius)).cleaned().skeleton
+    return build_scaffold(what.with_radii(radius), collars=True)
