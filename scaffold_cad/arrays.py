@@ -48,7 +48,7 @@ def as_points(values: ArrayLike, name: str) -> Points:
     SkeletonError
         If the shape is wrong or a coordinate is not finite; the row is named.
     """
-    points = _as_float(values, name)
+    points = as_floats(values, name)
     if points.size == 0:
         points = points.reshape(0, 3)
     if points.ndim != 2 or points.shape[1] != 3:
@@ -70,7 +70,7 @@ def as_radii(values: ArrayLike, name: str, count: int) -> Radii:
     SkeletonError
         If the shape is wrong or a radius is not a finite number > 0; the node is named.
     """
-    radii = _as_float(values, name)
+    radii = as_floats(values, name)
     if radii.ndim == 0:
         radii = np.full(count, float(radii))
     if radii.shape != (count,):
@@ -116,7 +116,14 @@ def as_quads(values: ArrayLike, name: str, count: int) -> Quads:
     return quads
 
 
-def _as_float(values: ArrayLike, name: str) -> Floats:
+def as_floats(values: ArrayLike, name: str) -> Floats:
+    """Return a copy of `values` as float64 of any shape, finite or not.
+
+    Raises
+    ------
+    SkeletonError
+        If they are not numbers.
+    """
     try:
         return np.array(values, dtype=np.float64, order="C")
     except (TypeError, ValueError, OverflowError) as error:

@@ -184,7 +184,7 @@ def _weld(nodes: Points, located: Bools, distance: float) -> Ints:
     if len(index) == 0:
         return target
     # Equal positions first: a heap of them would make the pairs below as many as its square.
-    place, first = _equal_positions(nodes[index])
+    place, first = equal_positions(nodes[index])
     pairs = cKDTree(nodes[index[first]]).query_pairs(distance, output_type="ndarray")
     place = component_labels(pairs, len(first))[place]
     _, first = np.unique(place, return_index=True)
@@ -192,11 +192,15 @@ def _weld(nodes: Points, located: Bools, distance: float) -> Ints:
     return target
 
 
-def _equal_positions(points: Points) -> tuple[Ints, Ints]:
-    """Return the place of each point, numbered by their first one, and that point."""
+def equal_positions(points: Points) -> tuple[Ints, Ints]:
+    """Return the place of each of `points` (n, 3), and the first point at each place.
+
+    Places are numbered in order of their first point.
+    """
     order = np.lexsort(points.T)
     ordered = points[order]
-    new = np.concatenate([[True], (ordered[1:] != ordered[:-1]).any(axis=1)])
+    new = np.ones(len(points), dtype=np.bool_)
+    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
     # The sort is stable: the first of a run of equals is the one of the lowest index.
     first = order[new]
     rank = np.empty(len(first), dtype=np.intp)

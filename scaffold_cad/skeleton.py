@@ -225,7 +225,8 @@ def check_skeleton(skeleton: Skeleton) -> None:
     ------
     SkeletonError
         For the first of: no edge, a self-loop, an isolated node, coincident nodes, an edge too
-        short for its direction to be computed, a repeated edge, two edges that leave a node within 0.01° of each other.
+        short for its direction to be computed, a repeated edge, two edges that leave a node
+        within 0.01° of each other.
     """
     nodes, edges = skeleton.nodes, skeleton.edges
     hint = "use Skeleton.cleaned() to repair it"

@@ -1,0 +1,152 @@
+"""Skeletons from files, and to JSON text.
+
+`read_skeleton` reads a file, repairs the faults that real files have, and logs what it did. A
+format is known by suffix (`known_suffixes`), or by content where the suffix is unknown or wrong;
+`register_reader` adds one.
+"""
+
+from __future__ import annotations
+
+import logging
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+
+from scaffold_cad.arrays import Floats
+from scaffold_cad.errors import FormatError, OptionError, SkeletonError
+
+# Importing these modules registers their formats.
+from scaffold_cad.io import _gel, _obj, _polylines, _swc, _threemf  # noqa: F401
+from scaffold_cad.io._formats import HEAD_SIZE, known_suffixes, reader_of, register_reader
+from scaffold_cad.io._json import skeleton_to_json
+from scaffold_cad.io._raw import RawSkeleton
+from scaffold_cad.repair import repaired
+from scaffold_cad.skeleton import Cleaning, Skeleton, check_skeleton
+
+__all__ = [
+    "RawSkeleton",
+    "known_suffixes",
+    "read_raw",
+    "read_skeleton",
+    "read_with_repairs",
+    "register_reader",
+    "skeleton_to_json",
+]
+
+_log = logging.getLogger(__name__)
+
+
+def read_skeleton(
+    path: str | PathLike[str],
+    radius: float | None = None,
+    strict: bool = False,
+    *,
+    weld_distance: float | None = None,
+    split_contacts: bool = False,
+) -> Skeleton:
+    """Return the skeleton that a file holds, repaired so that it can be scaffolded.
+
+    What was repaired is logged as a warning by the logger ``scaffold_cad.io``.
+
+    Parameters
+    ----------
+    path : a file of a format in `known_suffixes`
+    radius : mm, > 0; the radius of every node, instead of what the file holds; needed for
+        formats without radii
+    strict : whether to refuse what needs repair; then no option of repair may be given
+    weld_distance, split_contacts : options of `Skeleton.cleaned`
+
+    Raises
+    ------
+    FormatError
+        If the file cannot be read, or holds no edge, or no radii and none is given.
+    SkeletonError
+        If it cannot be repaired, or with `strict` if it needs repair; nodes and edges are
+        numbered from 0 in order of the file.
+    OptionError
+        If an option is out of range.
+    """
+    if not strict:
+        cleaning = read_with_repairs(
+            path, radius, weld_distance=weld_distance, split_contacts=split_contacts
+        )
+        if cleaning.repairs.total:
+            _log.warning("%s was repaired: %s", path, cleaning.repairs)
+        return cleaning.skeleton
+    if weld_distance is not None or split_contacts:
+        raise OptionError("strict reading repairs nothing; need no weld_distance, split_contacts")
+    raw = read_raw(path)
+    radii = _radii(Path(path), raw, radius)
+    try:
+        skeleton = Skeleton(raw.nodes, raw.edges, radii)
+        check_skeleton(skeleton)
+    except SkeletonError as error:
+        raise SkeletonError(f"{path}: {error}") from None
+    return skeleton
+
+
+def read_with_repairs(
+    path: str | PathLike[str],
+    radius: float | None = None,
+    *,
+    weld_distance: float | None = None,
+    split_contacts: bool = False,
+) -> Cleaning:
+    """Return the skeleton that a file holds as `read_skeleton` does, and what was repaired."""
+    raw = read_raw(path)
+    radii = _radii(Path(path), raw, radius)
+    try:
+        graph = repaired(
+            raw.nodes,
+            raw.edges,
+            radii,
+            weld_distance=weld_distance,
+            split_contacts=split_contacts,
+        )
+    except SkeletonError as error:
+        raise SkeletonError(f"{path}: {error}") from None
+    return Cleaning(Skeleton(graph.nodes, graph.edges, graph.radii), graph.repairs)
+
+
+def read_raw(path: str | PathLike[str]) -> RawSkeleton:
+    """Return the graph in a file as it is, faults included.
+
+    Raises
+    ------
+    FormatError
+        If the file cannot be read, or holds no edge.
+    """
+    path = Path(path)
+    try:
+        raw = reader_of(path, _head(path))(path)
+    except SkeletonError as error:
+        raise FormatError(f"{path}: {error}") from None
+    except OSError as error:
+        raise FormatError(f"{path} cannot be read: {error.strerror or error}") from None
+    if len(raw.edges) == 0:
+        raise FormatError(f"{path} has {len(raw.nodes)} nodes but no edges; need at least one")
+    _log.info("%s: %d nodes and %d edges read", path, len(raw.nodes), len(raw.edges))
+    return raw
+
+
+def _head(path: Path) -> bytes:
+    """Return the first bytes of a file, which must not be empty."""
+    if path.is_dir():
+        raise FormatError(f"{path} is a folder; need a file")
+    with path.open("rb") as stream:
+        head = stream.read(HEAD_SIZE)
+    if not head:
+        raise FormatError(f"{path} is empty; need {', '.join(known_suffixes())}")
+    return head
+
+
+def _radii(path: Path, raw: RawSkeleton, radius: float | None) -> Floats:
+    """Return the radius of each node: the one given, or what the file holds."""
+    if radius is not None:
+        if not 0 < radius < np.inf:
+            raise OptionError(f"radius is {radius:g} mm; need > 0")
+        return np.full(len(raw.nodes), float(radius))
+    if raw.radii is None:
+        raise FormatError(f"{path} has no radii; need radius=, the radius of every node in mm")
+    return raw.radii

@@ -1,0 +1,91 @@
+"""Our own format: JSON with the fields of a Skeleton.
+
+::
+
+    {
+      "format": "scaffold-cad skeleton",
+      "version": 1,
+      "units": "mm",
+      "nodes": [[0.0, 0.0, 0.0], [10.0, 0.0, 0.0]],
+      "edges": [[0, 1]],
+      "radii": [1.0, 1.5]
+    }
+
+Edges count nodes from 0. ``radii`` may be left out, and then whoever reads the file must give a
+radius; further keys are ignored. A change that old readers would misread raises ``version``.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, NoReturn
+
+from scaffold_cad.arrays import as_points
+from scaffold_cad.errors import FormatError
+from scaffold_cad.io._formats import register_reader
+from scaffold_cad.io._raw import RawSkeleton
+from scaffold_cad.io._text import read_text
+from scaffold_cad.skeleton import Skeleton
+
+FORMAT = "scaffold-cad skeleton"
+VERSION = 1
+UNITS = "mm"
+
+
+def _recognises(head: bytes) -> bool:
+    return head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{") and FORMAT.encode() in head
+
+
+@register_reader("scaffold-cad JSON", ".json", recognises=_recognises)
+def read_json(path: Path) -> RawSkeleton:
+    """Read a skeleton from our JSON format, which this module documents."""
+    document = _document(path)
+    nodes = as_points(document["nodes"], "nodes")
+    return RawSkeleton(nodes, document["edges"], document.get("radii"))
+
+
+def skeleton_to_json(skeleton: Skeleton) -> str:
+    """Return `skeleton` as text in our JSON format, one node, edge or radius a line.
+
+    Numbers are written so that reading them gives the same float64.
+    """
+    fields: dict[str, Any] = {"format": FORMAT, "version": VERSION, "units": UNITS}
+    lines = [f"  {json.dumps(key)}: {json.dumps(value)}" for key, value in fields.items()]
+    rows = {"nodes": skeleton.nodes, "edges": skeleton.edges, "radii": skeleton.radii}
+    lines += [f'  "{key}": [{_block(values.tolist())}]' for key, values in rows.items()]
+    return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def _block(values: list[Any]) -> str:
+    """Return the items of a list on a line each."""
+    if not values:
+        return ""
+    return "\n    " + ",\n    ".join(str(value) for value in values) + "\n  "
+
+
+def _document(path: Path) -> dict[str, Any]:
+    """Return the JSON object in a file, if it is of our format and of a version we know."""
+    text = read_text(path)
+    try:
+        document = json.loads(text, parse_constant=_refuse_constant)
+    except json.JSONDecodeError as error:
+        raise FormatError(f"{path}, line {error.lineno}: {error.msg}; need JSON") from None
+    except ValueError as error:
+        raise FormatError(f"{path}: {error}; need finite numbers") from None
+    except RecursionError:
+        raise FormatError(f"{path} is nested too deeply; need lists of numbers") from None
+    if not isinstance(document, dict) or document.get("format") != FORMAT:
+        raise FormatError(f'{path} is JSON of another kind; need "format": "{FORMAT}"')
+    for key, known in (("version", VERSION), ("units", UNITS)):
+        if document.get(key) != known:
+            found = json.dumps(document.get(key))
+            raise FormatError(f'{path} has "{key}": {found}; need {json.dumps(known)}')
+    for key in ("nodes", "edges"):
+        if not isinstance(document.get(key), list):
+            raise FormatError(f'{path} has no list "{key}"; need one')
+    return document
+
+
+def _refuse_constant(name: str) -> NoReturn:
+    raise ValueError(f"{name} is no JSON number")

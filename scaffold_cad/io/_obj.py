@@ -1,0 +1,100 @@
+"""Wavefront OBJ, and PyMesh's `.wire`: line elements, and Rhino's curves of degree 1."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from scaffold_cad.errors import FormatError
+from scaffold_cad.io._formats import register_reader
+from scaffold_cad.io._raw import RawSkeleton
+from scaffold_cad.io._text import (
+    Row,
+    float_columns,
+    first_words,
+    line_error,
+    read_rows,
+    short_row,
+)
+
+_KEYWORDS = frozenset(
+    ["v", "vt", "vn", "vp", "p", "l", "f", "o", "g", "s", "mtllib", "usemtl", "cstype", "deg"]
+)
+_VERTEX = "a vertex: v x y z"
+_ELEMENTS = {
+    "l": (1, "a line element: l i j ..., with two vertices or more"),
+    "curv": (3, "a curve: curv u0 u1 i j ..., with two vertices or more"),
+}
+"""Where the vertices of an element begin among its words, and what it must be."""
+
+
+def _recognises(head: bytes) -> bool:
+    return not _KEYWORDS.isdisjoint(first_words(head)[:1])
+
+
+@register_reader("OBJ", ".obj", ".wire", recognises=_recognises)
+def read_obj(path: Path) -> RawSkeleton:
+    """Read the lines of an OBJ file, which has no radii.
+
+    Those are the elements ``l`` and the curves ``curv`` of degree 1, as Rhino writes polylines.
+    Vertices that no line uses, as those of faces, are left out, and so is all else.
+    """
+    rows = _joined(read_rows(path))
+    vertices = [row for row in rows if row[1][0] == "v"]
+    edges = _edges(path, rows, len(vertices))
+    if not edges:
+        found = "only faces" if any(words[0] == "f" for _, words in rows) else "no elements"
+        raise FormatError(f"{path} has {found}; need line elements ('l' or 'curv')")
+    nodes = float_columns(path, vertices, 1, 3, _VERTEX)
+    used, compact = np.unique(np.asarray(edges, dtype=np.intp), return_inverse=True)
+    return RawSkeleton(nodes[used], compact.reshape(-1, 2))
+
+
+def _joined(rows: list[Row]) -> list[Row]:
+    """Return the rows with each that ends in a backslash joined to the next."""
+    joined: list[Row] = []
+    for line, words in rows:
+        before = joined[-1][1] if joined else [""]
+        if before[-1].endswith("\\"):
+            before[-1:] = filter(None, [before[-1].removesuffix("\\"), *words])
+        else:
+            joined.append((line, words))
+    return joined
+
+
+def _edges(path: Path, rows: list[Row], total: int) -> list[tuple[int, int]]:
+    """Return the pairs of vertices that the lines and curves join, counted from 0."""
+    edges: list[tuple[int, int]] = []
+    seen = 0  # vertices so far: what negative indices count back from
+    degree = "unknown"
+    for line, words in rows:
+        keyword = words[0]
+        if keyword == "v":
+            seen += 1
+        elif keyword == "deg":
+            degree = " ".join(words[1:])
+        elif keyword in _ELEMENTS:
+            if keyword == "curv" and degree != "1":
+                raise line_error(path, line, f"a curve of degree {degree}", "degree 1")
+            first, need = _ELEMENTS[keyword]
+            if len(words) < first + 2:
+                raise short_row(path, line, words, need)
+            edges += pairwise(_vertices(path, line, words[first:], seen, total))
+    return edges
+
+
+def _vertices(path: Path, line: int, words: list[str], seen: int, total: int) -> list[int]:
+    """Return the vertices, counted from 0, that words such as ``i``, ``i/t`` and ``-i`` name."""
+    try:
+        numbers = [int(word.partition("/")[0]) for word in words]
+    except ValueError:
+        raise line_error(path, line, f"{' '.join(words)!r}", "numbers of vertices") from None
+    if 0 in numbers:
+        need = "1 or more: OBJ counts from 1, and this file seems to count from 0"
+        raise line_error(path, line, "vertex 0", need)
+    for number in (min(numbers), max(numbers)):
+        if not -seen <= number <= total:
+            raise line_error(path, line, f"vertex {number}", f"1 to {total}, or -1 to -{seen}")
+    return [number - 1 if number > 0 else seen + number for number in numbers]

@@ -1,0 +1,60 @@
+"""RawSkeleton: what a file holds, before any repair."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scaffold_cad.arrays import Bools, Edges, Floats, Points, as_edges, as_floats, read_only
+from scaffold_cad.errors import SkeletonError
+
+LARGEST_COORDINATE = 1e12
+"""Largest coordinate or radius that is believed, mm: a million km."""
+
+
+@dataclass(frozen=True, eq=False)
+class RawSkeleton:
+    """A graph as a file holds it: perhaps with faults, perhaps without radii.
+
+    The constructor refuses what no repair could use: arrays that do not fit each other, indices
+    out of range, and numbers beyond `LARGEST_COORDINATE`.
+    """
+
+    nodes: Points
+    """Node positions, shape (n, 3), mm; NaN where the file gives a node none."""
+    edges: Edges
+    """Node pairs, shape (m, 2), all in 0..n-1."""
+    radii: Floats | None = None
+    """Radius of each node, shape (n,), mm, or None if the file holds no radii."""
+
+    def __post_init__(self) -> None:
+        nodes = as_floats(self.nodes, "nodes")
+        if nodes.ndim != 2 or nodes.shape[1] != 3:
+            raise SkeletonError(f"nodes have shape {nodes.shape}; need (n, 3)")
+        _refuse_first(np.abs(nodes).max(axis=1, initial=0.0) > LARGEST_COORDINATE, "is at", nodes)
+        read_only(nodes)
+        object.__setattr__(self, "nodes", nodes)
+        object.__setattr__(self, "edges", as_edges(self.edges, "edges", count=len(nodes)))
+        if self.radii is not None:
+            object.__setattr__(self, "radii", _as_raw_radii(self.radii, count=len(nodes)))
+
+
+def _as_raw_radii(values: ArrayLike, count: int) -> Floats:
+    radii = as_floats(values, "radii")
+    if radii.shape != (count,):
+        raise SkeletonError(f"radii have shape {radii.shape}; need ({count},), one a node")
+    _refuse_first(np.abs(radii) > LARGEST_COORDINATE, "has radius", radii)
+    read_only(radii)
+    return radii
+
+
+def _refuse_first(absurd: Bools, verb: str, values: Floats) -> None:
+    """Raise for the first node marked in `absurd` (n,)."""
+    found = np.flatnonzero(absurd)
+    if len(found):
+        value = values[found[0]].tolist()
+        raise SkeletonError(
+            f"node {found[0]} {verb} {value} mm; need at most {LARGEST_COORDINATE:g}"
+        )

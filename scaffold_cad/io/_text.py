@@ -1,0 +1,144 @@
+"""Lines of words and numbers, and errors that name the line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+
+from scaffold_cad.arrays import Floats, Ints
+from scaffold_cad.errors import FormatError
+
+Row: TypeAlias = tuple[int, list[str]]
+"""Number of a line, from 1, and its words."""
+
+LARGEST_FILE = 2**30
+"""Most bytes that are read from a file or an archive's part: 20 million struts and more."""
+
+
+def read_text(path: Path) -> str:
+    """Return the text of a file, its line ends made one; what is not UTF-8 becomes U+FFFD.
+
+    Raises
+    ------
+    FormatError
+        If the file is too large or is not text.
+    """
+    size = path.stat().st_size
+    if size > LARGEST_FILE:
+        raise FormatError(f"{path} has {size} bytes; need at most {LARGEST_FILE}")
+    data = path.read_bytes()
+    if b"\0" in data:
+        raise FormatError(f"{path} is not text: byte {data.index(0)} is zero; need UTF-8 text")
+    text = data.decode("utf-8-sig", errors="replace")
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def read_rows(path: Path) -> list[Row]:
+    """Return the lines of a text file that hold more than a comment, which begins with ``#``."""
+    rows = []
+    for number, line in enumerate(read_text(path).split("\n"), start=1):
+        words = line.partition("#")[0].split()
+        if words:
+            rows.append((number, words))
+    return rows
+
+
+def first_words(head: bytes) -> list[str]:
+    """Return the words of the first line that holds more than a comment; none if binary."""
+    if b"\0" in head:
+        return []
+    lines = head.decode("utf-8-sig", errors="replace").splitlines()
+    return next((words for line in lines if (words := line.partition("#")[0].split())), [])
+
+
+def is_number(word: str) -> bool:
+    """Return whether `word` is a number, NaN and infinity included."""
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def line_error(path: Path | str, line: int, found: str, needed: str) -> FormatError:
+    """Return the error for a line of a text file."""
+    shown = found if len(found) <= 80 else f"{found[:80]}..."
+    return FormatError(f"{path}, line {line}: {shown}; need {needed}")
+
+
+def float_columns(path: Path, rows: Sequence[Row], first: int, count: int, need: str) -> Floats:
+    """Return words `first` to `first + count - 1` of each row as numbers, shape (k, count).
+
+    Raises
+    ------
+    FormatError
+        If a row is too short or a word is not a number; the line is named, and `need`.
+    """
+    chosen = slice(first, first + count)
+    numbers = floats(path, rows, chosen, need)
+    if len(numbers) != count * len(rows):
+        line, words = next(row for row in rows if len(row[1]) < chosen.stop)
+        raise short_row(path, line, words, need)
+    return numbers.reshape(-1, count)
+
+
+def floats(path: Path, rows: Sequence[Row], chosen: slice, need: str) -> Floats:
+    """Return the words that are `chosen` of each row as numbers, one row after the other.
+
+    Raises
+    ------
+    FormatError
+        If a word is not a number; the line is named, and `need`.
+    """
+    try:
+        return np.asarray([float(word) for _, words in rows for word in words[chosen]])
+    except ValueError:
+        line, word = next(
+            (line, word) for line, words in rows for word in words[chosen] if not is_number(word)
+        )
+        raise line_error(path, line, f"{word!r} is not a number", need) from None
+
+
+def short_row(path: Path, line: int, words: list[str], need: str) -> FormatError:
+    """Return the error for a line with too few words."""
+    return line_error(path, line, f"{' '.join(words)!r} is too short", need)
+
+
+def whole_number(path: Path, line: int, word: str, need: str) -> int:
+    """Return `word` as a whole number.
+
+    Raises
+    ------
+    FormatError
+        If it is none; the line is named, and `need`.
+    """
+    try:
+        return int(word)
+    except ValueError:
+        raise line_error(path, line, f"{word!r} is not a whole number", need) from None
+
+
+def index_columns(
+    path: Path, rows: Sequence[Row], first: int, count: int, limit: int, need: str
+) -> Ints:
+    """Return words `first` to `first + count - 1` of each row as indices, shape (k, count).
+
+    Raises
+    ------
+    FormatError
+        If a row is too short or a word is not a whole number in 0..limit-1; the line is named,
+        and `need`.
+    """
+    flat = []
+    for line, words in rows:
+        if len(words) < first + count:
+            raise short_row(path, line, words, need)
+        for word in words[first : first + count]:
+            index = whole_number(path, line, word, need)
+            if not 0 <= index < limit:
+                raise line_error(path, line, f"index {word}", f"0 to {limit - 1}")
+            flat.append(index)
+    return np.asarray(flat, dtype=np.intp).reshape(-1, count)
