@@ -6,7 +6,7 @@ from pathlib import Path
 
 from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._raw import RawSkeleton
-from scaffold_cad.io._text import float_columns, first_words, index_columns, line_error, read_rows
+from scaffold_cad.io._text import first_words, float_columns, index_columns, line_error, read_rows
 
 _NODE = "a node: n x y z"
 _EDGE = "an edge: c i j"

@@ -12,8 +12,8 @@ from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import (
     Row,
-    float_columns,
     first_words,
+    float_columns,
     line_error,
     read_rows,
     short_row,

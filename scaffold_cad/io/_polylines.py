@@ -9,8 +9,8 @@ import numpy as np
 from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import (
-    floats,
     first_words,
+    floats,
     is_number,
     line_error,
     read_rows,

@@ -6,14 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
-from scaffold_cad.arrays import Edges, Floats, Ints
+from scaffold_cad.arrays import Bools, Edges, Floats, Ints
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import (
     Row,
-    float_columns,
     first_words,
+    float_columns,
     is_number,
     line_error,
     read_rows,
@@ -67,10 +67,10 @@ def _edges(path: Path, rows: list[Row], number: Floats, parent: Floats) -> Edges
 
 
 def _refuse(
-    path: Path, rows: list[Row], bad: np.ndarray, found: str, column: Floats, needed: str
+    path: Path, rows: list[Row], bad: Bools, found: str, column: Floats, needed: str
 ) -> None:
     """Raise for the first row marked in `bad`, with its value of `column` in `found`."""
     where = np.flatnonzero(bad)
     if len(where):
-        value = f"{column[where[0]]:g}"
+        value = f"{column[where[0]]:.15g}"
         raise line_error(path, rows[where[0]][0], found.format(value), needed)
