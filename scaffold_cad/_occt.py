@@ -1,0 +1,304 @@
+"""B-rep topology and files by OCCT: the only module that imports build123d and its OCP.
+
+Importing it takes seconds, so `brep.py` does it inside its functions.
+
+Neighbouring faces share their `TopoDS_Edge` and `TopoDS_Vertex` from the start: there is nothing
+to sew, and every tolerance is `TOLERANCE`.
+"""
+
+from __future__ import annotations
+
+import gc
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+from build123d import Compound, Shape, Shell, Solid, Unit
+from build123d import export_brep as write_brep_file
+from build123d import export_step as write_step_file
+from OCP.BRep import BRep_Builder
+from OCP.Geom import (
+    Geom_BezierCurve,
+    Geom_BezierSurface,
+    Geom_Curve,
+    Geom_Line,
+    Geom_Plane,
+    Geom_Surface,
+)
+from OCP.Geom2d import Geom2d_BSplineCurve, Geom2d_Curve, Geom2d_Line
+from OCP.gp import gp_Ax3, gp_Dir, gp_Dir2d, gp_Pnt, gp_Pnt2d
+from OCP.Interface import Interface_Static
+from OCP.Message import Message, Message_Gravity
+from OCP.TopoDS import (
+    TopoDS_Edge,
+    TopoDS_Face,
+    TopoDS_Shell,
+    TopoDS_Solid,
+    TopoDS_Vertex,
+    TopoDS_Wire,
+)
+
+from scaffold_cad.arrays import Points, Triangles
+from scaffold_cad.beziermesh import BezierMesh
+from scaffold_cad.vectors import length
+
+try:  # OCP 8, of build123d 0.13
+    from OCP.collections import Array1_double as Reals
+    from OCP.collections import Array1_gp_Pnt as PointRow
+    from OCP.collections import Array1_gp_Pnt2d as PlanePointRow
+    from OCP.collections import Array1_int as Integers
+    from OCP.collections import Array2_gp_Pnt as PointGrid
+except ImportError:  # OCP 7.9, of build123d 0.12
+    from OCP.TColgp import TColgp_Array1OfPnt as PointRow
+    from OCP.TColgp import TColgp_Array1OfPnt2d as PlanePointRow
+    from OCP.TColgp import TColgp_Array2OfPnt as PointGrid
+    from OCP.TColStd import TColStd_Array1OfInteger as Integers
+    from OCP.TColStd import TColStd_Array1OfReal as Reals
+
+TOLERANCE = 1e-7
+"""Tolerance of every vertex, edge and face, mm: OCCT's Precision::Confusion."""
+
+UNIT_SQUARE = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+"""Parameters (u, v) of a patch's corners in the order of its quad."""
+
+CHUNK = 4096
+"""Patches whose numbers are Python objects at a time: bounds the memory they take."""
+
+
+def make_shape(
+    patches: BezierMesh, shells: Sequence[Sequence[int]], closed: Sequence[bool], kind: str
+) -> Shape:
+    """Return a `kind` of each shell, and a Compound of several.
+
+    Parameters
+    ----------
+    patches : the surfaces
+    shells : the quads of each shell
+    closed : whether each shell is closed
+    kind : "solid" or "shell"
+    """
+    with _collector_paused():
+        faces = _faces(patches)
+    shapes = []
+    for quads, is_closed in zip(shells, closed, strict=True):
+        shell = _shell([faces[quad] for quad in quads], is_closed)
+        # `Solid(Shell)` would run a repair that takes longer than all the rest.
+        shapes.append(Solid(_solid(shell)) if kind == "solid" else Shell(shell))
+    return shapes[0] if len(shapes) == 1 else Compound(shapes)
+
+
+def _faces(patches: BezierMesh) -> list[TopoDS_Face]:
+    """Return a face on each patch; neighbours share their edges."""
+    builder = BRep_Builder()
+    edges = _edges(patches)
+    turned = [(edge, edge.Reversed()) for edge in edges]
+    uses = 2 * patches.mesh.edge_of_half_edge.reshape(-1, 4) + ~patches.runs_forward
+    side_curve = _side_curves(patches)
+    faces = []
+    for (surface, needs_curves), sides in zip(_surfaces(patches), uses.tolist(), strict=True):
+        face = TopoDS_Face()
+        builder.MakeFace(face, surface, TOLERANCE)
+        wire = TopoDS_Wire()
+        builder.MakeWire(wire)
+        for side, use in enumerate(sides):
+            if needs_curves:
+                builder.UpdateEdge(edges[use >> 1], side_curve(side, use), face, TOLERANCE)
+            builder.Add(wire, turned[use >> 1][use & 1])
+        wire.Closed(True)
+        builder.Add(face, wire)
+        faces.append(face)
+    return faces
+
+
+def _edges(patches: BezierMesh) -> list[TopoDS_Edge]:
+    """Return the edges of the mesh, each from its lower vertex to its higher one."""
+    builder = BRep_Builder()
+    starts, ends = [], []
+    for x, y, z in patches.mesh.vertices.tolist():
+        vertex = TopoDS_Vertex()
+        builder.MakeVertex(vertex, gp_Pnt(x, y, z), TOLERANCE)
+        starts.append(vertex)
+        ends.append(vertex.Reversed())
+    edges = []
+    for (low, high), (curve, last) in zip(
+        patches.mesh.edges.tolist(), _curves(patches), strict=True
+    ):
+        edge = TopoDS_Edge()
+        builder.MakeEdge(edge, curve, TOLERANCE)
+        builder.Range(edge, 0.0, last)
+        builder.Add(edge, starts[low])
+        builder.Add(edge, ends[high])
+        edges.append(edge)
+    return edges
+
+
+def _curves(patches: BezierMesh) -> Iterator[tuple[Geom_Curve, float]]:
+    """Yield the curve of each edge and its last parameter; the first is 0."""
+    points = patches.edge_control_points
+    if patches.degree == 1:
+        spans = points[:, 1] - points[:, 0]
+        for (x, y, z), (dx, dy, dz), last in zip(
+            points[:, 0].tolist(), spans.tolist(), length(spans).tolist(), strict=True
+        ):
+            yield Geom_Line(gp_Pnt(x, y, z), gp_Dir(dx, dy, dz)), last
+        return
+    row = PointRow(1, patches.degree + 1)
+    poles: list[list[float]]
+    for poles in points.tolist():
+        for i, (x, y, z) in enumerate(poles, start=1):
+            row.SetValue(i, gp_Pnt(x, y, z))
+        yield Geom_BezierCurve(row), 1.0
+
+
+def _surfaces(patches: BezierMesh) -> Iterator[tuple[Geom_Surface, bool]]:
+    """Yield the surface of each patch, and whether its edges need curves in its parameters.
+
+    On a plane OCCT works them out by itself.
+    """
+    count = patches.degree + 1
+    grid = PointGrid(1, count, 1, count)
+    places = [(i, j) for i in range(1, count + 1) for j in range(1, count + 1)]
+    points = patches.control_points.reshape(-1, count**2, 3)
+    normals = patches.plane_normals
+    for start in range(0, len(points), CHUNK):
+        chunk = slice(start, start + CHUNK)
+        for poles, normal in zip(points[chunk].tolist(), normals[chunk].tolist(), strict=True):
+            if any(normal):
+                yield _plane(poles[0], poles[2], normal), False
+                continue
+            for (i, j), (x, y, z) in zip(places, poles, strict=True):
+                grid.SetValue(i, j, gp_Pnt(x, y, z))
+            yield Geom_BezierSurface(grid), True
+
+
+def _plane(origin: list[float], along: list[float], normal: list[float]) -> Geom_Plane:
+    """Return the plane through `origin` with x towards `along` and z along `normal`."""
+    x = gp_Dir(*(b - a for a, b in zip(origin, along, strict=True)))
+    return Geom_Plane(gp_Ax3(gp_Pnt(*origin), gp_Dir(*normal), x))
+
+
+def _side_curves(patches: BezierMesh) -> Callable[[int, int], Geom2d_Curve]:
+    """Return what gives the curve of an edge along a side of the unit square.
+
+    It takes the side and 2 e for edge e, or 2 e + 1 where the side runs against it; the curve has
+    the edge's own parameter.
+    """
+    sides = list(zip(UNIT_SQUARE, UNIT_SQUARE[1:] + UNIT_SQUARE[:1], strict=True))
+    if patches.degree > 1:
+        lines = [(_unit_line(start, end), _unit_line(end, start)) for start, end in sides]
+        return lambda side, use: lines[side][use & 1]
+
+    splines = [(_linear_spline(start, end), _linear_spline(end, start)) for start, end in sides]
+    spans = patches.edge_control_points[:, 1] - patches.edge_control_points[:, 0]
+    lengths = length(spans).tolist()
+
+    def stretched(side: int, use: int) -> Geom2d_Curve:
+        spline = splines[side][use & 1].Copy()
+        spline.SetKnot(2, lengths[use >> 1])
+        return spline
+
+    return stretched
+
+
+def _unit_line(start: tuple[float, float], end: tuple[float, float]) -> Geom2d_Line:
+    """Return the line that is at `start` for 0 and at `end`, 1 away, for 1."""
+    return Geom2d_Line(gp_Pnt2d(*start), gp_Dir2d(end[0] - start[0], end[1] - start[1]))
+
+
+def _linear_spline(start: tuple[float, float], end: tuple[float, float]) -> Geom2d_BSplineCurve:
+    """Return the spline of degree 1 from `start` for 0 to `end` for 1."""
+    poles, knots, multiplicities = PlanePointRow(1, 2), Reals(1, 2), Integers(1, 2)
+    for i, point in ((1, start), (2, end)):
+        poles.SetValue(i, gp_Pnt2d(*point))
+        knots.SetValue(i, i - 1.0)
+        multiplicities.SetValue(i, 2)
+    return Geom2d_BSplineCurve(poles, knots, multiplicities, 1)
+
+
+def _shell(faces: list[TopoDS_Face], is_closed: bool) -> TopoDS_Shell:
+    builder = BRep_Builder()
+    shell = TopoDS_Shell()
+    builder.MakeShell(shell)
+    for face in faces:
+        builder.Add(shell, face)
+    shell.Closed(is_closed)
+    return shell
+
+
+def _solid(shell: TopoDS_Shell) -> TopoDS_Solid:
+    builder = BRep_Builder()
+    solid = TopoDS_Solid()
+    builder.MakeSolid(solid)
+    builder.Add(solid, shell)
+    return solid
+
+
+def tessellate(shape: Shape, distance: float, angle: float) -> tuple[Points, Triangles]:
+    """Return vertices (v, 3), mm, and triangles (t, 3) of `shape`; faces share their vertices.
+
+    Parameters
+    ----------
+    shape : a build123d shape with faces
+    distance : largest distance of a triangle from its face, mm
+    angle : largest angle between neighbouring triangles of a face, rad
+    """
+    points, triangles = shape.tessellate(distance, angle)
+    corners = np.array([(p.X, p.Y, p.Z) for p in points], dtype=np.float64).reshape(-1, 3)
+    # Faces hold the same points of a shared edge, up to rounding.
+    _, first, vertex = np.unique(
+        np.round(corners / TOLERANCE), axis=0, return_index=True, return_inverse=True
+    )
+    welded = vertex.reshape(-1)[np.array(triangles, dtype=np.intp).reshape(-1, 3)]
+    return corners[first], welded
+
+
+def export_step(shape: Shape, path: Path, *, write_pcurves: bool) -> bool:
+    """Write `shape` to a STEP file in mm; return whether OCCT says it did."""
+    with _quiet(), _restored("write.surfacecurve.mode", "write.precision.mode"):
+        return bool(write_step_file(shape, path, Unit.MM, write_pcurves=write_pcurves))
+
+
+def export_brep(shape: Shape, path: Path) -> bool:
+    """Write `shape` to a BREP file; return whether OCCT says it did."""
+    return bool(write_brep_file(shape, path))
+
+
+@contextmanager
+def _collector_paused() -> Iterator[None]:
+    """Keep Python from looking for cycles, which OCCT's objects never form, as they are made.
+
+    It would look at all that exists again and again, and take a third of the time.
+    """
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
+
+
+@contextmanager
+def _restored(*settings: str) -> Iterator[None]:
+    """Give OCCT's integer `settings`, which all of a process shares, back their values."""
+    before = {name: Interface_Static.IVal_s(name) for name in settings}
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            Interface_Static.SetIVal_s(name, value)
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep OCCT from printing what is no failure."""
+    printers = list(Message.DefaultMessenger_s().Printers())
+    before = [printer.GetTraceLevel() for printer in printers]
+    try:
+        for printer in printers:
+            printer.SetTraceLevel(Message_Gravity.Message_Fail)
+        yield
+    finally:
+        for printer, level in zip(printers, before, strict=True):
+            printer.SetTraceLevel(level)

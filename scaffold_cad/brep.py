@@ -1,0 +1,155 @@
+"""B-rep shells and solids of quad and Bézier meshes, for build123d.
+
+A quad becomes one face: on a plane where its corners are coplanar, else on its bilinear patch;
+a patch of higher degree stays as it is. build123d is imported when the first shape is made.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, get_args
+
+import numpy as np
+
+from scaffold_cad.backends import need
+from scaffold_cad.beziermesh import BezierMesh
+from scaffold_cad.errors import BrepError, FormatError, OptionError
+from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.shells import check_oriented, check_solid, quads_of_shells
+from scaffold_cad.trianglemesh import TriangleMesh
+from scaffold_cad.vectors import length
+
+if TYPE_CHECKING:
+    from build123d import Shape
+
+Kind = Literal["solid", "shell"]
+"""What a mesh becomes: solids, or shells, which may be open."""
+
+LEAST_SIZE = 2e-7
+"""Least length of an edge and least height of a quad, mm: twice the tolerance of CAD systems."""
+
+TESSELLATION_DISTANCE = 0.01
+"""Largest distance between a face and its triangles, mm."""
+
+TESSELLATION_ANGLE = 0.1
+"""Largest angle between neighbouring triangles of a face, rad."""
+
+
+def to_brep(mesh: QuadMesh | BezierMesh, kind: Kind = "solid") -> Shape:
+    """Return the B-rep of `mesh`: one face a quad, neighbours sharing their edges.
+
+    Parameters
+    ----------
+    mesh : for solids closed and outward; for shells neighbouring quads must agree in direction
+    kind : "solid" or "shell"
+
+    Returns
+    -------
+    build123d Solid or Shell, or a Compound of them if the mesh is not connected. The faces of each
+    are in the order of their quads.
+
+    Raises
+    ------
+    MeshError
+        If the mesh is not closed (solids), not oriented, or inside out (solids).
+    BrepError
+        If an edge or a quad is smaller than the tolerance of CAD systems.
+    MissingBackendError
+        If build123d is not installed.
+    """
+    if kind not in get_args(Kind):
+        raise OptionError(f"kind is {kind!r}; need one of {', '.join(get_args(Kind))}")
+    patches = BezierMesh.bilinear(mesh) if isinstance(mesh, QuadMesh) else mesh
+    if kind == "solid":
+        check_solid(patches.mesh)
+    else:
+        check_oriented(patches.mesh)
+    check_sizes(patches)
+
+    edge = patches.mesh.edge_of_half_edge
+    is_open = (np.bincount(edge)[edge] == 1).reshape(-1, 4).any(axis=1)  # (f,)
+    shells = quads_of_shells(patches.mesh)
+    closed = [not is_open[quads].any() for quads in shells]
+
+    need("build123d", "a B-rep")
+    from scaffold_cad import _occt
+
+    return _occt.make_shape(patches, [quads.tolist() for quads in shells], closed, kind)
+
+
+def check_sizes(patches: BezierMesh) -> None:
+    """Raise unless every edge and every quad is larger than the tolerance of CAD systems.
+
+    Raises
+    ------
+    BrepError
+        If an edge is too short or a quad of degree 1 has no area; it is named.
+    """
+    ends = patches.edge_control_points[:, [0, -1]]  # (e, 2, 3)
+    spans = length(ends[:, 1] - ends[:, 0])
+    short = np.flatnonzero(spans < LEAST_SIZE)
+    if len(short):
+        a, b = patches.mesh.edges[short[0]].tolist()
+        raise BrepError(
+            f"the edge between vertices {a} and {b} is {spans[short[0]]:g} mm long; "
+            f"need {LEAST_SIZE:g} mm or more"
+        )
+    if patches.degree > 1:
+        return
+    corners = patches.mesh.vertices[patches.quads]  # (f, 4, 3)
+    ahead = np.roll(corners, -1, axis=1) - corners
+    areas = length(np.cross(ahead, np.roll(ahead, -1, axis=1))).max(axis=1)  # (f,)
+    heights = areas / length(ahead).max(axis=1)
+    thin = np.flatnonzero(heights < LEAST_SIZE)
+    if len(thin):
+        raise BrepError(
+            f"quad {thin[0]} is {heights[thin[0]]:g} mm wide; need {LEAST_SIZE:g} mm or more"
+        )
+
+
+def tessellated(shape: Shape) -> TriangleMesh:
+    """Return the triangles of a build123d shape, at most 0.01 mm and 0.1 rad off its faces."""
+    from scaffold_cad import _occt
+
+    return TriangleMesh(*_occt.tessellate(shape, TESSELLATION_DISTANCE, TESSELLATION_ANGLE))
+
+
+def export_step(shape: Shape, path: Path, *, write_pcurves: bool = False) -> None:
+    """Write a build123d shape to a STEP file in mm.
+
+    Parameters
+    ----------
+    shape : any build123d shape; its labels and colours are kept
+    path : of the file; `export.write` writes it whole or not at all
+    write_pcurves : whether each edge is also written in the parameters of its faces, which doubles
+        the file and spares a reader the work
+
+    Raises
+    ------
+    FormatError
+        If OCCT cannot write the file.
+    """
+    need("build123d", "a STEP file")
+    from scaffold_cad import _occt
+
+    try:
+        done = _occt.export_step(shape, path, write_pcurves=write_pcurves)
+    except RuntimeError as error:
+        raise FormatError(f"cannot write {path}: {error}") from None
+    if not done:
+        raise FormatError(f"cannot write {path}: OCCT's STEP writer failed")
+
+
+def export_brep(shape: Shape, path: Path) -> None:
+    """Write a build123d shape to a BREP file, OCCT's own format.
+
+    Raises
+    ------
+    FormatError
+        If OCCT cannot write the file.
+    """
+    need("build123d", "a BREP file")
+    from scaffold_cad import _occt
+
+    if not _occt.export_brep(shape, path):
+        raise FormatError(f"cannot write {path}: OCCT's BREP writer failed")

@@ -1,0 +1,248 @@
+"""write(): what the package makes, as a file whose suffix names the format.
+
+======================  ====================================================================
+.step .stp              solids, mm; a face named after its skeleton edge; build123d shapes too
+.brep                   OCCT's own format, mm
+.stl                    binary, 32-bit coordinates, mm
+.3mf                    one mesh object, 32-bit coordinates, mm
+.obj .ply               quads stay quads, 64-bit coordinates, mm
+.glb                    metres and y up, as glTF asks
+.json                   a skeleton, as `read_skeleton` reads it
+======================  ====================================================================
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from scaffold_cad import brep
+from scaffold_cad.beziermesh import BezierMesh
+from scaffold_cad.errors import FormatError, OptionError
+from scaffold_cad.files import check_target, replacing
+from scaffold_cad.io import skeleton_to_json
+from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.scaffold import Scaffold
+from scaffold_cad.shells import check_solid
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.solid import manifold_triangles
+from scaffold_cad.trianglemesh import TriangleMesh
+from scaffold_cad.writers.glb import write_glb
+from scaffold_cad.writers.obj import write_obj
+from scaffold_cad.writers.ply import write_ply
+from scaffold_cad.writers.step import write_step
+from scaffold_cad.writers.stl import write_stl
+from scaffold_cad.writers.threemf import write_3mf
+
+BREP_SUFFIXES = (".step", ".stp", ".brep")
+"""Suffixes of the formats that hold B-reps."""
+
+
+@dataclass(frozen=True)
+class Content:
+    """What a file shall hold."""
+
+    what: Any
+    """The object given to `write`."""
+    name: str
+    """The name of the file without its suffix."""
+    write_pcurves: bool
+    """Whether edges are also written in the parameters of their faces (STEP only)."""
+
+
+Writer: TypeAlias = Callable[[Content, Path], None]
+"""Writes a file, which exists and is empty."""
+
+_writers: dict[str, Writer] = {}
+
+
+def register_writer(*suffixes: str) -> Callable[[Writer], Writer]:
+    """Register the decorated writer for files with one of `suffixes`, such as ".stl"."""
+
+    def register(writer: Writer) -> Writer:
+        _writers.update(dict.fromkeys(suffixes, writer))
+        return writer
+
+    return register
+
+
+def write(what: Any, path: str | PathLike[str], *, write_pcurves: bool = False) -> None:
+    """Write `what` to the file at `path`, whole or not at all.
+
+    Parameters
+    ----------
+    what : a Scaffold, a QuadMesh or a BezierMesh for any format but JSON; a TriangleMesh, a
+        manifold3d Manifold or a trimesh Trimesh for mesh formats; a build123d shape, which mesh
+        formats get within 0.01 mm; a Skeleton for JSON
+    path : of the file; its suffix names the format
+    write_pcurves : whether a STEP file also holds each edge in the parameters of its faces: twice
+        the size, and less work for some readers
+
+    Raises
+    ------
+    FormatError
+        If the suffix is unknown, the format cannot hold `what`, or the file cannot be written.
+    MeshError, BrepError
+        If a B-rep is asked for and the mesh does not bound a solid.
+    OptionError
+        If `write_pcurves` is asked of another format than STEP.
+    MissingBackendError
+        If the package that writes the format is not installed.
+    """
+    path = Path(path)
+    writer = _writer_of(path)
+    if write_pcurves and writer is not _write_step:
+        raise OptionError(f"write_pcurves is for STEP files only; {path.name} is none")
+    with replacing(path) as fresh:
+        writer(Content(what, path.stem, write_pcurves), fresh)
+
+
+def check_writable(path: str | PathLike[str]) -> None:
+    """Raise unless `write` knows the suffix of `path` and can write a file there.
+
+    Raises
+    ------
+    FormatError
+        If the suffix is unknown, or the folder is missing or read-only.
+    """
+    path = Path(path)
+    _writer_of(path)
+    check_target(path)
+
+
+def known_suffixes() -> tuple[str, ...]:
+    """Return the suffixes that `write` knows, in alphabetic order."""
+    return tuple(sorted(_writers))
+
+
+def _writer_of(path: Path) -> Writer:
+    suffix = path.suffix.lower()
+    if suffix not in _writers:
+        raise FormatError(
+            f"cannot write {path}: its suffix is {suffix!r}; need {', '.join(known_suffixes())}"
+        )
+    return _writers[suffix]
+
+
+@register_writer(".step", ".stp")
+def _write_step(content: Content, path: Path) -> None:
+    patches = _patches(content.what)
+    if patches is None or content.write_pcurves:
+        brep.export_step(_shape(content.what), path, write_pcurves=content.write_pcurves)
+        return
+    check_solid(patches.mesh)
+    brep.check_sizes(patches)
+    write_step(patches, path, name=content.name, face_names=_face_names(content.what))
+
+
+@register_writer(".brep")
+def _write_brep(content: Content, path: Path) -> None:
+    brep.export_brep(_shape(content.what), path)
+
+
+@register_writer(".stl")
+def _write_stl(content: Content, path: Path) -> None:
+    write_stl(_triangles(content.what), path)
+
+
+@register_writer(".3mf")
+def _write_3mf(content: Content, path: Path) -> None:
+    write_3mf(_triangles(content.what), path)
+
+
+@register_writer(".obj")
+def _write_obj(content: Content, path: Path) -> None:
+    write_obj(_mesh(content.what), path)
+
+
+@register_writer(".ply")
+def _write_ply(content: Content, path: Path) -> None:
+    write_ply(_mesh(content.what), path)
+
+
+@register_writer(".glb")
+def _write_glb(content: Content, path: Path) -> None:
+    write_glb(_triangles(content.what), path)
+
+
+@register_writer(".json")
+def _write_json(content: Content, path: Path) -> None:
+    if not isinstance(content.what, Skeleton):
+        raise FormatError(f"a JSON file cannot hold a {_kind(content.what)}; need a Skeleton")
+    path.write_text(skeleton_to_json(content.what), encoding="utf-8")
+
+
+def _patches(what: Any) -> BezierMesh | None:
+    """Return the faces that a B-rep of `what` has, or None if it is no mesh of quads."""
+    if isinstance(what, BezierMesh):
+        return what
+    if isinstance(what, Scaffold):
+        what = what.mesh
+    return BezierMesh.bilinear(what) if isinstance(what, QuadMesh) else None
+
+
+def _face_names(what: Any) -> list[str] | None:
+    """Return the name of each face: the skeleton edge that it belongs to, where that is known."""
+    if not isinstance(what, Scaffold):
+        return None
+    return [f"edge {edge}" for edge in what.edge_of_quad.tolist()]
+
+
+def _shape(what: Any) -> Any:
+    """Return `what` as a build123d shape."""
+    if _is_instance(what, "build123d", "Shape"):
+        return what
+    patches = _patches(what)
+    if patches is None:
+        raise FormatError(
+            f"STEP and BREP files need a B-rep, which a {_kind(what)} has not; "
+            "need a Scaffold, a QuadMesh, a BezierMesh or a build123d shape"
+        )
+    return brep.to_brep(patches)
+
+
+def _triangles(what: Any) -> TriangleMesh:
+    """Return the surface of `what` as triangles."""
+    mesh = _mesh(what)
+    return TriangleMesh(mesh.vertices, mesh.triangles) if isinstance(mesh, QuadMesh) else mesh
+
+
+def _mesh(what: Any) -> QuadMesh | TriangleMesh:
+    """Return the surface of `what` as quads, or as triangles if it has no quads."""
+    mesh = _any_mesh(what)
+    if len(mesh.triangles) == 0:
+        raise FormatError(f"the {_kind(what)} has no faces; need at least one")
+    return mesh
+
+
+def _any_mesh(what: Any) -> QuadMesh | TriangleMesh:
+    if isinstance(what, QuadMesh | TriangleMesh):
+        return what
+    if isinstance(what, Scaffold):
+        return what.mesh
+    if _is_instance(what, "manifold3d", "Manifold"):
+        return manifold_triangles(what)
+    if _is_instance(what, "trimesh", "Trimesh"):
+        return TriangleMesh(what.vertices, what.faces)
+    if isinstance(what, BezierMesh):
+        return brep.tessellated(brep.to_brep(what))
+    if _is_instance(what, "build123d", "Shape"):
+        return brep.tessellated(what)
+    raise FormatError(
+        f"a mesh file cannot hold a {_kind(what)}; need a Scaffold, a mesh, a manifold3d Manifold, "
+        "a trimesh Trimesh or a build123d shape"
+    )
+
+
+def _is_instance(what: Any, module: str, name: str) -> bool:
+    """Return whether `what` is of a class of an optional package, without importing that."""
+    loaded = sys.modules.get(module)
+    return loaded is not None and isinstance(what, getattr(loaded, name))
+
+
+def _kind(what: Any) -> str:
+    return type(what).__name__

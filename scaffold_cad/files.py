@@ -1,0 +1,60 @@
+"""Files that are written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from secrets import token_hex
+
+from scaffold_cad.errors import FormatError
+
+
+def check_target(path: Path) -> None:
+    """Raise unless a file can be written at `path`, as far as can be told without writing it.
+
+    Raises
+    ------
+    FormatError
+        If its folder is missing or read-only, or something else than a file is there.
+    """
+    folder = path.parent
+    if not folder.exists():
+        raise FormatError(f"cannot write {path}: there is no folder {folder}")
+    if not folder.is_dir():
+        raise FormatError(f"cannot write {path}: {folder} is not a folder")
+    if path.is_dir():
+        raise FormatError(f"cannot write {path}: it is a folder; need the name of a file")
+    if path.exists() and not path.is_file():
+        raise FormatError(f"cannot write {path}: it is a device; need the name of a file")
+    if not os.access(folder, os.W_OK):
+        raise FormatError(f"cannot write {path}: the folder {folder} is read-only")
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Give a new empty file beside `path` that takes its place once the block is done.
+
+    After any error, or Ctrl-C, the new file is removed and what was at `path` stays as it was.
+
+    Raises
+    ------
+    FormatError
+        If the file cannot be written.
+    """
+    check_target(path)
+    target = Path(os.path.realpath(path))  # a link keeps pointing to the file
+    fresh = target.with_name(f".scaffold-cad-{token_hex(8)}{target.suffix}")
+    try:
+        fresh.touch(exist_ok=False)
+        yield fresh
+        with fresh.open("r+b") as file:
+            os.fsync(file.fileno())
+        if target.exists():
+            fresh.chmod(target.stat().st_mode)
+        fresh.replace(target)
+    except OSError as error:
+        raise FormatError(f"cannot write {path}: {error.strerror or error}") from None
+    finally:
+        fresh.unlink(missing_ok=True)

@@ -1,0 +1,80 @@
+"""TriangleMesh: the plain exchange type for everything that is written as triangles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scaffold_cad.arrays import Floats, Points, Triangles, as_points, read_only
+from scaffold_cad.errors import MeshError
+from scaffold_cad.vectors import triple
+
+
+@dataclass(frozen=True, eq=False)
+class TriangleMesh:
+    """A mesh of triangles, each counter-clockwise seen from outside."""
+
+    vertices: Points
+    """Vertex positions, shape (v, 3), mm."""
+    triangles: Triangles
+    """Vertex indices of each triangle, shape (t, 3)."""
+
+    def __post_init__(self) -> None:
+        vertices = as_points(self.vertices, "vertices")
+        object.__setattr__(self, "vertices", vertices)
+        object.__setattr__(self, "triangles", _as_triangles(self.triangles, count=len(vertices)))
+
+    @property
+    def signed_volume(self) -> float:
+        """Volume inside the triangles, mm³: > 0 for a closed mesh with outward triangles."""
+        return float(cone_volumes(self.vertices, self.triangles).sum())
+
+    def check_closed(self) -> None:
+        """Raise unless each triangle side is met by one other that runs the opposite way.
+
+        Raises
+        ------
+        MeshError
+            If the mesh is empty, or a side has no partner or more than one; the side is named.
+        """
+        if len(self.triangles) == 0:
+            raise MeshError("the mesh has no triangles; need at least 4 for a closed surface")
+        start, end = self.triangles, np.roll(self.triangles, -1, axis=1)
+        ahead = np.sort((start * len(self.vertices) + end).reshape(-1))
+        back = np.sort((end * len(self.vertices) + start).reshape(-1))
+        repeated = ahead[1:][ahead[1:] == ahead[:-1]]
+        if len(repeated):
+            a, b = divmod(int(repeated[0]), len(self.vertices))
+            raise MeshError(f"two triangles run along the edge from vertex {a} to {b}; need one")
+        lonely = np.setdiff1d(ahead, back, assume_unique=True)
+        if len(lonely):
+            a, b = divmod(int(lonely[0]), len(self.vertices))
+            raise MeshError(f"no triangle runs along the edge from vertex {b} to {a}; need one")
+
+
+def cone_volumes(vertices: Points, triangles: Triangles) -> Floats:
+    """Return the signed volume between each triangle and the vertices' mean, shape (t,), mm³."""
+    if len(vertices) == 0:
+        return np.zeros(0)
+    corners = (vertices - vertices.mean(axis=0))[triangles]  # (t, 3, 3)
+    return triple(corners[:, 0], corners[:, 1], corners[:, 2]) / 6.0
+
+
+def _as_triangles(values: ArrayLike, count: int) -> Triangles:
+    """Return a read-only copy of `values` as (t, 3) intp, all in 0..count-1."""
+    raw = np.asarray(values)
+    if raw.size == 0:
+        raw = np.zeros((0, 3), dtype=np.intp)
+    if raw.dtype.kind not in "iu":
+        raise MeshError(f"triangles has dtype {raw.dtype}; need whole numbers")
+    if raw.ndim != 2 or raw.shape[1] != 3:
+        raise MeshError(f"triangles has shape {raw.shape}; need (t, 3)")
+    bad = np.flatnonzero(((raw < 0) | (raw >= count)).any(axis=1))
+    if len(bad):
+        row = raw[bad[0]].tolist()
+        raise MeshError(f"triangles[{bad[0]}] has vertices {row}; need 0 to {count - 1}")
+    triangles = np.array(raw, dtype=np.intp, order="C")
+    read_only(triangles)
+    return triangles

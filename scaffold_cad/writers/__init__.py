@@ -1,0 +1,1 @@
+"""One module per file format: arrays in, a file out. `export.write` chooses among them."""

@@ -1,0 +1,29 @@
+"""Wavefront OBJ files: quads stay quads."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TextIO
+
+import numpy as np
+
+from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.trianglemesh import TriangleMesh
+
+CHUNK = 1 << 15
+"""Rows that are formatted at once: bounds the memory that their texts take."""
+
+
+def write_obj(mesh: QuadMesh | TriangleMesh, path: Path) -> None:
+    """Write the vertices, exact to the last bit, and the faces of `mesh`."""
+    faces = mesh.quads if isinstance(mesh, QuadMesh) else mesh.triangles
+    with path.open("w", encoding="ascii", newline="\n") as file:
+        file.write("# scaffold_cad\n# unit: mm\n")
+        _write_rows(file, "v %r %r %r\n", mesh.vertices)
+        _write_rows(file, "f" + " %d" * faces.shape[1] + "\n", faces + 1)
+
+
+def _write_rows(file: TextIO, template: str, rows: np.ndarray) -> None:
+    for start in range(0, len(rows), CHUNK):
+        chunk = rows[start : start + CHUNK]
+        file.write(template * len(chunk) % tuple(chunk.reshape(-1).tolist()))
