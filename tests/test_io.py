@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -276,23 +277,29 @@ def test_a_registered_reader_is_used_and_named_among_the_known(
     np.testing.assert_array_equal(read_skeleton(path, 1.0).nodes, STRUT.nodes)
 
 
+@pytest.mark.parametrize(
+    ("message", "nodes", "edges", "radii"),
+    [
+        (r"edges\[0\] joins nodes \[0, 2\]; need 0 to 1", np.zeros((2, 3)), [[0, 2]], None),
+        (r"nodes have shape \(2, 2\); need \(n, 3\)", np.zeros((2, 2)), [[0, 1]], None),
+        (r"radii have shape \(3,\); need \(2,\)", np.zeros((2, 3)), [[0, 1]], [1, 1, 1]),
+        ("radii is not an array of numbers", np.zeros((2, 3)), [[0, 1]], ["a", "b"]),
+    ],
+)
 def test_what_a_foreign_reader_gets_wrong_is_refused_with_the_name_of_the_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    message: str,
+    nodes: np.ndarray,
+    edges: Any,
+    radii: Any,
 ) -> None:
     monkeypatch.setattr(_formats, "_formats", list(_formats._formats))
-    nodes = np.zeros((2, 3))
-    wrong = {
-        r"edges\[0\] joins nodes \[0, 2\]; need 0 to 1": (nodes, [[0, 2]], None),
-        r"nodes have shape \(2, 2\); need \(n, 3\)": (nodes[:, :2], [[0, 1]], None),
-        r"radii have shape \(3,\); need \(2,\)": (nodes, [[0, 1]], [1, 1, 1]),
-        "radii is not an array of numbers": (nodes, [[0, 1]], ["a", "b"]),
-    }
-    for message, arrays in wrong.items():
-        register_reader("wrong", ".wrong", recognises=lambda _: True)(
-            lambda _, arrays=arrays: RawSkeleton(*arrays)
-        )
-        with pytest.raises(FormatError, match=rf"x\.wrong: {message}"):
-            read_raw(written(tmp_path, "x.wrong", "x"))
+    register_reader("wrong", ".wrong", recognises=lambda head: True)(
+        lambda path: RawSkeleton(nodes, edges, radii)
+    )
+    with pytest.raises(FormatError, match=rf"x\.wrong: {message}"):
+        read_raw(written(tmp_path, "x.wrong", "x"))
 
 
 def test_raw_arrays_are_read_only_copies() -> None:

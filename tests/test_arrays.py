@@ -1,0 +1,121 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from scaffold_cad.arrays import as_edges, as_floats, as_points, as_quads, as_radii
+from scaffold_cad.errors import MeshError, SkeletonError
+
+
+@pytest.mark.parametrize(
+    ("make", "values"),
+    [
+        (lambda v: as_points(v, "nodes"), np.ones((4, 3))),
+        (lambda v: as_edges(v, "edges", 4), np.array([[0, 3], [1, 2]])),
+        (lambda v: as_quads(v, "quads", 4), np.array([[0, 1, 2, 3]])),
+        (lambda v: as_radii(v, "radii", 4), np.ones(4)),
+    ],
+)
+def test_arrays_are_read_only_contiguous_copies(
+    make: Callable[[Any], np.ndarray], values: np.ndarray
+) -> None:
+    array = make(np.asfortranarray(values))
+    assert not array.flags.writeable
+    assert array.flags.c_contiguous
+    before = array.copy()
+    values[:] = 3
+    np.testing.assert_array_equal(array, before)
+
+
+def test_lists_and_whole_numbers_become_float64() -> None:
+    points = as_points([[0, 1, 2], [3, 4, 5]], "nodes")
+    assert points.dtype == np.float64
+    assert points.tolist() == [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]]
+    assert as_floats(3, "x").dtype == np.float64
+
+
+def test_indices_become_intp() -> None:
+    assert as_edges(np.array([[0, 1]], dtype=np.uint8), "edges", 2).dtype == np.intp
+
+
+def test_nothing_has_the_right_shape() -> None:
+    assert as_points([], "nodes").shape == (0, 3)
+    assert as_edges([], "edges", 0).shape == (0, 2)
+    assert as_quads([], "quads", 0).shape == (0, 4)
+    assert as_radii([], "radii", 0).shape == (0,)
+
+
+def test_one_radius_stands_for_all() -> None:
+    assert as_radii(2, "radii", 3).tolist() == [2.0, 2.0, 2.0]
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ([1.0, 2.0, 3.0], r"nodes has shape \(3,\); need \(n, 3\)"),
+        ([[1.0, 2.0]], r"nodes has shape \(1, 2\); need \(n, 3\)"),
+        ([[[1.0, 2.0, 3.0]]], r"nodes has shape \(1, 1, 3\); need \(n, 3\)"),
+        ([[0, 0, 0], [0, np.nan, 0]], r"nodes\[1\] is \[0.0, nan, 0.0\]; need finite numbers"),
+        ([[0, 0, np.inf]], r"nodes\[0\] is \[0.0, 0.0, inf\]; need finite numbers"),
+        ([[0, 0, "far"]], "nodes is not an array of numbers: could not convert"),
+        ([[0, 0, 0], [0, 0]], "nodes is not an array of numbers"),
+        ([[0, 0, 10**400]], "nodes is not an array of numbers"),
+        ([[0, 0, {}]], "nodes is not an array of numbers"),
+    ],
+)
+def test_points_that_are_none_are_refused(values: Any, message: str) -> None:
+    with pytest.raises(SkeletonError, match=message):
+        as_points(values, "nodes")
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ([1.0], r"radii has shape \(1,\); need \(2,\), one a node"),
+        ([[1.0, 2.0]], r"radii has shape \(1, 2\); need \(2,\), one a node"),
+        ([1.0, 0.0], "node 1 has radius 0 mm; need > 0"),
+        ([-0.5, 1.0], r"node 0 has radius -0\.5 mm; need > 0"),
+        ([1.0, np.nan], "node 1 has radius nan mm; need > 0"),
+        ([1.0, np.inf], "node 1 has radius inf mm; need > 0"),
+        (0.0, "node 0 has radius 0 mm; need > 0"),
+        ("thick", "radii is not an array of numbers"),
+    ],
+)
+def test_radii_that_are_none_are_refused(values: Any, message: str) -> None:
+    with pytest.raises(SkeletonError, match=message):
+        as_radii(values, "radii", count=2)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ([[0, 1], [1, 3]], r"edges\[1\] joins nodes \[1, 3\]; need 0 to 2"),
+        ([[-1, 1]], r"edges\[0\] joins nodes \[-1, 1\]; need 0 to 2"),
+        ([[0.0, 1.0]], "edges has dtype float64; need whole numbers"),
+        ([[True, False]], "edges has dtype bool; need whole numbers"),
+        ([[0, 2**70]], "edges has dtype object; need whole numbers"),
+        ([[0, 1, 2]], r"edges has shape \(1, 3\); need \(n, 2\)"),
+        ([0, 1], r"edges has shape \(2,\); need \(n, 2\)"),
+        ([[0, 1], [2]], "edges is not an array of indices"),
+    ],
+)
+def test_edges_that_are_none_are_refused(values: Any, message: str) -> None:
+    with pytest.raises(SkeletonError, match=message):
+        as_edges(values, "edges", count=3)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ([[0, 1, 2, 4]], r"quads\[0\] has vertices \[0, 1, 2, 4\]; need 0 to 3"),
+        ([[0, 1, 2]], r"quads has shape \(1, 3\); need \(n, 4\)"),
+        ([[0, 1, 2, 3.5]], "quads has dtype float64; need whole numbers"),
+        ([[0, 1, 2, 3], [0]], "quads is not an array of indices"),
+    ],
+)
+def test_quads_that_are_none_are_refused(values: Any, message: str) -> None:
+    with pytest.raises(MeshError, match=message):
+        as_quads(values, "quads", count=4)
