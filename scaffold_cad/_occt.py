@@ -254,13 +254,16 @@ def tessellate(shape: Shape, distance: float, angle: float) -> tuple[Points, Tri
 
 
 def export_step(shape: Shape, path: Path, *, write_pcurves: bool) -> bool:
-    """Write `shape` to a STEP file in mm; return whether OCCT says it did."""
+    """Write `shape` to a STEP file in mm; return whether that worked."""
     with _quiet(), _restored("write.surfacecurve.mode", "write.precision.mode"):
-        return bool(write_step_file(shape, path, Unit.MM, write_pcurves=write_pcurves))
+        try:
+            return bool(write_step_file(shape, path, Unit.MM, write_pcurves=write_pcurves))
+        except RuntimeError:
+            return False
 
 
 def export_brep(shape: Shape, path: Path) -> bool:
-    """Write `shape` to a BREP file; return whether OCCT says it did."""
+    """Write `shape` to a BREP file; return whether that worked."""
     return bool(write_brep_file(shape, path))
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from scaffold_cad.backends import need
 from scaffold_cad.beziermesh import BezierMesh
-from scaffold_cad.errors import BrepError, FormatError, OptionError
+from scaffold_cad.errors import BrepError, OptionError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.shells import check_oriented, check_solid, quads_of_shells
 from scaffold_cad.trianglemesh import TriangleMesh
@@ -126,18 +126,14 @@ def export_step(shape: Shape, path: Path, *, write_pcurves: bool = False) -> Non
 
     Raises
     ------
-    FormatError
+    OSError
         If OCCT cannot write the file.
     """
     need("build123d", "a STEP file")
     from scaffold_cad import _occt
 
-    try:
-        done = _occt.export_step(shape, path, write_pcurves=write_pcurves)
-    except RuntimeError as error:
-        raise FormatError(f"cannot write {path}: {error}") from None
-    if not done:
-        raise FormatError(f"cannot write {path}: OCCT's STEP writer failed")
+    if not _occt.export_step(shape, path, write_pcurves=write_pcurves):
+        raise OSError("OCCT could not write it; is the disk full?")
 
 
 def export_brep(shape: Shape, path: Path) -> None:
@@ -145,11 +141,11 @@ def export_brep(shape: Shape, path: Path) -> None:
 
     Raises
     ------
-    FormatError
+    OSError
         If OCCT cannot write the file.
     """
     need("build123d", "a BREP file")
     from scaffold_cad import _occt
 
     if not _occt.export_brep(shape, path):
-        raise FormatError(f"cannot write {path}: OCCT's BREP writer failed")
+        raise OSError("OCCT could not write it; is the disk full?")

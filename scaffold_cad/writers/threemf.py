@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from ctypes import c_uint64
+from ctypes import c_uint64, string_at
 from hashlib import sha256
+from io import BytesIO
 from pathlib import Path
+from typing import Any
 from uuid import UUID
 
 import numpy as np
 
 from scaffold_cad.backends import need
-from scaffold_cad.errors import FormatError
 from scaffold_cad.trianglemesh import TriangleMesh
 
 
@@ -19,8 +20,6 @@ def write_3mf(mesh: TriangleMesh, path: Path) -> None:
 
     Raises
     ------
-    FormatError
-        If lib3mf cannot write the file.
     MissingBackendError
         If lib3mf is not installed.
     """
@@ -49,11 +48,26 @@ def write_3mf(mesh: TriangleMesh, path: Path) -> None:
     digest = sha256(vertices.tobytes() + triangles.tobytes()).digest()
     for number, set_identifier in enumerate((model.SetBuildUUID, body.SetUUID, item.SetUUID)):
         set_identifier(_identifier(digest, number))
-    writer = model.QueryWriter("3mf")
-    try:
-        writer.WriteToFile(str(path))
-    except lib3mf.ELib3MFException as error:
-        raise FormatError(f"cannot write {path}: {error}") from None
+    path.write_bytes(_package(model))
+
+
+def _package(model: Any) -> bytes:
+    """Return the file that holds `model`.
+
+    It is made in memory: on a full disk lib3mf would end the whole process.
+    """
+    from lib3mf import SeekCallback, WriteCallback
+
+    file = BytesIO()
+
+    def put(address: int, size: int, _: object) -> None:
+        file.write(string_at(address, size))
+
+    def seek(position: int, _: object) -> None:
+        file.seek(position)
+
+    model.QueryWriter("3mf").WriteToCallback(WriteCallback(put), SeekCallback(seek), None)
+    return file.getvalue()
 
 
 def _identifier(digest: bytes, number: int) -> str:
