@@ -1,0 +1,24 @@
+"""Lattices and foams: graphs of struts, tiled or random, returned as skeletons."""
+
+from scaffold_cad.lattice.cells import cells, register_cell, unit_cell
+from scaffold_cad.lattice.density import measured_density, relative_density, solve_radius
+from scaffold_cad.lattice.fill import fill
+from scaffold_cad.lattice.foams import delaunay_foam, voronoi_foam
+from scaffold_cad.lattice.tiling import mapped, tile
+from scaffold_cad.lattice.unitcell import UnitCell, check_periodic
+
+__all__ = [
+    "UnitCell",
+    "cells",
+    "check_periodic",
+    "delaunay_foam",
+    "fill",
+    "mapped",
+    "measured_density",
+    "register_cell",
+    "relative_density",
+    "solve_radius",
+    "tile",
+    "unit_cell",
+    "voronoi_foam",
+]

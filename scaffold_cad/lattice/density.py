@@ -1,0 +1,122 @@
+"""How dense a lattice is: the first-order formula, and the density measured on its solid."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import product
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scaffold_cad.errors import OptionError
+from scaffold_cad.lattice.cells import as_cell
+from scaffold_cad.lattice.tiling import cell_size, tile
+from scaffold_cad.lattice.unitcell import UnitCell
+from scaffold_cad.skeleton import Skeleton
+
+DENSITY_ACCURACY = 1e-3
+"""Relative difference from the wanted density at which a radius is good enough."""
+
+LARGEST_STEPS = 30
+"""Densities measured before the search for a radius is given up."""
+
+
+def relative_density(cell: str | UnitCell, radius: float, size: ArrayLike) -> float:
+    """Return the volume of thin round struts over that of the space they fill: first order.
+
+    The struts are counted at full length, so that what overlaps at nodes counts several times:
+    the true density is lower by a fraction of order radius / strut length.
+
+    Parameters
+    ----------
+    cell : a unit cell or its name
+    radius : of the struts, mm
+    size : of one cell, mm: three numbers, or one for a cell that is not distorted
+
+    Raises
+    ------
+    OptionError
+        If the cell is not known, or a size or the radius is not > 0.
+    """
+    if not 0 < radius < np.inf:
+        raise OptionError(f"radius is {radius:g} mm; need > 0")
+    return _density_of_unit_radius(cell, size) * radius**2
+
+
+def solve_radius(
+    cell: str | UnitCell,
+    size: ArrayLike,
+    relative_density: float,
+    *,
+    volume: Callable[[Skeleton], float] | None = None,
+) -> float:
+    """Return the strut radius that gives a lattice its relative density, mm.
+
+    Parameters
+    ----------
+    cell : a unit cell or its name
+    size : of one cell, mm: three numbers, or one for a cell that is not distorted
+    relative_density : in (0, 1)
+    volume : function that makes the solid of a skeleton and returns its volume, mm³; with it
+        the density is that of `measured_density`, within 0.1 %; without, of the first-order
+        formula
+
+    Raises
+    ------
+    OptionError
+        If the cell is not known, a size is not > 0, the density is not in (0, 1), or no radius
+        was found that has it.
+    """
+    if not 0 < relative_density < 1:
+        raise OptionError(
+            f"relative density is {relative_density:g}; need more than 0, less than 1"
+        )
+    radius = float(np.sqrt(relative_density / _density_of_unit_radius(cell, size)))
+    if volume is None:
+        return radius
+    # Secant steps on log density against log radius, which is almost a line of slope 2.
+    slope, before = 2.0, (np.nan, np.nan)
+    for _ in range(LARGEST_STEPS):
+        ratio = measured_density(cell, radius, size, volume) / relative_density
+        if abs(ratio - 1) <= DENSITY_ACCURACY:
+            return radius
+        here = (np.log(radius), np.log(ratio))
+        secant = (here[1] - before[1]) / (here[0] - before[0])
+        # Where the solid fills up the slope tends to 0: keep the steps short.
+        slope = float(np.clip(secant, 0.5, 4.0)) if np.isfinite(secant) else slope
+        radius, before = float(np.exp(here[0] - here[1] / slope)), here
+    raise OptionError(
+        f"no radius gives relative density {relative_density:g}: "
+        f"the last one tried, {radius:g} mm, is off by {100 * abs(ratio - 1):.2g} %"
+    )
+
+
+def measured_density(
+    cell: str | UnitCell, radius: float, size: ArrayLike, volume: Callable[[Skeleton], float]
+) -> float:
+    """Return the relative density of an endless lattice, measured on solids of finite ones.
+
+    The volumes of lattices of 2 and 3 cells along x, y and z are added and subtracted so that
+    outer faces, edges and corners cancel and one cell of the inside is left. This is exact if
+    each strut's solid depends on nothing but the struts that it meets.
+
+    Parameters
+    ----------
+    cell : a unit cell or its name
+    radius : of the struts, mm
+    size : of one cell, mm: three numbers, or one for a cell that is not distorted
+    volume : function that makes the solid of a skeleton and returns its volume, mm³
+    """
+    cell = as_cell(cell)
+    inside = 0.0
+    for x, y, z in product((2, 3), repeat=3):
+        sign = (-1) ** (9 - x - y - z)
+        inside += sign * volume(tile(cell, size, (x, y, z), radius=radius))
+    return inside / float(cell_size(cell, size).prod())
+
+
+def _density_of_unit_radius(cell: str | UnitCell, size: ArrayLike) -> float:
+    """Return the first-order relative density of struts of radius 1 mm."""
+    cell = as_cell(cell)
+    sizes = cell_size(cell, size)
+    return float(np.pi * cell.motif.strut_lengths(sizes).sum() / sizes.prod())

@@ -1,0 +1,130 @@
+"""Regions filled with a lattice, its struts cut at the surface or kept whole."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol, TypeAlias, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scaffold_cad.arrays import Floats, Points
+from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.lattice.cells import as_cell
+from scaffold_cad.lattice.clipping import Keep, clipped, least_length
+from scaffold_cad.lattice.meshregion import MeshRegion
+from scaffold_cad.lattice.regions import BoxRegion, ImplicitRegion, Region
+from scaffold_cad.lattice.repetition import repeated
+from scaffold_cad.lattice.struts import Radius, Struts
+from scaffold_cad.lattice.tiling import cell_size
+from scaffold_cad.lattice.unitcell import UnitCell
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.trianglemesh import TriangleMesh
+
+SHORTEST_FRACTION = 1e-3
+"""Length below which the rest of a cut strut is given up, as a fraction of the cell's size."""
+
+COUNT_SLACK = 1e-6
+"""How much larger than whole cells a region may be without a further cell, in cells."""
+
+
+class HasTriangles(Protocol):
+    """A mesh of any library: `vertices`, and `faces` or `triangles` (t, 3) as their indices."""
+
+    @property
+    def vertices(self) -> Any:
+        """Vertex positions, shape (v, 3), mm."""
+
+
+FillRegion: TypeAlias = ArrayLike | HasTriangles | Callable[[Points], ArrayLike]
+"""A box (two corners), a closed triangle mesh, or a function that is negative inside."""
+
+
+def fill(
+    region: FillRegion,
+    cell: str | UnitCell,
+    size: ArrayLike,
+    radius: Radius,
+    *,
+    keep: Keep = "clip",
+    dangling: bool = True,
+    bounds: ArrayLike | None = None,
+    origin: ArrayLike | None = None,
+    shortest: float | None = None,
+) -> Skeleton:
+    """Return the part of an endless lattice that lies in a region, its surface included.
+
+    Parameters
+    ----------
+    region : a box (its lowest and highest corner, mm); or a closed triangle mesh, anything with
+        arrays `vertices` and `faces` or `triangles`, counter-clockwise seen from outside; or a
+        function of positions (n, 3) that returns signed distances (n,), negative inside
+    cell : a unit cell or its name
+    size : of one cell, mm: three numbers, or one for a cell that is not distorted
+    radius : mm; one number, or a function of positions (n, 3) that returns radii (n,)
+    keep : "clip" cuts struts at the surface, where they get a new node; "whole" keeps those
+        whole that have their middle in the region, and drops the others
+    dangling : whether struts that end free, at the surface or for want of a neighbour, stay
+    bounds : lowest and highest corner of a box around the region; needed for a function only
+    origin : a corner of a cell, mm; by default the lowest corner of the bounds
+    shortest : pieces of cut struts shorter than this are shrunk to a node on the surface, mm;
+        by default 1/1000 of the cell's size
+
+    Raises
+    ------
+    OptionError
+        If an argument is out of its range or the region is none of these.
+    MeshError
+        If the mesh is not closed.
+    SkeletonError
+        If no strut is in the region.
+    """
+    if keep not in get_args(Keep):
+        raise OptionError(f"keep is {keep!r}; need one of {', '.join(get_args(Keep))}")
+    cell = as_cell(cell)
+    sizes = cell_size(cell, size)
+    shortest = least_length(shortest, SHORTEST_FRACTION * float(sizes.min()))
+    space = as_region(region, bounds)
+    struts = _cells_around(space, cell, sizes, origin)
+    if keep == "whole":
+        struts = struts.kept(space.contains(struts.middles))
+    else:
+        struts = clipped(struts, space, shortest)
+    if not dangling:
+        struts = struts.without_dangling()
+    if len(struts.edges) == 0:
+        raise SkeletonError(
+            f"no strut of unit cell {cell.name!r} of size {sizes.tolist()} mm is left in the "
+            f"region from {space.bounds[0].tolist()} to {space.bounds[1].tolist()} mm; need one"
+        )
+    return struts.skeleton(radius) if keep == "whole" else struts.cleaned_skeleton(radius)
+
+
+def as_region(region: FillRegion, bounds: ArrayLike | None = None) -> Region:
+    """Return `region` as one of those that struts can be clipped to; see `fill`."""
+    if hasattr(region, "vertices"):
+        # Of trimesh: its `triangles` are positions.
+        triangles = getattr(region, "faces", getattr(region, "triangles", None))
+        if triangles is None or callable(triangles) or callable(region.vertices):
+            raise OptionError(
+                f"the region is a {type(region).__name__} without arrays of vertices and "
+                "triangles; need a box, a function, or a triangle mesh"
+            )
+        return MeshRegion(TriangleMesh(region.vertices, triangles))
+    if callable(region):
+        if bounds is None:
+            raise OptionError("the region is a function without bounds; need a box around it")
+        return ImplicitRegion(region, bounds)
+    return BoxRegion(region)
+
+
+def _cells_around(region: Region, cell: UnitCell, size: Floats, origin: ArrayLike | None) -> Struts:
+    """Return the struts of all cells that the bounds of a region meet."""
+    low, high = region.bounds
+    corner = low if origin is None else np.asarray(origin, dtype=np.float64)
+    if corner.shape != (3,) or not np.isfinite(corner).all():
+        raise OptionError(f"origin is {corner.tolist()}; need three numbers, mm")
+    first = np.floor((low - corner) / size + COUNT_SLACK)
+    last = np.ceil((high - corner) / size - COUNT_SLACK)
+    x, y, z = np.maximum(last - first, 1).astype(np.intp).tolist()
+    return repeated(cell, size, (x, y, z), corner + first * size)

@@ -1,0 +1,166 @@
+"""The inside of a closed triangle mesh as a region: where struts pierce it, what is inside."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from scipy.ndimage import label
+
+from scaffold_cad.arrays import Bools, Floats, Ints, Points, read_only
+from scaffold_cad.lattice.boxgrid import BoxGrid
+from scaffold_cad.lattice.regions import surface_tolerance
+from scaffold_cad.lattice.struts import Struts
+from scaffold_cad.trianglemesh import TriangleMesh
+from scaffold_cad.vectors import dot, length, rotate
+
+SURFACE_FRACTION = 1e-6
+"""Distance within which a point is on the surface, as a fraction of the bounds' diagonal.
+
+Meshes from STL files have coordinates of seven digits."""
+
+BORDER = 1e-6
+"""How far beyond its sides a triangle is met, as a fraction of its size: no gaps between them."""
+
+
+class MeshRegion:
+    """The inside of a closed triangle mesh and its surface.
+
+    Shells may lie in or on each other: inside is where the surface winds around a point at
+    least once.
+    """
+
+    def __init__(self, mesh: TriangleMesh) -> None:
+        """Keep the triangles of a closed mesh, counter-clockwise seen from outside.
+
+        Raises
+        ------
+        MeshError
+            If the mesh is not closed.
+        """
+        mesh = _welded(mesh)
+        mesh.check_closed()
+        self._corners = mesh.vertices[mesh.triangles]  # (t, 3, 3)
+        self.bounds = np.stack([self._corners.min(axis=(0, 1)), self._corners.max(axis=(0, 1))])
+        read_only(self.bounds)
+        self.tolerance = surface_tolerance(self.bounds, SURFACE_FRACTION)
+
+    def crossings(self, struts: Struts) -> tuple[Ints, Floats]:
+        """Return where struts pierce triangles, a shared side as often as triangles meet there."""
+        start, end = struts.starts, struts.ends
+        found_strut, found_along = [np.zeros(0, dtype=np.intp)], [np.zeros(0)]
+        for strut, triangle in self._grid.near(np.minimum(start, end), np.maximum(start, end)):
+            a, normal = self._corners[triangle, 0], self._normals[triangle]
+            above, below = dot(start[strut] - a, normal), dot(end[strut] - a, normal)
+            facing = (above > 0) != (below > 0)
+            strut, triangle, above, below = (
+                rows[facing] for rows in (strut, triangle, above, below)
+            )
+            along = above / (above - below)
+            place = start[strut] + along[:, None] * (end[strut] - start[strut])
+            met = self._is_over(triangle, place)
+            found_strut.append(strut[met])
+            found_along.append(along[met])
+        return np.concatenate(found_strut), np.concatenate(found_along)
+
+    def contains(self, points: Points) -> Bools:
+        """Return whether each of `points` (n, 3) is inside or on the surface, (n,)."""
+        inside = np.zeros(len(points), dtype=np.bool_)
+        cell = self._grid.cell_of(points)
+        there = np.flatnonzero(cell >= 0)
+        room = self._rooms[0][cell[there]]
+        in_room = room >= 0
+        inside[there[in_room]] = self._rooms[1][room[in_room]]
+        near = there[~in_room]
+        inside[near] = (self._winding_numbers(points[near]) > 0) | self._on_surface(points[near])
+        return inside
+
+    @cached_property
+    def _rooms(self) -> tuple[Ints, Bools]:
+        """Return the room of each cell of the grid, -1 if it has triangles, and which are inside.
+
+        A room is a set of adjacent cells without triangles: all of it is on one side.
+        """
+        labels, _ = label(self._grid.is_empty)
+        room = labels.reshape(-1).astype(np.intp) - 1
+        rooms, first = np.unique(room, return_index=True)
+        centers = self._grid.centers(first[rooms >= 0])
+        return room, self._winding_numbers(centers) > 0
+
+    @cached_property
+    def _grid(self) -> BoxGrid:
+        return BoxGrid(self._corners)
+
+    @cached_property
+    def _turned(self) -> Floats:
+        """Corners of the triangles in the frame in which rays run along z, (t, 3, 3)."""
+        return _turn(self._corners)
+
+    @cached_property
+    def _columns(self) -> BoxGrid:
+        return BoxGrid(self._turned[:, :, :2])
+
+    def _winding_numbers(self, points: Points) -> Ints:
+        """Return how often the surface winds around each of `points` (n, 3), shape (n,).
+
+        Each triangle above a point counts once, down if it faces down. The products that tell
+        on which side of an edge the point lies are negated exactly for the triangle on the
+        other side of it: no ray slips between two triangles.
+        """
+        turned = _turn(points)
+        winding = np.zeros(len(points))
+        shadow = turned[:, :2]
+        for point, triangle in self._columns.near(shadow, shadow):
+            corners = self._turned[triangle]  # (k, 3, 3)
+            x, y = np.moveaxis(corners[:, :, :2] - shadow[point][:, None], 2, 0)  # (k, 3)
+            sides = np.stack(
+                [x[:, k - 2] * y[:, k - 1] - y[:, k - 2] * x[:, k - 1] for k in range(3)]
+            )
+            up, down = sides.min(axis=0) > 0, sides.max(axis=0) < 0  # side k is opposite corner k
+            struck = np.flatnonzero(up | down)
+            weight = sides[:, struck]
+            height = (weight * corners[struck, :, 2].T).sum(axis=0) / weight.sum(axis=0)
+            above = struck[height > turned[point[struck], 2]]
+            winding += np.bincount(
+                point[above], weights=np.where(up[above], 1.0, -1.0), minlength=len(points)
+            )
+        return np.rint(winding).astype(np.intp)
+
+    def _on_surface(self, points: Points) -> Bools:
+        """Return whether each of `points` (n, 3) is within the tolerance of a triangle, (n,)."""
+        on = np.zeros(len(points), dtype=np.bool_)
+        for point, triangle in self._grid.near(points - self.tolerance, points + self.tolerance):
+            normal = self._normals[triangle]
+            height = np.abs(dot(points[point] - self._corners[triangle, 0], normal))
+            close = (height <= self.tolerance * length(normal)) & normal.any(axis=1)
+            point, triangle = point[close], triangle[close]
+            on[point[self._is_over(triangle, points[point])]] = True
+        return on
+
+    @cached_property
+    def _normals(self) -> Floats:
+        """Normals as long as twice the triangles' areas, shape (t, 3), mm²."""
+        a, b, c = (self._corners[:, k] for k in range(3))
+        return np.cross(b - a, c - a)
+
+    def _is_over(self, triangle: Ints, points: Points) -> Bools:
+        """Return whether the foot of each point (k, 3) on its triangle's plane is within it."""
+        normal = self._normals[triangle]
+        spokes = self._corners[triangle] - points[:, None]
+        parts = [dot(np.cross(spokes[:, k], spokes[:, k - 2]), normal) for k in range(3)]
+        over: Bools = np.min(parts, axis=0) >= -BORDER * dot(normal, normal)
+        return over
+
+
+def _turn(points: Floats) -> Floats:
+    """Return `points` (..., 3) turned so that what lies along the axes is nowhere near z."""
+    x, z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
+    return rotate(rotate(points, z, np.asarray(0.7)), x, np.asarray(1.1))
+
+
+def _welded(mesh: TriangleMesh) -> TriangleMesh:
+    """Return the mesh with one vertex a position, without triangles that so become edges."""
+    vertices, number = np.unique(mesh.vertices, axis=0, return_inverse=True)
+    triangles = number.reshape(-1)[mesh.triangles]
+    proper = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
+    return TriangleMesh(vertices, triangles[proper])

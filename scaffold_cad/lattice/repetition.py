@@ -1,0 +1,57 @@
+"""Struts of a repeated unit cell. Nodes are numbered by cell and site: no search, no tolerance."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scaffold_cad.arrays import Edges, Floats, Ints, Points
+from scaffold_cad.lattice.struts import Struts
+from scaffold_cad.lattice.unitcell import Motif, UnitCell
+
+
+def repeated(
+    cell: UnitCell, size: Floats, counts: tuple[int, int, int], origin: Points | None = None
+) -> Struts:
+    """Return the struts of `counts` cells along x, y and z, each once, in order of their cells.
+
+    Parameters
+    ----------
+    cell : unit cell
+    size : (3,) float64, of one cell, mm
+    counts : cells along x, y and z, all ≥ 1
+    origin : (3,) float64, lowest corner of the first cell, mm; by default 0
+    """
+    motif = cell.motif
+    # Sites on far faces belong to a further layer of cells.
+    layers = (counts[0] + 1, counts[1] + 1, counts[2] + 1)
+    keys = _strut_keys(motif, counts, layers)  # (m, 2)
+    used = np.zeros(layers[0] * layers[1] * layers[2] * len(motif.sites), dtype=np.bool_)
+    used[keys] = True
+    edges = (np.cumsum(used) - 1)[keys]
+    place, site = np.divmod(np.flatnonzero(used), len(motif.sites))
+    steps = np.stack(np.unravel_index(place, layers), axis=1)  # (n, 3)
+    nodes = (steps + motif.sites[site]) * size
+    return Struts(nodes if origin is None else nodes + origin, edges)
+
+
+def _strut_keys(motif: Motif, counts: tuple[int, int, int], layers: tuple[int, int, int]) -> Edges:
+    """Return both ends of all struts as cell · sites + site, (m, 2)."""
+    strides = np.array([layers[1] * layers[2], layers[2], 1])
+    cells, keys = [], []
+    for sites, moves, copies in zip(motif.struts, motif.moves, motif.copies, strict=True):
+        cell = _cells_with_strut(copies, counts, layers)  # (k,)
+        cells.append(cell)
+        keys.append((cell[:, None] + moves @ strides) * len(motif.sites) + sites)
+    # Neighbours in space stay neighbours in memory; the runs are sorted already.
+    order = np.argsort(np.concatenate(cells), kind="stable")
+    return np.concatenate(keys)[order]
+
+
+def _cells_with_strut(
+    copies: np.ndarray, counts: tuple[int, int, int], layers: tuple[int, int, int]
+) -> Ints:
+    """Return the cells in which a strut occurs, for one of the cells around lists it, ascending."""
+    occurs = np.zeros(layers, dtype=np.bool_)
+    for i, j, k in np.argwhere(copies).tolist():
+        occurs[i : i + counts[0], j : j + counts[1], k : k + counts[2]] = True
+    return np.flatnonzero(occurs)

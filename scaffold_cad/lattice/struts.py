@@ -1,0 +1,134 @@
+"""Struts: a graph in space that has no radii yet, to be cut, trimmed and made a skeleton."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scaffold_cad.arrays import Bools, Edges, Floats, Ints, Points
+from scaffold_cad.errors import OptionError
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.topology import component_labels, valencies
+from scaffold_cad.vectors import length
+
+Radius: TypeAlias = float | Callable[[Points], ArrayLike]
+"""One radius for all nodes, mm, or a function of positions (n, 3) that returns radii (n,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Struts:
+    """Straight struts between nodes."""
+
+    nodes: Points
+    """Node positions, shape (n, 3), mm."""
+    edges: Edges
+    """Node pairs, shape (m, 2)."""
+
+    @property
+    def starts(self) -> Points:
+        """Position of the first node of each strut, shape (m, 3), mm."""
+        return self.nodes[self.edges[:, 0]]
+
+    @property
+    def ends(self) -> Points:
+        """Position of the second node of each strut, shape (m, 3), mm."""
+        return self.nodes[self.edges[:, 1]]
+
+    @property
+    def middles(self) -> Points:
+        """Middle of each strut, shape (m, 3), mm."""
+        return (self.starts + self.ends) / 2
+
+    @property
+    def lengths(self) -> Floats:
+        """Length of each strut, shape (m,), mm."""
+        return length(self.ends - self.starts)
+
+    def kept(self, keep: Bools) -> Struts:
+        """Return the struts marked in `keep` (m,); all nodes stay."""
+        return Struts(self.nodes, self.edges[keep])
+
+    def cut(self, strut: Ints, along: Floats) -> Struts:
+        """Return the pieces of the struts cut at the places given, ordered by strut and `along`.
+
+        The new nodes come after the old ones. Cut k is made between pieces `strut[k] + k` and
+        `strut[k] + k + 1`.
+
+        Parameters
+        ----------
+        strut : (k,) intp
+        along : (k,) float64, in (0, 1)
+        """
+        start, end = self.starts[strut], self.ends[strut]
+        new = len(self.nodes) + np.arange(len(strut))
+        cuts = np.bincount(strut, minlength=len(self.edges))
+        pieces = np.repeat(self.edges, cuts + 1, axis=0)
+        before = strut + np.arange(len(strut))
+        pieces[before, 1] = new
+        pieces[before + 1, 0] = new
+        return Struts(np.concatenate([self.nodes, start + along[:, None] * (end - start)]), pieces)
+
+    def collapsed(self, short: Bools, fixed: Bools) -> Struts:
+        """Return the struts with those marked in `short` (m,) shrunk to nothing.
+
+        The nodes that they join become one, in the middle of those that are `fixed` (n,) if any
+        is. Repeated struts may remain.
+        """
+        if not short.any():
+            return self
+        label = component_labels(self.edges[short], len(self.nodes))
+        has_fixed = np.bincount(label, weights=fixed) > 0
+        weight = np.where(has_fixed[label], fixed, True).astype(np.float64)
+        total = np.bincount(label, weights=weight)
+        nodes = np.stack(
+            [np.bincount(label, weights=weight * x) / total for x in self.nodes.T], axis=1
+        )
+        return Struts(nodes, label[self.edges[~short]])
+
+    def without_dangling(self) -> Struts:
+        """Return the struts without those that lead to a free end, all along to a branching."""
+        edges = self.edges
+        while True:
+            free = (valencies(edges, len(self.nodes)) == 1)[edges].any(axis=1)
+            if not free.any():
+                return Struts(self.nodes, edges)
+            edges = edges[~free]
+
+    def skeleton(self, radius: Radius) -> Skeleton:
+        """Return the struts as a skeleton, without the nodes that no strut reaches."""
+        used = np.zeros(len(self.nodes), dtype=np.bool_)
+        used[self.edges] = True
+        nodes, edges = self.nodes, self.edges
+        if not used.all():
+            nodes, edges = nodes[used], (np.cumsum(used) - 1)[edges]
+        return Skeleton(nodes, edges, radii_at(nodes, radius))
+
+    def cleaned_skeleton(self, radius: Radius) -> Skeleton:
+        """Return the struts as a skeleton, without repeated and overlapping ones."""
+        clean = self.skeleton(1.0).cleaned(weld_distance=0.0).skeleton
+        return clean.with_radii(radii_at(clean.nodes, radius))
+
+
+def radii_at(nodes: Points, radius: Radius) -> Floats:
+    """Return the radius of each node, shape (n,), or () for one of all, mm.
+
+    Raises
+    ------
+    OptionError
+        If it is one number that is not > 0, or a function that returns another shape.
+    """
+    if callable(radius):
+        radii = np.asarray(radius(nodes), dtype=np.float64)
+        if radii.shape not in {(), (len(nodes),)}:
+            raise OptionError(
+                f"radius returned shape {radii.shape} for points ({len(nodes)}, 3); "
+                f"need ({len(nodes)},)"
+            )
+        return radii
+    if not 0 < radius < np.inf:
+        raise OptionError(f"radius is {radius:g} mm; need > 0")
+    return np.asarray(radius, dtype=np.float64)
