@@ -86,7 +86,8 @@ def embedding(scaffold: Scaffold) -> Embedding:
     kept = within_cone.all(axis=1) & star_shaped
 
     tubes = _tubes(scaffold)
-    conflicts = np.unique(tubes.owner[_conflicts(tubes.only(kept[tubes.owner]))], axis=0)
+    candidates = tubes.only(kept[tubes.owner])
+    conflicts = np.unique(candidates.owner[_conflicts(candidates)], axis=0)
     kept[conflicts] = False
 
     kept_nodes = np.ones(len(scaffold.skeleton.nodes), dtype=np.bool_)

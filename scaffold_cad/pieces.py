@@ -12,12 +12,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.arrays import Bools, Ints, Points, Triangles
+from scaffold_cad.arrays import Bools, Floats, Ints, Points, Triangles
 from scaffold_cad.embedding import Embedding, stub_apexes
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.sleeves import fitted_angle
 from scaffold_cad.trianglemesh import TriangleMesh
 from scaffold_cad.vectors import any_perpendicular, rotate
+
+PLASTIC = 1.32471795724474602596
+"""The plastic number, the root of x³ = x + 1."""
+
+HUB_WIDTH = 1.002
+"""Width of the hull at a joint, in widths of the sections that meet there: their corners must
+not lie in the planes of its faces."""
 
 HUB_LENGTH = 0.25
 """How far the hull at a joint reaches along its struts, in radii."""
@@ -35,14 +42,29 @@ class Pieces:
     """Points whose convex hulls are the struts left out and what joins them, each (p, 3), mm."""
 
 
-def solid_pieces(scaffold: Scaffold, embedded: Embedding) -> Pieces:
-    """Return the pieces of the solid of `scaffold`, given which struts are embedded."""
-    prisms = _prisms(scaffold, embedded.left_out)
+def solid_pieces(scaffold: Scaffold, embedded: Embedding, wobble: float = 0.0) -> Pieces:
+    """Return the pieces of the solid of `scaffold`, given which struts are embedded.
+
+    Parameters
+    ----------
+    wobble : how much the prisms of struts left out are made unlike each other, as a fraction of
+        their radius: faces that lie in one plane, or edges in one line, are hard to unite
+    """
+    count = len(scaffold.skeleton.edges)
+    prisms = _Prisms(scaffold, wobble * _spread(count, 1), wobble * _spread(count, 2))
     return Pieces(
         _kept_surface(scaffold, embedded),
         [_sphere(scaffold, node) for node in np.flatnonzero(~embedded.kept_nodes).tolist()],
-        [*prisms, *_hubs(scaffold, embedded.kept)],
+        [*prisms.struts(embedded.left_out), *prisms.hubs(embedded.kept)],
     )
+
+
+def _spread(count: int, axis: int) -> Floats:
+    """Return evenly spread numbers in [-1/2, 1/2), unlike for neighbours, (count,).
+
+    Multiples of the powers of the plastic number's inverse: Roberts's additive recurrence.
+    """
+    return np.remainder(np.arange(1, count + 1) * PLASTIC**-axis, 1.0) - 0.5
 
 
 def _kept_surface(scaffold: Scaffold, embedded: Embedding) -> TriangleMesh:
@@ -95,47 +117,51 @@ def _sphere(scaffold: Scaffold, node: int) -> TriangleMesh:
     return compacted(vertices, _fans(rings, len(scaffold.mesh.vertices)))
 
 
-def _prisms(scaffold: Scaffold, edges: Ints) -> list[Points]:
-    """Return the corners of a straight strut from node to node for each of `edges`."""
-    squares = _squares(scaffold, edges)  # (k, 2, 4, 3)
-    return list(
-        (squares + scaffold.skeleton.nodes[scaffold.skeleton.edges[edges]][:, :, None]).reshape(
-            -1, 8, 3
-        )
-    )
+@dataclass(frozen=True, eq=False)
+class _Prisms:
+    """Struts left out as straight prisms from node to node."""
 
+    scaffold: Scaffold
+    widening: Floats
+    """Relative change of each edge's width, shape (m,)."""
+    turn: Floats
+    """Angle by which each edge's section is turned, rad, shape (m,)."""
 
-def _squares(scaffold: Scaffold, edges: Ints) -> Points:
-    """Return the sections across each of `edges` at its two nodes, seen from them, (k, 2, 4, 3)."""
-    skeleton = scaffold.skeleton
-    axis = skeleton.directions[2 * edges]
-    first_sleeve = np.searchsorted(scaffold.refinement.edge_of_edge, edges)
-    start = skeleton.nodes[skeleton.edges[edges, 0]]
-    ring = scaffold.mesh.vertices[scaffold.sleeves[first_sleeve, 0]] - start[:, None, :]
-    across = any_perpendicular(axis)
-    x = rotate(across, axis, fitted_angle(ring, across, axis))
-    y = np.cross(axis, x)
-    unit = np.stack([x, y, -x, -y], axis=1)[:, None]  # (k, 1, 4, 3)
-    distance = scaffold.options.corner_distance * skeleton.radii[skeleton.edges[edges]]  # (k, 2)
-    return unit * distance[:, :, None, None]
+    def struts(self, edges: Ints) -> list[Points]:
+        """Return the corners of the prism of each of `edges`."""
+        nodes = self.scaffold.skeleton.nodes[self.scaffold.skeleton.edges[edges]]
+        return list((self._sections(edges) + nodes[:, :, None]).reshape(-1, 8, 3))
 
+    def hubs(self, kept: Bools) -> list[Points]:
+        """Return the sections that meet at each joint with a strut left out, on both its sides.
 
-def _hubs(scaffold: Scaffold, kept: Bools) -> list[Points]:
-    """Return the sections that meet at each joint with a strut left out, a little way along both.
+        Their hull fills the wedge between two prisms, and reaches into a sleeve that is kept.
+        """
+        skeleton = self.scaffold.skeleton
+        half_edges = skeleton.incidence.at_nodes(skeleton.joints, 2)  # (k, 2)
+        half_edges = half_edges[~kept[half_edges >> 1].all(axis=1)]
+        flat = half_edges.reshape(-1)
+        node = skeleton.edges.reshape(-1)[flat]
+        section = HUB_WIDTH * self._sections(flat >> 1)[np.arange(len(flat)), flat & 1]
+        reach = np.minimum(HUB_LENGTH * skeleton.radii[node], skeleton.lengths[flat >> 1] / 2)
+        along = (reach[:, None] * skeleton.directions[flat])[:, None, :]
+        points = np.concatenate([section, section + along], axis=1)  # (2 k, 8, 3)
+        return list((points + skeleton.nodes[node][:, None, :]).reshape(-1, 16, 3))
 
-    They fill the wedge between two prisms, and reach into the sleeve that is kept.
-    """
-    skeleton = scaffold.skeleton
-    joints = skeleton.joints
-    half_edges = skeleton.incidence.at_nodes(joints, 2)  # (k, 2)
-    half_edges = half_edges[~kept[half_edges >> 1].all(axis=1)]
-    flat = half_edges.reshape(-1)
-    node = skeleton.edges.reshape(-1)[flat]
-    square = _squares(scaffold, flat >> 1)[np.arange(len(flat)), flat & 1]  # (2 k, 4, 3)
-    reach = np.minimum(HUB_LENGTH * skeleton.radii[node], skeleton.lengths[flat >> 1] / 2)
-    along = (reach[:, None] * skeleton.directions[flat])[:, None, :]
-    points = np.concatenate([square, square + along], axis=1) + skeleton.nodes[node][:, None, :]
-    return list(points.reshape(-1, 16, 3))
+    def _sections(self, edges: Ints) -> Points:
+        """Return the sections across `edges` at both nodes, seen from the node, (k, 2, 4, 3)."""
+        scaffold, skeleton = self.scaffold, self.scaffold.skeleton
+        axis = skeleton.directions[2 * edges]
+        first_sleeve = np.searchsorted(scaffold.refinement.edge_of_edge, edges)
+        start = skeleton.nodes[skeleton.edges[edges, 0]]
+        ring = scaffold.mesh.vertices[scaffold.sleeves[first_sleeve, 0]] - start[:, None, :]
+        across = any_perpendicular(axis)
+        x = rotate(across, axis, fitted_angle(ring, across, axis) + self.turn[edges])
+        y = np.cross(axis, x)
+        unit = np.stack([x, y, -x, -y], axis=1)[:, None]  # (k, 1, 4, 3)
+        radii = skeleton.radii[skeleton.edges[edges]] * (1.0 + self.widening[edges, None])
+        distance = scaffold.options.corner_distance * radii  # (k, 2)
+        return unit * distance[:, :, None, None]
 
 
 def compacted(vertices: Points, triangles: Triangles) -> TriangleMesh:

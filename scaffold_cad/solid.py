@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from scaffold_cad.arrays import Points
 from scaffold_cad.backends import need
 from scaffold_cad.errors import MeshError
 from scaffold_cad.quadmesh import QuadMesh
@@ -43,7 +45,7 @@ def to_solid(mesh: QuadMesh | TriangleMesh) -> Manifold:
 
     # Copies: manifold3d takes no read-only arrays.
     solid = manifold3d.Manifold(
-        manifold3d.Mesh64(mesh.vertices.copy(), mesh.triangles.astype(np.uint64))
+        manifold3d.Mesh64(mesh.vertices.copy(), mesh.triangles.astype(np.uint64, order="C"))
     )
     if solid.status() != manifold3d.Error.NoError:
         raise MeshError(f"manifold3d refuses the mesh: {solid.status().name}; need NoError")
@@ -81,3 +83,33 @@ def to_trimesh(what: QuadMesh | TriangleMesh | Manifold) -> Trimesh:
 
     # `process` would weld close vertices, which can break a closed mesh.
     return trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
+
+
+def union(surfaces: Sequence[TriangleMesh], hulls: Sequence[Points]) -> Manifold:
+    """Return the union of closed surfaces and of the convex hulls of point sets (p, 3).
+
+    Raises
+    ------
+    MeshError
+        If manifold3d refuses a surface.
+    MissingBackendError
+        If manifold3d is not installed.
+    """
+    need("manifold3d", "a union")
+    import manifold3d
+
+    parts = [to_solid(surface) for surface in surfaces]
+    parts += [manifold3d.Manifold.hull_points(points) for points in hulls]
+    return manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add)
+
+
+def without_voids(manifold: Manifold) -> tuple[Manifold, list[float]]:
+    """Return the solid with its enclosed voids filled, and the volumes of these, mm³."""
+    import manifold3d
+
+    shells = manifold.decompose()
+    outer = [shell for shell in shells if shell.volume() > 0]
+    if len(outer) == len(shells):
+        return manifold, []
+    voids = [-shell.volume() for shell in shells if not shell.volume() > 0]
+    return manifold3d.Manifold.batch_boolean(outer, manifold3d.OpType.Add), voids
