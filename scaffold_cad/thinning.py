@@ -53,12 +53,20 @@ def _distance_to_chord(samples: Floats) -> Floats:
 
 def _drop_crowded(points: Points, radii: Floats, keep: Bools) -> None:
     """Clear in `keep` the joints that stand closer to their neighbour than their radius."""
+
+    def crowded(a: int, b: int) -> bool:
+        room = LEAST_SPACING * max(radii[a], radii[b])
+        return bool(length(points[a] - points[b]) < room)
+
     kept = np.flatnonzero(keep)
-    last, end = kept[0], kept[-1]
+    last, end = int(kept[0]), int(kept[-1])
     for sample in kept[1:-1].tolist():
-        room = LEAST_SPACING * radii[sample]
-        near = length(points[[last, end]] - points[sample]) < np.maximum(room, radii[[last, end]])
-        if near.any():
+        if crowded(last, sample):
             keep[sample] = False
         else:
             last = sample
+    # Those that are left before the end give way to it.
+    for sample in np.flatnonzero(keep)[-2:0:-1].tolist():
+        if not crowded(sample, end):
+            break
+        keep[sample] = False

@@ -33,7 +33,8 @@ end
 
 
 def edges_of(tmp_path: Path, text: str) -> list[list[int]]:
-    return read_raw(written(tmp_path, "lines.obj", text)).edges.tolist()
+    edges: list[list[int]] = read_raw(written(tmp_path, "lines.obj", text)).edges.tolist()
+    return edges
 
 
 @pytest.mark.parametrize(
