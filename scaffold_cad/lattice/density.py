@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad.errors import OptionError
-from scaffold_cad.lattice.cells import as_cell
+from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.tiling import cell_size, tile
 from scaffold_cad.lattice.unitcell import UnitCell
 from scaffold_cad.skeleton import Skeleton

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.arrays import Floats, Points
 from scaffold_cad.errors import OptionError
-from scaffold_cad.lattice.cells import as_cell
+from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.repetition import repeated
 from scaffold_cad.lattice.struts import Radius
 from scaffold_cad.lattice.unitcell import UnitCell, as_three

@@ -147,16 +147,16 @@ def check_periodic(cell: UnitCell) -> None:
             )
     ends: Floats = motif.sites[motif.struts] + motif.moves  # (s, 2, 3)
     in_face = ends.max(axis=1) == 0.0  # (s, 3)
-    for axis in range(3):
-        copies_by_axis = np.moveaxis(motif.copies, axis + 1, 1).reshape(-1, 2, 4)
-        listed = copies_by_axis.max(axis=2)  # (s, 2): in the near face, in the far one
-        lonely = np.flatnonzero(in_face[:, axis] & ~listed.all(axis=1))
-        if len(lonely):
-            where = (ends[lonely[0]] + listed[lonely[0], 1] * np.eye(3)[axis]).tolist()
-            raise SkeletonError(
-                f"unit cell {cell.name!r}: the strut from {where[0]} to {where[1]} lies in a face "
-                f"normal to {'xyz'[axis]}; need it in the opposite face too"
-            )
+    steps = np.argwhere(np.ones((2, 2, 2)))  # (8, 3)
+    needed = (steps <= in_face[:, None]).min(axis=2)  # (s, 8)
+    missing = np.argwhere(needed & ~motif.copies.reshape(-1, 8))
+    if len(missing):
+        strut, step = missing[0]
+        start, end = (ends[strut] + steps[step]).tolist()
+        raise SkeletonError(
+            f"unit cell {cell.name!r}: no strut from {start} to {end}; need one there as in the "
+            "opposite face"
+        )
 
 
 def as_three(values: ArrayLike, name: str) -> Floats:

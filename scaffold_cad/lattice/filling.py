@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.arrays import Floats, Points
 from scaffold_cad.errors import OptionError, SkeletonError
-from scaffold_cad.lattice.cells import as_cell
 from scaffold_cad.lattice.clipping import Keep, clipped, least_length
 from scaffold_cad.lattice.meshregion import MeshRegion
 from scaffold_cad.lattice.regions import BoxRegion, ImplicitRegion, Region
+from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.repetition import repeated
 from scaffold_cad.lattice.struts import Radius, Struts
 from scaffold_cad.lattice.tiling import cell_size
@@ -65,7 +65,7 @@ def fill(
     keep : "clip" cuts struts at the surface, where they get a new node; "whole" keeps those
         whole that have their middle in the region, and drops the others
     dangling : whether struts that end free, at the surface or for want of a neighbour, stay
-    bounds : lowest and highest corner of a box around the region; needed for a function only
+    bounds : lowest and highest corner of a box around the region; for a function only
     origin : a corner of a cell, mm; by default the lowest corner of the bounds
     shortest : pieces of cut struts shorter than this are shrunk to a node on the surface, mm;
         by default 1/1000 of the cell's size
@@ -102,6 +102,8 @@ def fill(
 
 def as_region(region: FillRegion, bounds: ArrayLike | None = None) -> Region:
     """Return `region` as one of those that struts can be clipped to; see `fill`."""
+    if bounds is not None and not callable(region):
+        raise OptionError("bounds are given for a region that has its own; need them for none")
     if hasattr(region, "vertices"):
         # Of trimesh: its `triangles` are positions.
         triangles = getattr(region, "faces", getattr(region, "triangles", None))

@@ -1,0 +1,218 @@
+"""Unit cells: what they hold, what they refuse, and how they are found by name."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.lattice import UnitCell, cells, check_periodic, register_cell, tile, unit_cell
+from scaffold_cad.lattice.registry import _CELLS
+from scaffold_cad.skeleton import check_skeleton
+from scaffold_cad.vectors import angle_between
+
+# name: (nodes a cell, struts a cell, valencies, strut lengths in a cell of size 1)
+KNOWN = {
+    "sc": (1, 3, (6,), {1.0}),
+    "bcc": (2, 8, (8,), {np.sqrt(3) / 2}),
+    "bcc_sc": (2, 11, (8, 14), {np.sqrt(3) / 2, 1.0}),
+    "bccz": (2, 9, (8, 10), {np.sqrt(3) / 2, 1.0}),
+    "fcc": (4, 12, (4, 12), {np.sqrt(0.5)}),
+    "octet": (4, 24, (12,), {np.sqrt(0.5)}),
+    "kelvin": (12, 24, (4,), {np.sqrt(2) / 4}),
+    "diamond": (8, 16, (4,), {np.sqrt(3) / 4}),
+    "rhombic_dodecahedron": (12, 32, (4, 8), {np.sqrt(3) / 4}),
+    "truncated_cube": (6, 15, (5,), {np.sqrt(2) - 1}),
+    "cuboctahedron": (3, 12, (8,), {np.sqrt(0.5)}),
+    "auxetic": (5, 11, (2, 5), {0.75, 0.375}),
+    "hexagonal_prism": (4, 10, (5,), {1 / np.sqrt(3), 1.0}),
+    "gyroid": (8, 12, (3,), {np.sqrt(2) / 4}),
+}
+
+by_name = pytest.mark.parametrize("name", KNOWN)
+
+
+def test_every_known_cell_is_tested() -> None:
+    assert set(KNOWN) == set(cells())
+
+
+@by_name
+def test_a_cell_has_its_nodes_struts_valencies_and_lengths(name: str) -> None:
+    nodes, struts, valencies, lengths = KNOWN[name]
+    cell = unit_cell(name)
+    assert (cell.site_count, cell.strut_count, cell.valencies) == (nodes, struts, valencies)
+    found = cell.motif.strut_lengths(cell.proportions)
+    nearest = np.abs(found[:, None] - list(lengths)).min(axis=1)
+    np.testing.assert_allclose(nearest, 0.0, atol=1e-12)
+
+
+@by_name
+def test_a_cell_is_periodic_and_its_lattice_is_one_valid_skeleton(name: str) -> None:
+    check_periodic(unit_cell(name))
+    lattice = tile(name, 10.0, (2, 3, 2), radius=0.5)
+    check_skeleton(lattice)
+    assert lattice.component_count == 1
+
+
+@by_name
+def test_nodes_on_opposite_faces_match_in_a_lattice(name: str) -> None:
+    lattice = tile(name, 1.0, 3, radius=0.1)
+    size = unit_cell(name).proportions
+    for axis in range(3):
+        x = lattice.nodes[:, axis] / size[axis]
+        face = np.abs(x - 1) < 1e-9  # between the first and the second cells
+        moved = np.abs(x - 2) < 1e-9
+        near = lattice.nodes[face] + np.eye(3)[axis] * size
+        gaps = np.linalg.norm(near[:, None] - lattice.nodes[moved], axis=2)
+        assert len(near) == moved.sum() > 0
+        assert gaps.min(axis=1).max() < 1e-12
+
+
+@by_name
+def test_a_cell_tells_its_name_valency_and_density(name: str) -> None:
+    cell = unit_cell(name)
+    assert str(cell).startswith(f"{name}: {cell.description} Struts a cell {cell.strut_count}, ")
+    assert f"valency {' and '.join(map(str, cell.valencies))}, " in str(cell)
+    assert f"{cell.density_coefficient:.4g} (r/a)²" in str(cell)
+
+
+def test_hexagons_of_the_hexagonal_prism_are_regular() -> None:
+    lattice = tile("hexagonal_prism", 10.0, 3, radius=0.5)
+    at_node = lattice.directions[
+        lattice.incidence.at_nodes(np.flatnonzero(lattice.valency == 5), 5)
+    ]
+    flat = at_node[np.abs(at_node[:, :, 2]) < 0.5].reshape(-1, 3, 3)
+    angles = [angle_between(flat[:, k], flat[:, k - 1]) for k in range(3)]
+    np.testing.assert_allclose(angles, 2 * np.pi / 3)
+
+
+def test_bonds_of_diamond_meet_at_tetrahedral_angles() -> None:
+    lattice = tile("diamond", 10.0, 2, radius=0.5)
+    at_node = lattice.directions[
+        lattice.incidence.at_nodes(np.flatnonzero(lattice.valency == 4), 4)
+    ]
+    products = np.einsum("nai,nbi->nab", at_node, at_node)
+    np.testing.assert_allclose(products, np.eye(4) * 4 / 3 - 1 / 3 + np.zeros_like(products))
+
+
+def test_the_auxetic_cell_gets_wider_when_it_gets_longer() -> None:
+    # Arms of fixed length turn about their ends: a higher cell makes them flatter, so longer
+    # across. An arm from a column's top leads down to the next column's lower end.
+    lattice = tile("auxetic", 1.0, 2, radius=0.01)
+    spans = lattice.nodes[lattice.edges[:, 1]] - lattice.nodes[lattice.edges[:, 0]]
+    arms = np.flatnonzero(np.abs(spans[:, 0]) > 0.1)
+    upright = lattice.directions[
+        lattice.incidence.at_nodes(np.flatnonzero(lattice.valency == 5), 5)
+    ]
+    column = np.abs(upright[:, :, 2]).argmax(axis=1)
+    toward = upright[np.arange(len(upright)), column]  # from the node into its own column
+    slopes = np.einsum("ni,nki->nk", toward, upright)
+    assert len(arms) > 0
+    assert (slopes > 0).all()  # all arms fold back beside the column: re-entrant
+
+
+@pytest.mark.parametrize("name", ["bcc_sc", "BCC+SC", " bcc sc ", "Bcc-Sc"])
+def test_names_may_be_written_in_several_ways(name: str) -> None:
+    assert unit_cell(name) is cells()["bcc_sc"]
+
+
+def test_an_unknown_name_is_refused_with_the_known_ones() -> None:
+    with pytest.raises(OptionError, match=r"'kelvn'; need one of sc, bcc, .*mean 'kelvin'\?"):
+        unit_cell("kelvn")
+    with pytest.raises(OptionError, match=r"'xyzzy'; need one of .*gyroid$"):
+        unit_cell("xyzzy")
+
+
+def test_the_listing_is_a_copy() -> None:
+    listing = cells()
+    listing.clear()
+    assert len(cells()) == len(KNOWN)
+
+
+def test_nodes_almost_on_a_face_are_put_on_it() -> None:
+    cell = UnitCell(
+        "rod", np.array([[0.5, 0.5, -1e-12], [0.5, 0.5, 1 + 1e-12]]), np.array([[0, 1]])
+    )
+    assert cell.nodes[:, 2].tolist() == [0.0, 1.0]
+    assert (cell.site_count, cell.valencies) == (1, (2,))
+
+
+# ---------------------------------------------------------------------------------------------
+# Cells of one's own
+# ---------------------------------------------------------------------------------------------
+
+CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+STAR = np.array([[k, 8] for k in range(8)])
+
+
+@pytest.fixture
+def registry(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("scaffold_cad.lattice.registry._CELLS", dict(_CELLS))
+
+
+@pytest.mark.usefixtures("registry")
+def test_a_registered_cell_is_found_by_name() -> None:
+    nodes = np.concatenate([CORNERS, [[0.5, 0.5, 0.25]]])
+    cell = UnitCell("My Star", nodes, STAR)
+    register_cell(cell)
+    assert unit_cell("my_star") is cell
+    assert len(tile("my star", 5.0, 2, radius=0.2).edges) == 64
+
+
+@pytest.mark.usefixtures("registry")
+def test_a_second_cell_of_one_name_is_refused() -> None:
+    with pytest.raises(OptionError, match="called 'bcc' exists already; need another name"):
+        register_cell(UnitCell("BCC", np.concatenate([CORNERS, [[0.5, 0.5, 0.5]]]), STAR))
+
+
+@pytest.mark.usefixtures("registry")
+def test_a_node_without_its_copy_on_the_opposite_face_is_refused() -> None:
+    lonely = UnitCell("lonely", np.array([[0.5, 0.5, 0], [0.5, 0.3, 1]]), np.array([[0, 1]]))
+    with pytest.raises(SkeletonError, match=r"'lonely': node 1 at \[0.5, 0.3, 1.0\] .* to z; need"):
+        register_cell(lonely)
+    register_cell(lonely, periodic=False)
+    assert tile("lonely", 1.0, (1, 1, 3), radius=0.1).component_count == 3
+
+
+def test_a_strut_in_a_face_needs_one_in_the_opposite_face() -> None:
+    cube = [[a, a | bit] for a in range(8) for bit in (1, 2, 4) if not a & bit]
+    check_periodic(UnitCell("cube", CORNERS, np.array(cube)))
+    for missing, where in (
+        ([0, 1], r"\[0.0, 0.0, 0.0\] to \[0.0, 0.0, 1.0\]"),
+        ([3, 7], r"\[0.0, 1.0, 1.0\] to \[1.0, 1.0, 1.0\]"),
+    ):
+        rest = np.array([pair for pair in cube if pair != missing])
+        with pytest.raises(SkeletonError, match=f"'open': no strut from {where}; need one"):
+            check_periodic(UnitCell("open", CORNERS, rest))
+
+
+@pytest.mark.parametrize(
+    ("nodes", "edges", "message"),
+    [
+        ([[0, 0, 0], [1, 1, 1.5]], [[0, 1]], r"node 1 is at \[1.0, 1.0, 1.5\]; need coordinates"),
+        ([[0, 0, 0], [1, 1, 1]], [[0, 2]], r"edges\[0\] joins nodes \[0, 2\]; need 0 to 1"),
+        ([[0, 0, 0], [1, 1, 1], [1, 0, 0]], [[0, 1]], "node 2 has no edge"),
+        ([[0, 0, 0], [1, 1, 1]], [[0, 1], [1, 0]], "edges 0 and 1 both join"),
+        ([[0, 0, 0], [1, 1, 1]], np.zeros((0, 2), dtype=int), "no edges"),
+    ],
+)
+def test_a_cell_that_is_no_graph_in_the_unit_cube_is_refused(
+    nodes: list[list[float]], edges: list[list[int]], message: str
+) -> None:
+    with pytest.raises(SkeletonError, match=f"unit cell 'bad': .*{message}"):
+        UnitCell("bad", np.array(nodes), np.array(edges))
+
+
+def test_a_cell_without_name_or_with_bad_proportions_is_refused() -> None:
+    rod = (np.array([[0, 0, 0], [1, 1, 1]]), np.array([[0, 1]]))
+    with pytest.raises(OptionError, match="name is empty"):
+        UnitCell("", *rod)
+    with pytest.raises(OptionError, match=r"proportions of unit cell 'rod' are \[1.0, 0.0, 1.0\]"):
+        UnitCell("rod", *rod, proportions=np.array([1.0, 0.0, 1.0]))
+
+
+def test_the_arrays_of_a_cell_cannot_be_changed() -> None:
+    cell = unit_cell("bcc")
+    for array in (cell.nodes, cell.edges, cell.proportions):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0
