@@ -20,13 +20,17 @@ from scaffold_cad.vectors import dot, length
 Fit: TypeAlias = Literal["enclose", "paper"]
 """How large a branch point's sphere is: so that no strut is cut thin at it, or as given."""
 
-Section: TypeAlias = Literal["circumscribed", "area", "inscribed"]
-"""Which square section stands for a circle of the node's radius: around it, of its area, in it."""
+Section: TypeAlias = Literal["circumscribed", "area", "inscribed", "round"]
+"""Which square section stands for a circle of the node's radius: around it, of its area, in it, or
+the one whose smooth limit it is."""
 
 APOTHEM: dict[Section, float] = {
     "circumscribed": 1.0,
     "area": float(np.sqrt(np.pi) / 2),
     "inscribed": float(np.sqrt(0.5)),
+    # Between equal squares of corner distance 1 the Catmull-Clark limit is a tube of radius 2/3 at
+    # the corners and 11 √2/24 at the sides.
+    "round": float(np.sqrt(0.5) / ((2 / 3 + 11 * np.sqrt(2) / 24) / 2)),
 }
 """Distance of a section's sides from its centre, as a multiple of the radius."""
 

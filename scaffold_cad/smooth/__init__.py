@@ -1,0 +1,16 @@
+"""Smooth solids: Catmull-Clark subdivision of the scaffold, and what is made from its limit."""
+
+from scaffold_cad.smooth.catmull_clark import Limit, Subdivision, catmull_clark, limit
+from scaffold_cad.smooth.control import Caps, ControlMesh, control_mesh
+from scaffold_cad.smooth.mesh import smooth_mesh
+
+__all__ = [
+    "Caps",
+    "ControlMesh",
+    "Limit",
+    "Subdivision",
+    "catmull_clark",
+    "control_mesh",
+    "limit",
+    "smooth_mesh",
+]
