@@ -283,6 +283,16 @@ def test_components_without_beams_cost_nothing_however_they_multiply(tmp_path: P
     assert len(read_raw(path).edges) == 2
 
 
+@pytest.mark.parametrize("power", [20, 200, 308])
+def test_what_overflows_is_refused(tmp_path: Path, power: int) -> None:
+    huge = f"1e{power}"
+    item = f'<item objectid="1" transform="{huge} 0 0 0 {huge} 0 0 0 {huge} 0 0 0"/>'
+    far = mesh().replace('"10 "', f'"{huge}"')
+    for objects, items in (([mesh()], item), ([far], ITEM), ([far], item)):
+        with pytest.raises(FormatError, match=r"lattice\.3mf: nodes?.* is .*; need "):
+            read_raw(packed(tmp_path, model(objects, items, 'unit="meter"')))
+
+
 def test_a_part_that_unpacks_beyond_measure_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

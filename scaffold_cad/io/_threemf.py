@@ -12,6 +12,7 @@ from zipfile import BadZipFile, ZipFile
 
 import numpy as np
 
+from scaffold_cad.arrays import as_points
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._raw import RawSkeleton
@@ -43,13 +44,14 @@ def read_3mf(path: Path) -> RawSkeleton:
     cube root of its determinant. Meshes, balls and vertices without a beam are left out, and a
     lattice that is to be clipped is read whole.
     """
-    with _opened(path) as archive:
+    # What overflows under a transform is not finite then, and refused below.
+    with _opened(path) as archive, np.errstate(over="ignore", invalid="ignore"):
         package = _Package(path, archive)
         start = package.start_part()
         lattice = package.joined(start, package.model(start).items, depth=1)
     if len(lattice.edges) == 0:
         raise FormatError(f"{path} builds no beam lattice; need at least one beam")
-    return RawSkeleton(lattice.nodes, lattice.edges, lattice.radii)
+    return RawSkeleton(as_points(lattice.nodes, "nodes"), lattice.edges, lattice.radii)
 
 
 @contextmanager
