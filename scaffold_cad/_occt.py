@@ -235,7 +235,7 @@ def _solid(shell: TopoDS_Shell) -> TopoDS_Solid:
 
 
 def tessellate(shape: Shape, distance: float, angle: float) -> tuple[Points, Triangles]:
-    """Return vertices (v, 3), mm, and triangles (t, 3) of `shape`; faces share their vertices.
+    """Return vertices (v, 3), mm, and triangles (t, 3) of `shape`, each face with its own vertices.
 
     Parameters
     ----------
@@ -244,13 +244,8 @@ def tessellate(shape: Shape, distance: float, angle: float) -> tuple[Points, Tri
     angle : largest angle between neighbouring triangles of a face, rad
     """
     points, triangles = shape.tessellate(distance, angle)
-    corners = np.array([(p.X, p.Y, p.Z) for p in points], dtype=np.float64).reshape(-1, 3)
-    # Faces hold the same points of a shared edge, up to rounding.
-    _, first, vertex = np.unique(
-        np.round(corners / TOLERANCE), axis=0, return_index=True, return_inverse=True
-    )
-    welded = vertex.reshape(-1)[np.array(triangles, dtype=np.intp).reshape(-1, 3)]
-    return corners[first], welded
+    vertices = np.array([(p.X, p.Y, p.Z) for p in points], dtype=np.float64)
+    return vertices.reshape(-1, 3), np.array(triangles, dtype=np.intp).reshape(-1, 3)
 
 
 def export_step(shape: Shape, path: Path, *, write_pcurves: bool) -> bool:

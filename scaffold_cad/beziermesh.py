@@ -124,7 +124,7 @@ class BezierMesh:
 
     def _rows_along_edges(self) -> Floats:
         """Return each side's control points from its edge's lower vertex on, (4 f, d + 1, 3)."""
-        patches = self.control_points.reshape(len(self.quads), -1, 3)
+        patches = self.control_points.reshape(-1, (self.degree + 1) ** 2, 3)
         rows = patches[:, side_indices(self.degree)].reshape(-1, self.degree + 1, 3)
         return np.where(self.runs_forward.reshape(-1)[:, None, None], rows, rows[:, ::-1])
 

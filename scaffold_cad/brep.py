@@ -10,12 +10,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from scaffold_cad.backends import need
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.errors import BrepError, OptionError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.shells import check_oriented, check_solid, quads_of_shells
+from scaffold_cad.topology import component_labels
 from scaffold_cad.trianglemesh import TriangleMesh
 from scaffold_cad.vectors import length
 
@@ -108,10 +110,20 @@ def check_sizes(patches: BezierMesh) -> None:
 
 
 def tessellated(shape: Shape) -> TriangleMesh:
-    """Return the triangles of a build123d shape, at most 0.01 mm and 0.1 rad off its faces."""
+    """Return the triangles of a build123d shape, at most 0.01 mm and 0.1 rad off its faces.
+
+    Faces share the vertices of their edges: the triangles of a solid are closed.
+    """
     from scaffold_cad import _occt
 
-    return TriangleMesh(*_occt.tessellate(shape, TESSELLATION_DISTANCE, TESSELLATION_ANGLE))
+    points, triangles = _occt.tessellate(shape, TESSELLATION_DISTANCE, TESSELLATION_ANGLE)
+    same_place = cKDTree(points).query_pairs(LEAST_SIZE / 2, output_type="ndarray")
+    vertex = component_labels(same_place, len(points))  # one for each point
+    _, first = np.unique(vertex, return_index=True)
+    welded = vertex[triangles]
+    # At a pole or a tip a triangle has two corners in one place.
+    proper = (welded != np.roll(welded, 1, axis=1)).all(axis=1)
+    return TriangleMesh(points[first], welded[proper])
 
 
 def export_step(shape: Shape, path: Path, *, write_pcurves: bool = False) -> None:

@@ -232,5 +232,13 @@ def _real_texts(values: Floats) -> list[str]:
 
 def _escaped(text: str) -> str:
     """Return `text` as a string of ISO 10303-21, which is ASCII."""
-    plain = text.replace("\\", "\\\\").replace("'", "''")
-    return "".join(c if " " <= c <= "~" else f"\\X4\\{ord(c):08X}\\X0\\" for c in plain)
+    return "".join(map(_escaped_character, text))
+
+
+def _escaped_character(character: str) -> str:
+    code = ord(character)
+    if character in "'\\":
+        return 2 * character
+    if " " <= character <= "~":
+        return character
+    return f"\\X2\\{code:04X}\\X0\\" if code < 0x10000 else f"\\X4\\{code:08X}\\X0\\"
