@@ -12,12 +12,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.arrays import Bools, Floats, Ints, Points, Triangles
+from scaffold_cad.arrays import Bools, Edges, Floats, Ints, Points, Triangles, UnitVectors
 from scaffold_cad.embedding import Embedding, stub_apexes
 from scaffold_cad.scaffold import Scaffold
+from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.sleeves import fitted_angle
+from scaffold_cad.thinning import kept_samples
 from scaffold_cad.trianglemesh import TriangleMesh
-from scaffold_cad.vectors import any_perpendicular, rotate
+from scaffold_cad.vectors import any_perpendicular, dot, length, normalize, rotate
 
 PLASTIC = 1.32471795724474602596
 """The plastic number, the root of x³ = x + 1."""
@@ -25,6 +27,15 @@ PLASTIC = 1.32471795724474602596
 HUB_WIDTH = 1.002
 """Width of the hull at a joint, in widths of the sections that meet there: their corners must
 not lie in the planes of its faces."""
+
+OVERLAP = 0.1
+"""How far a strut left out goes on beyond its node, in distances of its corners."""
+
+THINNING = 0.1
+"""How far struts left out may stray from their edges, in radii."""
+
+THINNED_SPACING = 0.5
+"""Least distance of the joints between struts left out, in radii."""
 
 HUB_LENGTH = 0.25
 """How far the hull at a joint reaches along its struts, in radii."""
@@ -50,12 +61,11 @@ def solid_pieces(scaffold: Scaffold, embedded: Embedding, wobble: float = 0.0) -
     wobble : how much the prisms of struts left out are made unlike each other, as a fraction of
         their radius: faces that lie in one plane, or edges in one line, are hard to unite
     """
-    count = len(scaffold.skeleton.edges)
-    prisms = _Prisms(scaffold, wobble * _spread(count, 1), wobble * _spread(count, 2))
+    struts = _struts_left_out(scaffold, embedded.kept, wobble)
     return Pieces(
         _kept_surface(scaffold, embedded),
         [_sphere(scaffold, node) for node in np.flatnonzero(~embedded.kept_nodes).tolist()],
-        [*prisms.struts(embedded.left_out), *prisms.hubs(embedded.kept)],
+        [*_prisms(scaffold, struts), *_hubs(scaffold, struts, embedded.kept)],
     )
 
 
@@ -64,7 +74,8 @@ def _spread(count: int, axis: int) -> Floats:
 
     Multiples of the powers of the plastic number's inverse: Roberts's additive recurrence.
     """
-    return np.remainder(np.arange(1, count + 1) * PLASTIC**-axis, 1.0) - 0.5
+    spread: Floats = np.remainder(np.arange(1, count + 1) * PLASTIC**-axis, 1.0) - 0.5
+    return spread
 
 
 def _kept_surface(scaffold: Scaffold, embedded: Embedding) -> TriangleMesh:
@@ -118,50 +129,119 @@ def _sphere(scaffold: Scaffold, node: int) -> TriangleMesh:
 
 
 @dataclass(frozen=True, eq=False)
-class _Prisms:
-    """Struts left out as straight prisms from node to node."""
+class _Struts:
+    """Straight struts from node to node, in place of one or more edges left out."""
 
-    scaffold: Scaffold
-    widening: Floats
-    """Relative change of each edge's width, shape (m,)."""
-    turn: Floats
-    """Angle by which each edge's section is turned, rad, shape (m,)."""
+    ends: Edges
+    """Nodes, shape (k, 2)."""
+    axis: UnitVectors
+    """Direction from the first node to the second, shape (k, 3)."""
+    x: UnitVectors
+    """Direction from the axis to the first corner of the section, shape (k, 3)."""
+    width: Floats
+    """Distance of the section's corners from the axis, in radii, shape (k,)."""
 
-    def struts(self, edges: Ints) -> list[Points]:
-        """Return the corners of the prism of each of `edges`."""
-        nodes = self.scaffold.skeleton.nodes[self.scaffold.skeleton.edges[edges]]
-        return list((self._sections(edges) + nodes[:, :, None]).reshape(-1, 8, 3))
 
-    def hubs(self, kept: Bools) -> list[Points]:
-        """Return the sections that meet at each joint with a strut left out, on both its sides.
+def _struts_left_out(scaffold: Scaffold, kept: Bools, wobble: float) -> _Struts:
+    """Return the struts for the edges left out, without joints that their shape does not need."""
+    skeleton = scaffold.skeleton
+    ends, first_edge = _thinned_runs(skeleton, kept)
+    axis = normalize(skeleton.nodes[ends[:, 1]] - skeleton.nodes[ends[:, 0]])
+    turn, widening = (wobble * _spread(len(ends), power) for power in (1, 2))
+    x = rotate(_across(axis, _corner_directions(scaffold, first_edge)), axis, turn)
+    return _Struts(ends, axis, x, scaffold.options.corner_distance * (1.0 + widening))
 
-        Their hull fills the wedge between two prisms, and reaches into a sleeve that is kept.
-        """
-        skeleton = self.scaffold.skeleton
-        half_edges = skeleton.incidence.at_nodes(skeleton.joints, 2)  # (k, 2)
-        half_edges = half_edges[~kept[half_edges >> 1].all(axis=1)]
-        flat = half_edges.reshape(-1)
-        node = skeleton.edges.reshape(-1)[flat]
-        section = HUB_WIDTH * self._sections(flat >> 1)[np.arange(len(flat)), flat & 1]
-        reach = np.minimum(HUB_LENGTH * skeleton.radii[node], skeleton.lengths[flat >> 1] / 2)
-        along = (reach[:, None] * skeleton.directions[flat])[:, None, :]
-        points = np.concatenate([section, section + along], axis=1)  # (2 k, 8, 3)
-        return list((points + skeleton.nodes[node][:, None, :]).reshape(-1, 16, 3))
 
-    def _sections(self, edges: Ints) -> Points:
-        """Return the sections across `edges` at both nodes, seen from the node, (k, 2, 4, 3)."""
-        scaffold, skeleton = self.scaffold, self.scaffold.skeleton
-        axis = skeleton.directions[2 * edges]
-        first_sleeve = np.searchsorted(scaffold.refinement.edge_of_edge, edges)
-        start = skeleton.nodes[skeleton.edges[edges, 0]]
-        ring = scaffold.mesh.vertices[scaffold.sleeves[first_sleeve, 0]] - start[:, None, :]
-        across = any_perpendicular(axis)
-        x = rotate(across, axis, fitted_angle(ring, across, axis) + self.turn[edges])
-        y = np.cross(axis, x)
-        unit = np.stack([x, y, -x, -y], axis=1)[:, None]  # (k, 1, 4, 3)
-        radii = skeleton.radii[skeleton.edges[edges]] * (1.0 + self.widening[edges, None])
-        distance = scaffold.options.corner_distance * radii  # (k, 2)
-        return unit * distance[:, :, None, None]
+def _thinned_runs(skeleton: Skeleton, kept: Bools) -> tuple[Edges, Ints]:
+    """Return the ends of straight struts along the edges left out, (k, 2), and an edge of each.
+
+    Where joints follow each other more closely than the radius, as in over-sampled curves, the
+    prisms of single edges would be slices with nearly the same faces.
+    """
+    walk = skeleton.chains
+    tails = skeleton.edges.reshape(-1)
+    steps = np.flatnonzero(~kept[walk.half_edges >> 1])
+    starts_chain = np.isin(steps, walk.offsets)
+    follows = np.diff(steps, prepend=-2) == 1
+    runs = np.split(walk.half_edges[steps], np.flatnonzero(~follows | starts_chain)[1:])
+    struts = [np.zeros((0, 3), dtype=np.intp)]
+    for run in runs if len(steps) else []:
+        stops = np.append(tails[run], tails[run[-1] ^ 1])
+        points, radii = skeleton.nodes[stops], skeleton.radii[stops]
+        mask = kept_samples(points, radii, THINNING * radii.min(), THINNED_SPACING)
+        if stops[0] == stops[-1]:
+            mask[[len(run) // 3, 2 * len(run) // 3]] = True
+        keep = np.flatnonzero(mask)
+        struts.append(np.stack([stops[keep[:-1]], stops[keep[1:]], run[keep[:-1]] >> 1], axis=1))
+    rows = np.concatenate(struts)
+    return rows[:, :2], rows[:, 2]
+
+
+def _prisms(scaffold: Scaffold, struts: _Struts) -> list[Points]:
+    """Return the corners of each strut, which goes a little beyond its nodes.
+
+    Ends that only touched, as those of two struts in one line, would leave a gap of no width.
+    """
+    skeleton = scaffold.skeleton
+    radii = skeleton.radii[struts.ends] * struts.width[:, None]  # (k, 2), of the corners
+    further = np.where(skeleton.valency[struts.ends] > 1, OVERLAP * radii, 0.0)
+    outward = np.stack([-struts.axis, struts.axis], axis=1)
+    centres = skeleton.nodes[struts.ends] + further[:, :, None] * outward  # (k, 2, 3)
+    sections = _square(struts.x, struts.axis)[:, None] * radii[:, :, None, None]
+    return list((centres[:, :, None, :] + sections).reshape(-1, 8, 3))
+
+
+def _hubs(scaffold: Scaffold, struts: _Struts, kept: Bools) -> list[Points]:
+    """Return the sections that meet at each joint with a strut left out, on both its sides.
+
+    Their hull fills the wedge between two prisms, and reaches into a sleeve that is kept.
+    """
+    skeleton = scaffold.skeleton
+    at_joint = np.zeros(len(skeleton.nodes), dtype=np.bool_)
+    at_joint[struts.ends] = True
+    at_joint &= skeleton.valency == 2
+    sleeves = np.flatnonzero(at_joint[skeleton.edges.reshape(-1)] & np.repeat(kept, 2))
+    axis = skeleton.directions[sleeves]
+    node = np.concatenate(
+        [struts.ends[:, 0], struts.ends[:, 1], skeleton.edges.reshape(-1)[sleeves]]
+    )
+    direction = np.concatenate([struts.axis, -struts.axis, axis])
+    x = np.concatenate(
+        [struts.x, struts.x, _across(axis, _corner_directions(scaffold, sleeves >> 1))]
+    )
+    corner_distance = np.full(len(sleeves), scaffold.options.corner_distance)
+    width = HUB_WIDTH * np.concatenate([struts.width, struts.width, corner_distance])
+
+    arms = np.flatnonzero(at_joint[node])
+    arms = arms[np.argsort(node[arms], kind="stable")]  # two at each joint
+    radius = skeleton.radii[node[arms]]
+    near = _square(x[arms], direction[arms]) * (width[arms] * radius)[:, None, None]
+    far = near + (HUB_LENGTH * radius[:, None] * direction[arms])[:, None, :]
+    points = np.concatenate([near, far], axis=1) + skeleton.nodes[node[arms]][:, None, :]
+    return list(points.reshape(-1, 16, 3))
+
+
+def _corner_directions(scaffold: Scaffold, edges: Ints) -> UnitVectors:
+    """Return the direction from each edge to the first corner of its section, (k, 3)."""
+    skeleton = scaffold.skeleton
+    axis = skeleton.directions[2 * edges]
+    sleeve = np.searchsorted(scaffold.refinement.edge_of_edge, edges)
+    start = skeleton.nodes[skeleton.edges[edges, 0]]
+    ring = scaffold.mesh.vertices[scaffold.sleeves[sleeve, 0]] - start[:, None, :]
+    across = any_perpendicular(axis)
+    return rotate(across, axis, fitted_angle(ring, across, axis))
+
+
+def _across(axis: UnitVectors, vectors: UnitVectors) -> UnitVectors:
+    """Return the directions of the parts of `vectors` across `axis`; any where there is none."""
+    parts = vectors - dot(vectors, axis)[:, None] * axis
+    return np.where(length(parts)[:, None] > 0.1, normalize(parts), any_perpendicular(axis))
+
+
+def _square(x: UnitVectors, axis: UnitVectors) -> Points:
+    """Return four corners at distance 1 from 0 across `axis`, the first along `x`, (k, 4, 3)."""
+    y = np.cross(axis, x)
+    return np.stack([x, y, -x, -y], axis=1)
 
 
 def compacted(vertices: Points, triangles: Triangles) -> TriangleMesh:

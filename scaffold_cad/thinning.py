@@ -11,12 +11,14 @@ LEAST_SPACING = 1.0
 """Least distance of two neighbouring joints, as a multiple of the larger of their radii."""
 
 
-def kept_samples(points: Points, radii: Floats, tolerance: float) -> Bools:
+def kept_samples(
+    points: Points, radii: Floats, tolerance: float, spacing: float = LEAST_SPACING
+) -> Bools:
     """Return which samples of a polyline to keep, its two ends always, shape (k,).
 
     Between kept samples neither the positions nor the radii stray more than `tolerance` (mm)
     from their linear interpolation (Douglas and Peucker's rule in x, y, z, r); of what is kept,
-    a joint closer to its neighbour than its radius goes as well.
+    a joint closer to its neighbour than `spacing` times its radius goes as well.
     """
     samples = np.column_stack([points, radii])  # (k, 4)
     keep = np.zeros(len(samples), dtype=np.bool_)
@@ -31,7 +33,7 @@ def kept_samples(points: Points, radii: Floats, tolerance: float) -> Bools:
         if distance[worst] > tolerance:
             keep[first + worst] = True
             spans += [(first, first + worst), (first + worst, last)]
-    _drop_crowded(points, radii, keep)
+    _drop_crowded(points, spacing * radii, keep)
     return keep
 
 
@@ -51,12 +53,11 @@ def _distance_to_chord(samples: Floats) -> Floats:
     return distance
 
 
-def _drop_crowded(points: Points, radii: Floats, keep: Bools) -> None:
-    """Clear in `keep` the joints that stand closer to their neighbour than their radius."""
+def _drop_crowded(points: Points, room: Floats, keep: Bools) -> None:
+    """Clear in `keep` the joints that stand closer to their neighbour than their `room`."""
 
     def crowded(a: int, b: int) -> bool:
-        room = LEAST_SPACING * max(radii[a], radii[b])
-        return bool(length(points[a] - points[b]) < room)
+        return bool(length(points[a] - points[b]) < max(room[a], room[b]))
 
     kept = np.flatnonzero(keep)
     last, end = int(kept[0]), int(kept[-1])

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
+from scaffold_cad.arrays import Ints
 from scaffold_cad.cli import source
 from scaffold_cad.export import BREP_SUFFIXES, check_writable, write
 from scaffold_cad.scaffold import Scaffold, build_scaffold
@@ -96,35 +97,27 @@ def _frame_radius(asked: float | None, skeleton: Skeleton) -> float:
 
 
 def _product(scaffold: Scaffold, options: argparse.Namespace) -> Any:
-    """Return what to write: a B-rep for CAD formats, bare quads, or a solid's triangles."""
-    if options.output.suffix.lower() in BREP_SUFFIXES:
-        # Imported here: only CAD formats need build123d.
-        from scaffold_cad.brep import to_brep
+    """Return what to write: the quads while they are one solid, else their union's triangles."""
+    cad = options.output.suffix.lower() in BREP_SUFFIXES
+    left_out = scaffold.embedding().left_out
+    if len(left_out) == 0 or cad or options.product == "shell":
+        if len(left_out):
+            _log.warning(
+                "%s overlap others or their nodes, edge %d first: the surface may cross itself "
+                "there; use --simplify or a smaller radius, or a mesh format, which is united",
+                _count_of(left_out, scaffold),
+                left_out[0],
+            )
+        if cad and options.product == "shell":
+            # Imported here: only CAD shells need build123d.
+            from scaffold_cad.brep import to_brep
 
-        _warn_of_overlaps(scaffold)
-        return to_brep(scaffold.mesh, "shell" if options.product == "shell" else "solid")
-    if options.product == "shell":
-        _warn_of_overlaps(scaffold)
-        return scaffold.mesh
+            return to_brep(scaffold.mesh, "shell")
+        return scaffold
     solid = solidified(scaffold)
-    if not len(solid.united_edges):
-        return scaffold.mesh
-    _log.warning(
-        "%d of %d struts overlap others or their nodes and were united by a boolean",
-        len(solid.united_edges),
-        len(scaffold.skeleton.edges),
-    )
+    _log.warning("%s overlap others or their nodes and were united", _count_of(left_out, scaffold))
     return solid.manifold
 
 
-def _warn_of_overlaps(scaffold: Scaffold) -> None:
-    """Say so where the surface to be written may cross itself."""
-    left_out = scaffold.embedding().left_out
-    if len(left_out):
-        _log.warning(
-            "%d of %d struts may overlap others or their nodes, edge %d first: the surface may "
-            "cross itself there; STL, 3MF, OBJ, PLY and GLB solids are united, or use --simplify",
-            len(left_out),
-            len(scaffold.skeleton.edges),
-            left_out[0],
-        )
+def _count_of(edges: Ints, scaffold: Scaffold) -> str:
+    return f"{len(edges)} of {len(scaffold.skeleton.edges)} struts"
