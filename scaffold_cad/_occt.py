@@ -30,6 +30,7 @@ from OCP.Geom2d import Geom2d_BSplineCurve, Geom2d_Curve, Geom2d_Line
 from OCP.gp import gp_Ax3, gp_Dir, gp_Dir2d, gp_Pnt, gp_Pnt2d
 from OCP.Interface import Interface_Static
 from OCP.Message import Message, Message_Gravity
+from OCP.STEPControl import STEPControl_Controller
 from OCP.TopoDS import (
     TopoDS_Edge,
     TopoDS_Face,
@@ -280,6 +281,7 @@ def _collector_paused() -> Iterator[None]:
 @contextmanager
 def _restored(*settings: str) -> Iterator[None]:
     """Give OCCT's integer `settings`, which all of a process shares, back their values."""
+    STEPControl_Controller.Init_s()  # before it they have no values
     before = {name: Interface_Static.IVal_s(name) for name in settings}
     try:
         yield

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import TextIO
+from typing import TextIO, TypeAlias
 
 import numpy as np
 
@@ -122,13 +122,13 @@ def _write_faces(tables: _Tables, patches: BezierMesh, face_names: Sequence[str]
 def _write_points(tables: _Tables, patches: BezierMesh) -> _PointNumbers:
     """Write the vertices' positions and the control points inside edges and patches."""
     mesh, order = patches.mesh, patches.degree + 1
-    vertices = tables.add(POINT, *_reals(mesh.vertices))
-    inner = tables.add(POINT, *_reals(patches.edge_control_points[:, 1:-1]))
+    vertices = tables.add(POINT, *_columns(mesh.vertices))
+    inner = tables.add(POINT, *_columns(patches.edge_control_points[:, 1:-1]))
     low, high = vertices[mesh.edges].T[:, :, None]
     edges = np.hstack([low, inner.reshape(len(mesh.edges), order - 2), high])  # (e, d + 1)
 
     grid = np.zeros((len(mesh.quads), order, order), dtype=np.intp)
-    inside = tables.add(POINT, *_reals(patches.control_points[:, 1:-1, 1:-1]))
+    inside = tables.add(POINT, *_columns(patches.control_points[:, 1:-1, 1:-1]))
     grid[:, 1:-1, 1:-1] = inside.reshape(len(mesh.quads), order - 2, order - 2)
     rows = edges[mesh.edge_of_half_edge].reshape(-1, 4, order)
     rows = np.where(patches.runs_forward[:, :, None], rows, rows[:, :, ::-1])
@@ -140,7 +140,7 @@ def _write_edges(tables: _Tables, patches: BezierMesh, points: _PointNumbers) ->
     """Write the edges from lower to higher vertex; return their numbers, shape (e,)."""
     if patches.degree == 1:
         ends = patches.edge_control_points
-        directions = tables.add(DIRECTION, *_reals(normalize(ends[:, 1] - ends[:, 0])))
+        directions = tables.add(DIRECTION, *_columns(normalize(ends[:, 1] - ends[:, 0])))
         vectors = tables.add("VECTOR('',#%d,1.)", directions)
         curves = tables.add("LINE('',#%d,#%d)", points.edges[:, 0], vectors)
     else:
@@ -163,8 +163,8 @@ def _write_surfaces(tables: _Tables, patches: BezierMesh, points: _PointNumbers)
 
     corners = points.patches[:, 0, 0]
     sides = patches.control_points[:, 1, 0] - patches.control_points[:, 0, 0]
-    normals = tables.add(DIRECTION, *_reals(patches.plane_normals[flat]))
-    along = tables.add(DIRECTION, *_reals(normalize(sides[flat])))
+    normals = tables.add(DIRECTION, *_columns(patches.plane_normals[flat]))
+    along = tables.add(DIRECTION, *_columns(normalize(sides[flat])))
     axes = tables.add("AXIS2_PLACEMENT_3D('',#%d,#%d,#%d)", corners[flat], normals, along)
     numbers[flat] = tables.add("PLANE('',#%d)", axes)
 
@@ -178,6 +178,10 @@ def _write_surfaces(tables: _Tables, patches: BezierMesh, points: _PointNumbers)
     return numbers
 
 
+Column: TypeAlias = Ints | Floats | list[str]
+"""References, real numbers or texts, one a row."""
+
+
 @dataclass
 class _Tables:
     """A file being written, entity after entity."""
@@ -186,7 +190,7 @@ class _Tables:
     count: int = HEADER_ENTITIES
     """Number of entities written so far, which is the number of the last one."""
 
-    def add(self, template: str, *columns: Ints | list[str]) -> Ints:
+    def add(self, template: str, *columns: Column) -> Ints:
         """Write an entity for each row of `columns`, (n,) each; return their numbers, (n,)."""
         numbers = np.arange(len(columns[0])) + self.count + 1
         width = len(columns) + 1
@@ -195,8 +199,7 @@ class _Tables:
             rows = len(numbers[chunk])
             cells: list[object] = [None] * (rows * width)
             for i, column in enumerate((numbers, *columns)):
-                part = column[chunk]
-                cells[i::width] = part if isinstance(part, list) else part.tolist()
+                cells[i::width] = _cells(column[chunk])
             self.file.write(f"#%d={template};\n" * rows % tuple(cells))
         self.count += len(numbers)
         return numbers
@@ -215,10 +218,19 @@ def _references(count: int) -> str:
     return ",".join(["#%d"] * count)
 
 
-def _reals(points: Floats) -> tuple[list[str], list[str], list[str]]:
-    """Return the x, y and z of `points` (..., 3) as STEP writes them, exact to the last bit."""
-    x, y, z = (_real_texts(column) for column in points.reshape(-1, 3).T)
-    return x, y, z
+def _columns(points: Floats) -> Floats:
+    """Return the x, y and z of `points` (..., 3), shape (3, n)."""
+    return points.reshape(-1, 3).T
+
+
+def _cells(column: Column) -> Sequence[object]:
+    """Return what a template takes: whole numbers as such, and real ones as text."""
+    if isinstance(column, list):
+        return column
+    if column.dtype == np.float64:
+        return _real_texts(np.asarray(column, dtype=np.float64))
+    numbers: list[int] = column.tolist()
+    return numbers
 
 
 def _real_texts(values: Floats) -> list[str]:
