@@ -59,5 +59,5 @@ def least_length(shortest: float | None, default: float) -> float:
     if shortest is None:
         return default
     if not 0 <= shortest < np.inf:
-        raise OptionError(f"shortest piece is {shortest:g} mm; need >= 0")
+        raise OptionError(f"shortest length is {shortest:g} mm; need >= 0")
     return shortest

@@ -96,11 +96,13 @@ class ImplicitRegion:
         low, high = np.zeros(len(strut)), np.ones(len(strut))
         at_low, at_high = value[struts.edges[:, 0]], value[struts.edges[:, 1]]
         crossed = []
-        for _ in range(PROBES):
+        for depth in range(PROBES + 1):
             change = (at_low > self.tolerance) != (at_high > self.tolerance)
             falls = at_low[change] > self.tolerance
             crossed.append((strut[change], low[change], high[change], falls))
             near = ~change & (np.abs(at_low) + np.abs(at_high) < (high - low) * size[strut])
+            if depth == PROBES or not near.any():
+                break
             strut, low, high = strut[near], low[near], high[near]
             middle = (low + high) / 2
             at_middle = self.values(start[strut] + middle[:, None] * span[strut])

@@ -1,0 +1,176 @@
+"""Random foams: Voronoi and Delaunay edges, their valencies, their walls, their seeds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeAlias, get_args
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial import Voronoi, cKDTree
+
+from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.lattice import delaunay_foam, voronoi_foam
+from scaffold_cad.lattice.clipping import Keep
+from scaffold_cad.lattice.foams import random_points
+from scaffold_cad.skeleton import Skeleton, check_skeleton
+
+Foam: TypeAlias = Callable[..., Skeleton]
+
+BOX = np.array([[0.0, 0.0, 0.0], [100.0, 80.0, 60.0]])
+
+
+def on_walls(nodes: np.ndarray) -> np.ndarray:
+    return (np.abs(nodes[:, None] - BOX) < 1e-6).any(axis=(1, 2))
+
+
+@given(
+    count=st.integers(30, 150),
+    seed=st.integers(0, 2**32),
+    regularity=st.floats(0, 0.7),
+    keep=st.sampled_from(get_args(Keep)),
+)
+@settings(max_examples=40)
+def test_any_foam_is_a_valid_skeleton_in_its_box(
+    count: int, seed: int, regularity: float, keep: Keep
+) -> None:
+    foam = voronoi_foam(count, BOX, 0.5, seed, regularity=regularity, keep=keep)
+    check_skeleton(foam)
+    assert (foam.nodes >= BOX[0] - 1e-6).all()
+    assert (foam.nodes <= BOX[1] + 1e-6).all()
+
+
+def test_nodes_inside_have_valency_4_and_those_on_the_walls_1() -> None:
+    foam = voronoi_foam(300, BOX, 0.5, seed=1, shortest=0.0)
+    wall = on_walls(foam.nodes)
+    assert set(foam.valency[wall].tolist()) == {1}
+    assert set(foam.valency[~wall].tolist()) == {4}
+
+
+def test_nodes_are_equally_far_from_their_four_nearest_points() -> None:
+    foam = voronoi_foam(200, BOX, 0.5, seed=2, shortest=0.0)
+    distance, _ = cKDTree(random_points(200, BOX, 2)).query(foam.nodes, 4)
+    inside = ~on_walls(foam.nodes)
+    spread = np.ptp(distance, axis=1)
+    assert spread[inside].max() < 1e-6
+    assert np.ptp(distance[~inside][:, :3], axis=1).max() < 1e-6  # on an edge of three cells
+    assert np.median(spread[~inside]) > 1
+
+
+def test_whole_struts_are_those_of_the_voronoi_diagram_inside_the_box() -> None:
+    points = random_points(120, BOX, 3)
+    diagram = Voronoi(points)
+    pairs = set()
+    for ridge in diagram.ridge_vertices:
+        pairs |= {frozenset(p) for p in zip(ridge, ridge[1:] + ridge[:1], strict=True)}
+    inside = ((diagram.vertices > BOX[0]) & (diagram.vertices < BOX[1])).all(axis=1)
+    expected = [sorted(p) for p in pairs if -1 not in p and all(inside[k] for k in p)]
+    foam = voronoi_foam(120, BOX, 0.5, 3, keep="whole", shortest=0.0)
+    assert len(foam.edges) == len(expected)
+    assert foam.lengths.sum() == pytest.approx(
+        np.linalg.norm(np.diff(diagram.vertices[expected], axis=1), axis=2).sum()
+    )
+
+
+def test_a_clipped_foam_has_the_struts_of_the_whole_one_and_ends_at_the_walls() -> None:
+    clipped = voronoi_foam(200, BOX, 0.5, 4, shortest=0.0)
+    whole = voronoi_foam(200, BOX, 0.5, 4, keep="whole", shortest=0.0)
+    at_wall = on_walls(clipped.nodes)[clipped.edges].any(axis=1)
+    assert len(whole.edges) == (~at_wall).sum()
+    assert whole.lengths.sum() == pytest.approx(clipped.lengths[~at_wall].sum())
+
+
+def test_dangling_struts_go_if_asked() -> None:
+    foam = voronoi_foam(200, BOX, 0.5, 4, dangling=False)
+    assert len(foam.extremities) == 0
+    assert not on_walls(foam.nodes).any()
+    assert foam.loop_count == voronoi_foam(200, BOX, 0.5, 4).loop_count
+
+
+def test_no_strut_is_shorter_than_asked() -> None:
+    natural = voronoi_foam(200, BOX, 0.5, 5, shortest=0.0)
+    foam = voronoi_foam(200, BOX, 0.5, 5, shortest=1.0)
+    assert natural.lengths.min() < 0.5
+    assert np.quantile(foam.lengths, 0.01) > 0.9  # nodes move by what is shrunk beside them
+    check_skeleton(foam)
+    assert on_walls(foam.nodes).sum() > 0.8 * on_walls(natural.nodes).sum()
+    assert foam.loop_count <= natural.loop_count
+
+
+@pytest.mark.parametrize("foam", [voronoi_foam, delaunay_foam])
+def test_the_same_seed_gives_the_same_foam_and_another_one_does_not(foam: Foam) -> None:
+    one, same, other = (foam(60, BOX, 0.5, seed) for seed in (7, 7, 8))
+    assert np.array_equal(one.nodes, same.nodes)
+    assert np.array_equal(one.edges, same.edges)
+    assert not np.array_equal(one.nodes[0], other.nodes[0])
+
+
+@given(count=st.integers(5, 300), seed=st.integers(0, 1000), regularity=st.floats(0, 0.7))
+@settings(max_examples=25)
+def test_regular_points_keep_their_distance(count: int, seed: int, regularity: float) -> None:
+    points = random_points(count, BOX, seed, regularity)
+    assert points.shape == (count, 3)
+    nearest = cKDTree(points).query(points, 2)[0][:, 1]
+    # Neighbours in a body-centred cubic lattice of edge a, with 2 points an a³.
+    edge = np.cbrt(2 * np.prod(BOX[1]) / count)
+    assert nearest.min() >= regularity * edge * np.sqrt(3) / 2 * (1 - 1e-12)
+
+
+def test_a_radius_may_depend_on_the_place() -> None:
+    for foam in (voronoi_foam, delaunay_foam):
+        graded = foam(60, BOX, lambda points: 1 + points[:, 0] / 100)
+        np.testing.assert_allclose(graded.radii, 1 + graded.nodes[:, 0] / 100)
+
+
+@given(count=st.integers(10, 200), seed=st.integers(0, 2**32))
+@settings(max_examples=20)
+def test_any_truss_is_valid_and_each_strut_passes_no_nearer_point(count: int, seed: int) -> None:
+    truss = delaunay_foam(count, BOX, 0.5, seed)
+    check_skeleton(truss)
+    points = random_points(count, BOX, seed)
+    assert len(truss.nodes) <= count
+    assert cKDTree(points).query(truss.nodes)[0].max() < 1e-2 * np.cbrt(np.prod(BOX[1]) / count)
+
+
+def test_a_truss_has_the_nodes_that_a_foam_has_cells() -> None:
+    # Each strut of the truss crosses a face between two cells of the foam.
+    truss = delaunay_foam(500, BOX, 0.5, 9, shortest=0.0)
+    points = random_points(500, BOX, 9)
+    assert np.array_equal(truss.nodes, points[cKDTree(points).query(truss.nodes)[1]])
+    ridges = {frozenset(pair) for pair in Voronoi(points).ridge_points.tolist()}
+    nearest = cKDTree(points).query(truss.nodes)[1]
+    assert {frozenset(pair) for pair in nearest[truss.edges].tolist()} <= ridges
+    assert truss.valency.mean() == pytest.approx(14, rel=0.1)  # 15.5 without walls
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"count": 0}, "count is 0 points; need at least 1"),
+        ({"regularity": 0.8}, r"regularity is 0\.8; need 0 to 0\.7"),
+        ({"regularity": -0.1}, r"regularity is -0\.1; need 0 to 0\.7"),
+        ({"box": BOX[::-1]}, "need the first below the second"),
+        ({"shortest": -1.0}, "shortest length is -1 mm; need >= 0"),
+        ({"radius": 0.0}, "radius is 0 mm; need > 0"),
+    ],
+)
+@pytest.mark.parametrize("foam", [voronoi_foam, delaunay_foam])
+def test_arguments_out_of_range_are_refused(
+    foam: Foam, arguments: dict[str, object], message: str
+) -> None:
+    with pytest.raises(OptionError, match=message):
+        foam(**{"count": 50, "box": BOX, "radius": 0.5, **arguments})
+
+
+def test_an_unknown_way_to_keep_struts_is_refused() -> None:
+    with pytest.raises(OptionError, match="keep is 'cut'; need one of clip, whole"):
+        voronoi_foam(50, BOX, 0.5, keep="cut")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("count", [1, 2])
+@pytest.mark.parametrize("foam", [voronoi_foam, delaunay_foam])
+def test_too_few_points_for_a_strut_are_refused(foam: Foam, count: int) -> None:
+    with pytest.raises(SkeletonError, match=r"no strut in the box from \[0.0, .* more points"):
+        foam(count, BOX, 0.5)
