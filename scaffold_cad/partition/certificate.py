@@ -14,6 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.arrays import Bools, Floats, Ints, UnitVectors
+from scaffold_cad.partition.arcs import is_closed
+from scaffold_cad.partition.blocks import blocks
 
 MIN_CLEARANCE = 1e-9
 """Least clearance of a certified quad, rad: rounding moves a determinant by some 1e-15."""
@@ -47,9 +49,7 @@ def certify(directions: UnitVectors, vertices: UnitVectors, quads: Ints) -> Cert
     """
     clearance = np.empty(directions.shape[:2])
     valid = np.empty(len(directions), dtype=np.bool_)
-    rows = max(1, BLOCK // directions.shape[1])
-    for start in range(0, len(directions), rows):
-        block = slice(start, start + rows)
+    for block in blocks(len(directions), directions.shape[1], BLOCK):
         apexes, corners = directions[block], corners_of(vertices[block], quads[block])
         clearance[block] = clearances(apexes, arc_normals(corners))
         areas = triangle_areas(apexes, corners).sum(axis=(1, 2))
@@ -99,17 +99,3 @@ def triangle_areas(directions: UnitVectors, corners: UnitVectors) -> Floats:
     along = (corners * following).sum(axis=-1)
     areas: Floats = 2 * np.arctan2(spanned, 1 + leaving + np.roll(leaving, -1, axis=2) + along)
     return areas
-
-
-def is_closed(quads: Ints) -> Bools:
-    """Return whether the quads of each partition meet in pairs along every arc, shape (M,).
-
-    Every arc must be run along once in either direction.
-    """
-    count = quads.shape[1] + 2
-    following = np.roll(quads, -1, axis=2)
-    ahead = np.sort((quads * count + following).reshape(len(quads), -1), axis=1)
-    back = np.sort((following * count + quads).reshape(len(quads), -1), axis=1)
-    once = (np.diff(ahead, axis=1) > 0).all(axis=1)
-    closed: Bools = (ahead == back).all(axis=1) & once
-    return closed

@@ -11,11 +11,14 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.arrays import Floats, Ints, UnitVectors
+from scaffold_cad.partition.blocks import blocks
 from scaffold_cad.partition.star import nearest_angles
 from scaffold_cad.vectors import any_perpendicular, dot, normalize
 
 AXES = 96
 """Axes tried for each star, spread evenly over half the sphere."""
+BLOCK = 500_000
+"""Longitudes treated at once, which bounds the memory taken."""
 
 
 def lune_partitions(stars: UnitVectors) -> tuple[UnitVectors, Ints]:
@@ -28,11 +31,9 @@ def lune_partitions(stars: UnitVectors) -> tuple[UnitVectors, Ints]:
     stars : (M, N, 3) float64, unit vectors, distinct within each star
     """
     reach = nearest_angles(stars) / 2
-    rows = max(1, 2_000_000 // (AXES * stars.shape[1]))
     vertices = np.empty((len(stars), stars.shape[1] + 2, 3))
     quads = np.empty((*stars.shape[:2], 4), dtype=np.intp)
-    for start in range(0, len(stars), rows):
-        block = slice(start, start + rows)
+    for block in blocks(len(stars), AXES * stars.shape[1], BLOCK):
         axes = _best_axes(stars[block], reach[block])
         vertices[block], quads[block] = lunes_about(axes, stars[block], reach[block])
     return vertices, quads
@@ -89,8 +90,12 @@ def _best_axes(stars: UnitVectors, reach: Floats) -> UnitVectors:
 def _candidate_axes(stars: UnitVectors) -> UnitVectors:
     """Return the star's principal axes and others spread evenly around them, (M, K, 3).
 
-    They turn with the star; the directions of a coplanar star are all at right angles to one.
+    They turn with the star. The first is the axis of the circle that comes nearest to all
+    directions: for three, or for a coplanar star, it is at the same angle to each, and the
+    meridians bisect their angles.
     """
+    spread = stars - stars.mean(axis=1, keepdims=True)
+    _, circles = np.linalg.eigh(np.einsum("mni,mnj->mij", spread, spread))
     _, frames = np.linalg.eigh(np.einsum("mni,mnj->mij", stars, stars))
     frames = np.swapaxes(frames, 1, 2)  # rows are the axes, the least first
     # Sides chosen by the star itself, so that they do not depend on the eigenvector's sign.
@@ -100,25 +105,30 @@ def _candidate_axes(stars: UnitVectors) -> UnitVectors:
     angle = np.pi * (3 - np.sqrt(5)) * np.arange(AXES)  # golden spiral
     radius = np.sqrt(1 - height**2)
     spiral = np.stack([height, radius * np.cos(angle), radius * np.sin(angle)], axis=1)
-    return np.concatenate([frames, normalize(spiral @ frames)], axis=1)
+    return np.concatenate(
+        [np.swapaxes(circles[:, :, :1], 1, 2), frames, normalize(spiral @ frames)], axis=1
+    )
 
 
 def _longitudes(
     east: UnitVectors, north: UnitVectors, stars: UnitVectors, reach: Floats
 ) -> tuple[Floats, Floats]:
-    """Return longitude (rad) and sin(colatitude) / reach of each direction, both (..., N)."""
+    """Return longitude (rad) and sin(colatitude) / sin(reach) of each direction, both (..., N)."""
     x, y = dot(stars, east), dot(stars, north)
-    return np.arctan2(y, x), np.hypot(x, y) / reach
+    return np.arctan2(y, x), np.hypot(x, y) / np.sin(reach)
 
 
 def _meridians(longitude: Floats, weight: Floats) -> tuple[Floats, Floats]:
     """Return how far ahead of each longitude the next meridian runs, and its clearance, (..., N).
 
-    The meridian lies where w_i sin α = w_j sin(gap − α): both neighbours have the same relative
-    clearance from it. It is never more than π from either.
+    The meridian lies where w_i sin α = w_j sin(gap − α), so that both neighbours have the same
+    relative clearance from it, unless one of them reaches its best, at π / 2, before that. It is
+    less than π from both.
     """
     gap = np.roll(longitude, -1, axis=-1) - longitude
     gap[..., -1] += 2 * np.pi
     other = np.roll(weight, -1, axis=-1)
     ahead = np.arctan2(other * np.sin(gap), weight + other * np.cos(gap)) % np.pi
+    best, best_of_other = np.pi / 2, gap - np.pi / 2
+    ahead = np.clip(ahead, np.minimum(best, best_of_other), np.maximum(best, best_of_other))
     return ahead, np.minimum(weight * np.sin(ahead), other * np.sin(gap - ahead))

@@ -3,26 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scaffold_cad.arrays import Floats, Ints, UnitVectors
 from scaffold_cad.errors import OptionError, PartitionError
+from scaffold_cad.partition.blocks import blocks
 from scaffold_cad.partition.certificate import (
-    BLOCK,
     MIN_CLEARANCE,
     arc_normals,
     certify,
     clearances,
     corners_of,
 )
+from scaffold_cad.partition.dual import dual_partitions
 from scaffold_cad.partition.lune import lune_partitions
 from scaffold_cad.partition.partitions import Partition, Partitions
-from scaffold_cad.partition.star import as_stars, check_separated, distinct_stars
+from scaffold_cad.partition.reuse import Models, as_models, placed
+from scaffold_cad.partition.star import (
+    DistinctStars,
+    as_stars,
+    check_separated,
+    distinct_stars,
+    each_alone,
+    ordered_stars,
+)
 
+COPIES = 20_000
+"""Quads of repeated stars treated at once, which bounds the memory taken."""
 METHODS: dict[str, Callable[[UnitVectors], tuple[UnitVectors, Ints]]] = {
-    "dual": lune_partitions,
+    "dual": dual_partitions,
     "lune": lune_partitions,
 }
 """Vertices (M, N + 2, 3) and quads (M, N, 4), certified or not, of stars (M, N, 3)."""
@@ -36,23 +48,83 @@ def partition_sphere(directions: ArrayLike, method: str = "dual") -> Partition:
     return partition_spheres(np.asarray(directions)[None], method)[0]
 
 
-def partition_spheres(directions: ArrayLike, method: str = "dual") -> Partitions:
-    """Return certified partitions around the directions of M stars of valency N."""
+def partition_spheres(
+    directions: ArrayLike,
+    method: str = "dual",
+    *,
+    like: ArrayLike | None = None,
+    near: ArrayLike | None = None,
+) -> Partitions:
+    """Return certified partitions around the directions of M stars of valency N.
+
+    Each distinct star is partitioned once: stars whose directions agree within some 1e-6, in
+    whatever order, get the same vertices. The result for a star does not depend on the others,
+    nor on the order of its directions.
+
+    Parameters
+    ----------
+    directions : (M, N, 3) float64
+        Directions of each star, of any length > 0; N ≥ 3.
+    method : "dual", "insertion" or "lune"
+        "dual" is the good one. "lune" always has an answer, and is taken for the stars where
+        another method finds none that is certified.
+    like : (M, N, 4) intp, optional
+        Quads to use instead of choosing them, those of other `Partitions`: the vertices are
+        placed anew, and `method` does not matter.
+    near : (M, N + 2, 3) float64, optional
+        With `like`: the vertices of those partitions. Where they will still do, the new ones
+        stay beside them, so that small moves of the directions make small moves of the vertices.
+
+    Raises
+    ------
+    PartitionError
+        If a direction is not finite or zero, if two directions of a star are less than 0.01°
+        apart, or if no certified vertices are found for the quads of `like`; the star is named.
+    OptionError
+        If there is no such method.
+    """
     if method not in METHODS:
         raise OptionError(f"method is {method!r}; need one of {', '.join(METHODS)}")
     stars = as_stars(directions)
-    distinct = distinct_stars(stars)
-    common = distinct.representatives(stars)
-    check_separated(common, distinct.first, distinct.order[distinct.first])
-    vertices, quads, methods = _certified(common, method, distinct.first)
-    ranks, group = distinct.ranks(), distinct.group
-    clearance = _clearances_of_copies(stars, ranks, group, vertices, quads)
-    lost = np.flatnonzero((clearance <= MIN_CLEARANCE).any(axis=1))
+    if like is None:
+        models, groups = None, distinct_stars(stars)
+    else:
+        models = as_models(like, near, stars.shape[:2])
+        groups = ordered_stars(stars, models.keys)
+    found = _partitions(stars, method, models, groups, np.arange(len(stars)))
+    lost = np.flatnonzero((found.clearance <= MIN_CLEARANCE).any(axis=1))
     if len(lost):
-        raise PartitionError(f"star {lost[0]} lost its certificate")
-    return Partitions(
-        stars, vertices[group], quads[group[:, None], ranks], clearance, methods[group]
-    )
+        # Rare: these differ from the star they were grouped with by more than they can bear.
+        part = None if models is None else models[lost]
+        own = _partitions(stars[lost], method, part, each_alone(stars[lost]), lost)
+        for name in ("vertices", "quads", "clearance", "methods"):
+            getattr(found, name)[lost] = getattr(own, name)
+    return Partitions(stars, found.vertices, found.quads, found.clearance, found.methods)
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """Fields of Partitions that may still be written."""
+
+    vertices: UnitVectors
+    quads: Ints
+    clearance: Floats
+    methods: NDArray[np.str_]
+
+
+def _partitions(
+    stars: UnitVectors, method: str, models: Models | None, groups: DistinctStars, names: Ints
+) -> _Found:
+    """Return partitions of `stars` (M, N, 3), each of `groups` done once, errors by `names`."""
+    common = groups.representatives(stars)
+    check_separated(common, names[groups.first], groups.order[groups.first])
+    if models is None:
+        vertices, quads, methods = _certified(common, method, names[groups.first])
+    else:
+        vertices, quads, methods = _placed(common, models[groups.first], names[groups.first])
+    ranks, group = groups.ranks(), groups.group
+    clearance = _clearances_of_copies(stars, ranks, group, vertices, quads)
+    return _Found(vertices[group], quads[group[:, None], ranks], clearance, methods[group])
 
 
 def _certified(
@@ -73,9 +145,29 @@ def _certified(
         methods[failed] = "lune"
         valid = certify(stars[failed], vertices[failed], quads[failed]).valid
         if not valid.all():
-            worst = names[failed[~valid]].min()
-            raise PartitionError(f"no certified partition found for star {worst}")
+            raise PartitionError(
+                f"no certified partition found for star {names[failed[np.argmin(valid)]]}"
+            )
     return vertices, quads, methods
+
+
+def _placed(
+    stars: UnitVectors, models: Models, names: Ints
+) -> tuple[UnitVectors, Ints, NDArray[np.str_]]:
+    """Return certified vertices and the quads of `models`, and what made them.
+
+    Raises
+    ------
+    PartitionError
+        If no certified vertices are found for a star; it is named by `names`.
+    """
+    vertices, certified = placed(stars, models)
+    if not certified.all():
+        raise PartitionError(
+            f"no certified vertices found for the quads that star {names[np.argmin(certified)]} "
+            "is to keep; its directions moved too far"
+        )
+    return vertices, models.quads, np.full(len(stars), "like", dtype="<U9")
 
 
 def _clearances_of_copies(
@@ -88,9 +180,7 @@ def _clearances_of_copies(
     """
     normals = arc_normals(corners_of(vertices, quads))  # (U, N, 4, 3)
     clearance = np.empty(stars.shape[:2])
-    rows = max(1, BLOCK // (10 * stars.shape[1]))
-    for start in range(0, len(stars), rows):
-        block = slice(start, start + rows)
+    for block in blocks(len(stars), stars.shape[1], COPIES):
         own = normals[group[block, None], ranks[block]]
         clearance[block] = clearances(stars[block], own)
     return clearance

@@ -12,12 +12,15 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.arrays import Floats, Ints, UnitVectors
 from scaffold_cad.errors import PartitionError
+from scaffold_cad.partition.blocks import blocks
 from scaffold_cad.vectors import angle_between, length
 
 MIN_VALENCY = 3
 """A partition needs a branch point: two directions bound no quad."""
 MIN_ANGLE = np.radians(0.01)
 """Least angle between two directions of a star, rad."""
+BLOCK = 100_000
+"""Pairs of directions treated at once, which bounds the memory taken."""
 KEY_STEPS = 1_000_000
 """Directions that agree when rounded to 1/KEY_STEPS belong to one distinct star.
 
@@ -68,9 +71,7 @@ def pairwise_angles(stars: UnitVectors) -> Floats:
 def nearest_angles(stars: UnitVectors) -> Floats:
     """Return the angle from each direction to its nearest neighbour in the star, rad, (M, N)."""
     nearest = np.empty(stars.shape[:2])
-    rows = max(1, 1_000_000 // stars.shape[1] ** 2)
-    for start in range(0, len(stars), rows):
-        block = slice(start, start + rows)
+    for block in blocks(len(stars), stars.shape[1] ** 2, BLOCK):
         nearest[block] = pairwise_angles(stars[block]).min(axis=2)
     return nearest
 
@@ -99,11 +100,33 @@ class DistinctStars:
 
 def distinct_stars(stars: UnitVectors) -> DistinctStars:
     """Return the groups of `stars` (M, N, 3) that agree up to the order of their directions."""
-    steps = np.rint(stars * KEY_STEPS).astype(np.int64) + KEY_STEPS
-    keys = (steps[..., 0] << 42) | (steps[..., 1] << 21) | steps[..., 2]  # (M, N)
+    keys = direction_keys(stars)
     order = np.argsort(keys, axis=1, kind="stable")
     first, group = unique_rows(np.take_along_axis(keys, order, axis=1))
     return DistinctStars(first, group, order)
+
+
+def ordered_stars(stars: UnitVectors, keys: Ints) -> DistinctStars:
+    """Return the groups of `stars` that agree in order, and in `keys` (M, K)."""
+    rows = np.concatenate([direction_keys(stars), keys], axis=1)
+    return DistinctStars(*unique_rows(rows), _given_order(stars))
+
+
+def each_alone(stars: UnitVectors) -> DistinctStars:
+    """Return groups of one star each."""
+    alone = np.arange(len(stars))
+    return DistinctStars(alone, alone, _given_order(stars))
+
+
+def _given_order(stars: UnitVectors) -> Ints:
+    return np.broadcast_to(np.arange(stars.shape[1]), stars.shape[:2])
+
+
+def direction_keys(stars: UnitVectors) -> Ints:
+    """Return a number for each direction, the same for those that round alike, (M, N)."""
+    steps = np.rint(stars * KEY_STEPS).astype(np.int64) + KEY_STEPS
+    keys: Ints = (steps[..., 0] << 42) | (steps[..., 1] << 21) | steps[..., 2]
+    return keys
 
 
 def unique_rows(rows: Ints) -> tuple[Ints, Ints]:

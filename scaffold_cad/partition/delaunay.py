@@ -1,0 +1,122 @@
+"""Spherical Delaunay triangulations of many stars at once.
+
+The triangles are the facets of the convex hull of the unit directions; the outward normal of a
+facet is its Voronoi vertex, also where the hull does not contain the origin: the caps that the
+facets cut off are empty all the same, and some are larger than a hemisphere.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import combinations
+
+import numpy as np
+
+from scaffold_cad.arrays import Bools, Floats, Ints, UnitVectors, read_only
+from scaffold_cad.vectors import normalize
+
+TIE_BREAK = 1e-11
+"""How far directions are moved out to choose the diagonals of facets with 4 or more corners.
+
+It lies between the rounding of a hull's facets (1e-15) and the height of the flattest cap that
+three directions 0.01° apart cut off (1e-9).
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Triangulations:
+    """Spherical Delaunay triangulations of M stars of valency N, as half-edges.
+
+    Half-edge 3 t + k runs from corner k of triangle t to its next corner.
+    """
+
+    triangles: Ints
+    """Directions at the corners, counter-clockwise seen from outside, shape (M, 2 N − 4, 3)."""
+    centers: UnitVectors
+    """Voronoi vertex of each triangle, shape (M, 2 N − 4, 3)."""
+
+    def __getitem__(self, chosen: Ints | Bools) -> Triangulations:
+        part = Triangulations(self.triangles[chosen], self.centers[chosen])
+        part.__dict__["twins"] = self.twins[chosen]  # sorting them again would cost more
+        return part
+
+    @property
+    def tails(self) -> Ints:
+        """Direction that each half-edge leaves, shape (M, 6 N − 12)."""
+        stars, triangles = self.triangles.shape[:2]
+        return self.triangles.reshape(stars, 3 * triangles)
+
+    @property
+    def heads(self) -> Ints:
+        """Direction that each half-edge reaches, shape (M, 6 N − 12)."""
+        return np.roll(self.triangles, -1, axis=2).reshape(self.tails.shape)
+
+    @cached_property
+    def twins(self) -> Ints:
+        """The half-edge that runs along each one the other way, shape (M, 6 N − 12)."""
+        count = self.triangles.shape[1] // 2 + 2
+        ahead, back = self.tails * count + self.heads, self.heads * count + self.tails
+        twins = np.empty_like(ahead)
+        np.put_along_axis(twins, np.argsort(ahead, axis=1), np.argsort(back, axis=1), axis=1)
+        read_only(twins)
+        return twins
+
+
+def triangulations(stars: UnitVectors) -> tuple[Triangulations, Ints]:
+    """Return the triangulations of those `stars` (M, N, 3) that have one, and which these are.
+
+    Coplanar stars have none, nor have stars so nearly degenerate that rounding decides.
+    """
+    count, valency = stars.shape[:2]
+    chosen = _triples(valency)
+    triangles = np.empty((count, 2 * valency - 4, 3), dtype=np.intp)
+    centers = np.empty((count, 2 * valency - 4, 3))
+    found = np.zeros(count, dtype=np.bool_)
+    rows = max(1, 2_000_000 // (len(chosen) * valency))
+    # Powers of e satisfy no linear relation: no four of the lifted directions stay coplanar.
+    lifts = 1 + TIE_BREAK * (1000 * np.exp(np.arange(valency) / 7) % 1.0)
+    for start in range(0, count, rows):
+        block = np.arange(start, min(start + rows, count))
+        lifted = stars[block] * lifts[:, None]
+        above, below, normals = _supports(lifted, chosen)
+        complete = (above | below).sum(axis=1) == 2 * valency - 4
+        block = block[complete]
+        facet = np.nonzero((above | below)[complete])[1].reshape(-1, 2 * valency - 4)
+        rows_ = np.arange(len(block))[:, None]
+        flipped = above[complete][rows_, facet]
+        triples = chosen[facet]
+        triangles[block] = np.where(flipped[..., None], triples[..., ::-1], triples)
+        outward = normals[complete][rows_, facet]
+        centers[block] = normalize(np.where(flipped[..., None], -outward, outward))
+        found[block] = True
+    kept = np.flatnonzero(found)
+    kept = kept[_is_sphere(triangles[kept], valency)]
+    return Triangulations(triangles[kept], centers[kept]), kept
+
+
+@lru_cache(maxsize=8)
+def _triples(valency: int) -> Ints:
+    """Return all triples i < j < k of 0..valency-1, shape (T, 3)."""
+    return np.array(list(combinations(range(valency), 3)), dtype=np.intp)
+
+
+def _supports(points: Floats, triples: Ints) -> tuple[Bools, Bools, Floats]:
+    """Return which triples have all other points above or below, (M, T), and normals (M, T, 3)."""
+    i, j, k = (points[:, triples[:, c]] for c in range(3))
+    normals = np.cross(j - i, k - i)
+    # Heights are taken from a corner of the triple: near it they do not cancel.
+    heights = normals @ np.swapaxes(points, 1, 2) - (normals * i).sum(axis=2)[..., None]
+    place = np.arange(len(triples))[:, None]
+    heights[:, place, triples] = 0.0
+    return (heights >= 0).all(axis=2), (heights <= 0).all(axis=2), normals
+
+
+def _is_sphere(triangles: Ints, valency: int) -> Bools:
+    """Return whether the triangles of each star meet in pairs along every edge, shape (M,)."""
+    following = np.roll(triangles, -1, axis=2)
+    shape = (len(triangles), 6 * valency - 12)
+    ahead = np.sort((triangles * valency + following).reshape(shape), axis=1)
+    back = np.sort((following * valency + triangles).reshape(shape), axis=1)
+    closed: Bools = (ahead == back).all(axis=1) & (np.diff(ahead, axis=1) > 0).all(axis=1)
+    return closed

@@ -1,0 +1,202 @@
+"""The default method: the dual of a plane 4-regular multigraph, relaxed.
+
+Which quads share an arc is decided by a b-matching on the spherical Delaunay triangulation of
+the directions: edges with short Voronoi arcs are better left out, since the arc's ends merge,
+and edges with long ones taken twice, since a vertex fits in the arc's middle. The gains that
+steer it are estimates (fitted to what relaxation reached on some 100 000 random choices), so
+several good choices are relaxed and the best is kept. Stars that stay poor get more choices.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from scaffold_cad.arrays import Floats, Ints, UnitVectors
+from scaffold_cad.partition.arcs import arc_counts
+from scaffold_cad.partition.certificate import certify
+from scaffold_cad.partition.delaunay import Triangulations, triangulations
+from scaffold_cad.partition.lune import lune_partitions
+from scaffold_cad.partition.matching import good_matchings
+from scaffold_cad.partition.multigraph import Quadrangulations, quadrangulations
+from scaffold_cad.partition.relax import relaxed
+from scaffold_cad.partition.star import nearest_angles
+from scaffold_cad.vectors import angle_between
+
+PERFECT = 0.9999
+"""A score that need not be improved."""
+MANY_ARCS = 0.01
+"""What each arc beyond four at a vertex costs of the score, by the square."""
+LONG_ARC = 2.5
+"""Voronoi arcs longer than this, in reaches, bring no more gain."""
+WIDE_GAP = 1.5
+"""Gaps between two caps wider than this, in reaches, bring no more loss."""
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much to try for a star."""
+
+    below: float
+    """Only stars whose score is less get this effort."""
+    choices: int
+    """Number of multigraphs wanted."""
+    search: int
+    """Steps of the search for them."""
+    finalists: int
+    """Number of them that get Newton steps."""
+    trust: float
+    """Factor of the gains: less lets the choices differ more."""
+
+
+EFFORTS = (
+    Effort(below=PERFECT, choices=8, search=160, finalists=2, trust=1.0),
+    Effort(below=0.95, choices=48, search=800, finalists=3, trust=0.5),
+    Effort(below=0.8, choices=160, search=2500, finalists=4, trust=0.25),
+)
+FLOW, NEWTON = 50, 20
+
+
+def dual_partitions(stars: UnitVectors) -> tuple[UnitVectors, Ints]:
+    """Return vertices (M, N + 2, 3) and quads (M, N, 4) of good partitions of `stars`.
+
+    They are all but certainly valid, but this is for the caller to certify.
+
+    Parameters
+    ----------
+    stars : (M, N, 3) float64, unit vectors, distinct within each star
+    """
+    if stars.shape[1] == 3:
+        return lune_partitions(stars)  # the only topology, and about the best axis
+    contest = _Contest(stars)
+    meshes, meshed = triangulations(stars)
+    for effort in EFFORTS:
+        part = contest.score[meshed] < effort.below
+        rows = meshed[part]
+        if len(rows) == 0:
+            break
+        found, owners = candidates(meshes[part], stars[rows], contest.reach[rows], effort)
+        contest.enter(found, rows[owners], effort.finalists)
+    poor = np.flatnonzero(contest.score < EFFORTS[-1].below)
+    contest.enter(Quadrangulations(*lune_partitions(stars[poor])), poor, finalists=1)
+    return contest.best.vertices, contest.best.quads
+
+
+def candidates(
+    meshes: Triangulations, stars: UnitVectors, reach: Floats, effort: Effort
+) -> tuple[Quadrangulations, Ints]:
+    """Return quadrangulations for triangulated `stars`, and the star of each, ascending."""
+    half_edges = _edges(meshes)  # (M, E)
+    first, second = _gains(meshes, half_edges, stars, reach)
+    ends = np.stack([_taken(meshes.tails, half_edges), _taken(meshes.heads, half_edges)], axis=2)
+    choices, gains = good_matchings(
+        ends,
+        effort.trust * first + (1 - effort.trust),
+        effort.trust * second - (1 - effort.trust),
+        stars.shape[1],
+        effort.choices,
+        effort.search,
+    )
+    owners, choice = np.nonzero(gains > -np.inf)
+    multiplicity = np.zeros((len(owners), meshes.tails.shape[1]), dtype=np.intp)
+    rows = np.arange(len(owners))[:, None]
+    for side in (half_edges, _taken(meshes.twins, half_edges)):
+        multiplicity[rows, side[owners]] = choices[owners, choice]
+    found, kept = quadrangulations(meshes[owners], multiplicity)
+    return found, owners[kept]
+
+
+class _Contest:
+    """The best partition of each star so far."""
+
+    def __init__(self, stars: UnitVectors) -> None:
+        count, valency = stars.shape[:2]
+        self.stars = stars
+        self.reach = nearest_angles(stars) / 2
+        self.score = np.full(count, -np.inf)
+        self.best = Quadrangulations(
+            np.zeros((count, valency + 2, 3)), np.zeros((count, valency, 4), dtype=np.intp)
+        )
+
+    def enter(self, found: Quadrangulations, owners: Ints, finalists: int) -> None:
+        """Relax the quadrangulations of `owners` (ascending) and keep each star's best.
+
+        Those good as they stand end the contest for their star. The others flow for a while;
+        only the `finalists` of each star are then taken to the end.
+        """
+        self._keep(found, owners)
+        going = self.score[owners] < PERFECT
+        found, owners = found[going], owners[going]
+        found, scores = self._relaxed(found, owners, flow=FLOW)
+        final = leaders(owners, scores, finalists)
+        found, owners = found[final], owners[final]
+        found, _ = self._relaxed(found, owners, newton=NEWTON)
+        self._keep(found, owners)
+
+    def _relaxed(
+        self, found: Quadrangulations, owners: Ints, flow: int = 0, newton: int = 0
+    ) -> tuple[Quadrangulations, Floats]:
+        vertices, lowest = relaxed(
+            self.stars[owners],
+            self.reach[owners],
+            found.quads,
+            found.vertices,
+            flow=flow,
+            newton=newton,
+        )
+        return Quadrangulations(vertices, found.quads), _scores(lowest, found.quads)
+
+    def _keep(self, found: Quadrangulations, owners: Ints) -> None:
+        """Take over the best valid one of each star where it improves on what there is."""
+        _, scores = self._relaxed(found, owners)
+        valid = certify(self.stars[owners], found.vertices, found.quads).valid
+        scores = np.where(valid, scores, -np.inf)
+        chosen = leaders(owners, scores, 1)
+        chosen = chosen[scores[chosen] > self.score[owners[chosen]]]
+        stars = owners[chosen]
+        self.best.vertices[stars] = found.vertices[chosen]
+        self.best.quads[stars] = found.quads[chosen]
+        self.score[stars] = scores[chosen]
+
+
+def leaders(owners: Ints, scores: Floats, count: int) -> Ints:
+    """Return the rows of the `count` highest scores of each owner, in order of owner."""
+    order = np.lexsort((-scores, owners))
+    sorted_owners = owners[order]
+    starts = np.searchsorted(sorted_owners, sorted_owners)
+    leading: Ints = order[np.arange(len(order)) - starts < count]
+    return leading
+
+
+def _scores(lowest: Floats, quads: Ints) -> Floats:
+    """Return how good partitions are: their lowest ratio, less where many arcs meet."""
+    excess = np.maximum(arc_counts(quads) - 4, 0)
+    burden = 1 + MANY_ARCS * (excess**2).sum(axis=1)
+    return np.where(lowest > 0, lowest / burden, lowest)
+
+
+def _gains(
+    meshes: Triangulations, half_edges: Ints, stars: UnitVectors, reach: Floats
+) -> tuple[Floats, Floats]:
+    """Return what taking each edge once, and once more, is worth, both (M, E)."""
+    row = np.arange(len(stars))[:, None]
+    tails, heads = _taken(meshes.tails, half_edges), _taken(meshes.heads, half_edges)
+    left = meshes.centers[row, half_edges // 3]
+    right = meshes.centers[row, _taken(meshes.twins, half_edges) // 3]
+    near, far = reach[row, tails], reach[row, heads]
+    arc = np.minimum(angle_between(left, right) / np.sqrt(near * far), LONG_ARC)
+    apart = angle_between(stars[row, tails], stars[row, heads])
+    gap = np.minimum(apart / (near + far) - 1, WIDE_GAP)
+    return 1 + 0.82 * arc - 1.4 * gap, -1 + 0.37 * arc - 0.51 * gap
+
+
+def _edges(meshes: Triangulations) -> Ints:
+    """Return the lower half-edge of each edge, shape (M, 3 N − 6)."""
+    half_edges = np.arange(meshes.twins.shape[1])
+    lower = np.nonzero(half_edges < meshes.twins)[1]
+    return lower.reshape(len(meshes.twins), meshes.twins.shape[1] // 2)
+
+
+def _taken(values: Ints, half_edges: Ints) -> Ints:
+    return np.take_along_axis(values, half_edges, axis=1)
