@@ -79,8 +79,8 @@ def write(what: Any, path: str | PathLike[str], *, write_pcurves: bool = False) 
         manifold3d Manifold or a trimesh Trimesh for mesh formats; a build123d shape, which mesh
         formats get within 0.01 mm; a Skeleton for JSON
     path : of the file; its suffix names the format
-    write_pcurves : whether a STEP file also holds each edge in the parameters of its faces: twice
-        the size, and less work for some readers
+    write_pcurves : whether a STEP file also holds each edge in the parameters of its faces, for
+        programs that ask for it: twice the size, and OCCT takes longer to write and to read it
 
     Raises
     ------
