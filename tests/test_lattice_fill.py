@@ -222,6 +222,17 @@ def test_points_on_the_surface_are_in_the_region() -> None:
         assert not MeshRegion(mesh).contains(points * 1.001).any()
 
 
+def test_points_within_the_tolerance_of_the_surface_are_in_the_region() -> None:
+    region = MeshRegion(box_mesh())
+    middle = BOX.mean(axis=0)
+    for axis in range(3):
+        for side in range(2):
+            points = np.tile(middle, (2, 1))
+            out = 2 * side - 1
+            points[:, axis] = BOX[side, axis] + out * region.tolerance * np.array([0.9, 1.1])
+            assert region.contains(points).tolist() == [True, False]
+
+
 def test_a_cavity_is_outside_and_overlapping_parts_are_inside() -> None:
     hollow = joined(sphere_mesh(10.0), turned_inside_out(sphere_mesh(5.0)))
     twofold = joined(sphere_mesh(10.0), sphere_mesh(5.0))

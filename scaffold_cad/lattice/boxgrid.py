@@ -11,27 +11,31 @@ from scaffold_cad.arrays import Bools, Floats, Ints, Points
 CELLS_ACROSS = (32, 128)
 """Least and most cells along the longest side of a grid."""
 
-BLOCK = 2**21
-"""How many pairs of a query and a box are found at once."""
+QUERIES = 2**18
+"""How many query boxes are looked at at once."""
+
+PAIRS = 2**21
+"""How many pairs of a query box and a triangle are found at once, about."""
 
 
 class BoxGrid:
     """A uniform grid over triangles in two or three dimensions, and which of them each cell has."""
 
-    def __init__(self, corners: Floats) -> None:
+    def __init__(self, corners: Floats, margin: float = 0.0) -> None:
         """Sort triangles into cells of about their size.
 
         Parameters
         ----------
         corners : (t, 3, d) float64, mm
+        margin : mm; what lies no further from a triangle is in a cell that has it
         """
-        self._low = corners.min(axis=(0, 1))
-        extent = corners.max(axis=(0, 1)) - self._low
+        self._low = corners.min(axis=(0, 1)) - margin
+        extent = corners.max(axis=(0, 1)) + margin - self._low
         size = float(np.ptp(corners, axis=1).max(axis=1).mean())
         self._pitch = float(np.clip(size, *sorted(float(extent.max()) / np.array(CELLS_ACROSS))))
         self._shape = np.floor(extent / self._pitch).astype(np.intp) + 1
         low, high, triangle = _small_boxes(corners, self._pitch)
-        box, cell = self._cells(low, high)
+        box, cell = self._cells(low - margin, high + margin)
         # A triangle's boxes may share a cell: it must be found there once.
         keys = np.sort(cell * len(corners) + triangle[box])
         cells, self._triangles = np.divmod(keys[np.diff(keys, prepend=-1) > 0], len(corners))
@@ -40,7 +44,7 @@ class BoxGrid:
 
     @property
     def is_empty(self) -> Bools:
-        """Whether each cell is far from all triangles, with the grid's own shape."""
+        """Whether each cell has no triangle, with the grid's own shape."""
         empty: Bools = np.diff(self._offsets) == 0
         return empty.reshape(self._shape)
 
@@ -69,16 +73,15 @@ class BoxGrid:
         ----------
         low, high : (q, d) float64, corners of the query boxes, mm
         """
-        query, cell = self._cells(low, high)
-        found = self._offsets[cell + 1] - self._offsets[cell]
-        query, cell, found = query[found > 0], cell[found > 0], found[found > 0]
-        blocks = np.cumsum(found) // BLOCK
-        for rows in np.split(np.arange(len(cell)), np.flatnonzero(np.diff(blocks)) + 1):
-            first = self._offsets[cell[rows]]
-            yield (
-                np.repeat(query[rows], found[rows]),
-                self._triangles[ranges(first, found[rows])],
-            )
+        for start in range(0, len(low), QUERIES):
+            rows = slice(start, start + QUERIES)
+            query, cell = self._cells(low[rows], high[rows])
+            query += start
+            found = self._offsets[cell + 1] - self._offsets[cell]
+            blocks = np.cumsum(found) // PAIRS
+            for part in np.split(np.arange(len(cell)), np.flatnonzero(np.diff(blocks)) + 1):
+                first, count = self._offsets[cell[part]], found[part]
+                yield np.repeat(query[part], count), self._triangles[ranges(first, count)]
 
     def _cells(self, low: Floats, high: Floats) -> tuple[Ints, Ints]:
         """Return pairs of a box and a cell of the grid that it touches; boxes may be outside."""

@@ -89,7 +89,7 @@ class MeshRegion:
 
     @cached_property
     def _grid(self) -> BoxGrid:
-        return BoxGrid(self._corners)
+        return BoxGrid(self._corners, self.tolerance)
 
     @cached_property
     def _turned(self) -> Floats:
@@ -129,7 +129,7 @@ class MeshRegion:
     def _on_surface(self, points: Points) -> Bools:
         """Return whether each of `points` (n, 3) is within the tolerance of a triangle, (n,)."""
         on = np.zeros(len(points), dtype=np.bool_)
-        for point, triangle in self._grid.near(points - self.tolerance, points + self.tolerance):
+        for point, triangle in self._grid.near(points, points):
             normal = self._normals[triangle]
             height = np.abs(dot(points[point] - self._corners[triangle, 0], normal))
             close = (height <= self.tolerance * length(normal)) & normal.any(axis=1)

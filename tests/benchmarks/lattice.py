@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TypeVar
 
 import numpy as np
@@ -94,7 +95,7 @@ def main() -> None:
         skeleton, lattice_time = timed(work.make, work.tries)
         line = f"{work.name:42}{len(skeleton.edges):>10}{lattice_time:>8.3f} s"
         if work.with_scaffold:
-            _, scaffold_time = timed(lambda given=skeleton: build_scaffold(given), work.tries)
+            _, scaffold_time = timed(partial(build_scaffold, skeleton), work.tries)
             line += f"{scaffold_time:>8.3f} s"
         else:
             line += " " * 10
