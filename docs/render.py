@@ -1,0 +1,272 @@
+"""Draw the pictures of the README into docs/images: `python docs/render.py [NAME ...]`.
+
+Needs the extra `pictures`, and no screen.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyvista as pv
+from PIL import Image
+
+from scaffold_cad.arrays import Floats, Points, UnitVectors
+from scaffold_cad.partition import Partition, partition_sphere
+from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.scaffold import build_scaffold
+from scaffold_cad.smooth import smooth_mesh
+from scaffold_cad.thicken import frame_scaffold
+from scaffold_cad.vectors import normalize
+
+ROOT = Path(__file__).parents[1]
+IMAGES = ROOT / "docs" / "images"
+sys.path.insert(0, str(ROOT / "examples"))
+
+# The examples' folder must be found first.
+import lattice  # noqa: E402
+import overlapping_tree  # noqa: E402
+import twist  # noqa: E402
+from _common import skeleton  # noqa: E402
+
+INK = "#2b2f36"
+SAND = "#f8c977"
+BLUE = "#7db4e0"
+GREY = "#9aa4ae"
+CORAL = "#ef8a76"
+PASTELS = ("#f6c177", "#8fbfe0", "#a8d5a2", "#f2a7a0", "#c9b6e4", "#f3e08e", "#9fd8d2", "#d9b99b")
+
+LIGHTS = (
+    {"position": (-2.0, 3.0, 4.0), "color": "#fff6e8", "intensity": 0.85},
+    {"position": (3.0, 0.5, 2.5), "color": "#e4edff", "intensity": 0.45},
+    {"position": (0.0, -3.0, 1.5), "color": "white", "intensity": 0.2},
+)
+"""A warm light from the upper left, a cool one from the right, and a little from below."""
+
+STEPS = 8
+"""Pieces that a side of a quad is cut into to be drawn."""
+
+FINENESS = 3
+"""Pixels drawn along each side of a pixel of the picture."""
+
+MARGIN = 16
+"""White pixels left around a picture."""
+
+
+def patches(mesh: QuadMesh) -> pv.PolyData:
+    """Return the bilinear patches of `mesh` with their own normals: sharp edges, soft insides."""
+    u, v = np.meshgrid(*2 * [np.linspace(0, 1, STEPS + 1)], indexing="ij")
+    u, v = u.reshape(-1, 1), v.reshape(-1, 1)
+    a, b, c, d = (mesh.vertices[mesh.quads[:, k]][:, None, :] for k in range(4))  # (f, 1, 3)
+    points = (1 - u) * ((1 - v) * a + v * d) + u * ((1 - v) * b + v * c)  # (f, p, 3)
+    along_u = (1 - v) * (b - a) + v * (c - d)
+    along_v = (1 - u) * (d - a) + u * (c - b)
+    surface = _polydata(points.reshape(-1, 3), _grid_cells(len(mesh.quads)))
+    surface.point_data["Normals"] = normalize(np.cross(along_u, along_v)).reshape(-1, 3)
+    surface.point_data.active_normals_name = "Normals"
+    return surface
+
+
+def _grid_cells(count: int) -> Floats:
+    """Return the cells of `count` grids of (STEPS + 1)² points, shape (count STEPS², 4)."""
+    corner = (np.arange(STEPS)[:, None] * (STEPS + 1) + np.arange(STEPS)).reshape(-1, 1)
+    cell = corner + np.array([0, STEPS + 1, STEPS + 2, 1])
+    return (cell + np.arange(count)[:, None, None] * (STEPS + 1) ** 2).reshape(-1, 4)
+
+
+def _polydata(points: Points, cells: Any) -> pv.PolyData:
+    return pv.PolyData(points, np.insert(cells, 0, cells.shape[1], axis=1).reshape(-1))
+
+
+def wires(points: Points, pairs: Any, radius: float) -> pv.PolyData:
+    """Return segments between `points` as thin tubes with round ends."""
+    lines = pv.PolyData(np.array(points), lines=np.insert(pairs, 0, 2, axis=1).reshape(-1))
+    ball = pv.Sphere(radius=radius, theta_resolution=12, phi_resolution=12)
+    dots = pv.PolyData(np.array(points)).glyph(geom=ball, scale=False, orient=False)
+    return lines.tube(radius=radius, n_sides=12).merge(dots)
+
+
+class Stage:
+    """One picture: things are added, then it is saved, cropped to what it shows."""
+
+    def __init__(self, view: tuple[float, float, float], width: int, height: int) -> None:
+        self.shape = np.array([width, height])
+        self.points: list[Points] = []
+        self.plotter = pv.Plotter(
+            off_screen=True, window_size=FINENESS * self.shape, lighting="none"
+        )
+        self.plotter.set_background("white")
+        self.plotter.enable_parallel_projection()
+        self.plotter.enable_depth_peeling(8)
+        self.backward = normalize(np.array(view))
+        self.right = normalize(np.cross([0.0, 0.0, 1.0], self.backward))
+        self.up = np.cross(self.backward, self.right)
+        for light in LIGHTS:
+            self.plotter.add_light(pv.Light(**light, light_type="camera light"))
+
+    def add(self, surface: pv.PolyData, color: str, **more: Any) -> None:
+        """Add a surface with soft shading."""
+        look = {"ambient": 0.34, "diffuse": 0.72, "specular": 0.15, "specular_power": 15} | more
+        self.plotter.add_mesh(surface, color=color, smooth_shading=True, **look)
+        self.points.append(surface.points)
+
+    def add_mesh(self, mesh: QuadMesh, color: str, line: float, **more: Any) -> None:
+        """Add the faces of a quad mesh, and its edges as dark lines of radius `line` mm."""
+        self.add(patches(mesh), color, **more)
+        self.add(wires(mesh.vertices, mesh.edges, line), INK, specular=0.0)
+
+    def save(self, name: str) -> None:
+        """Draw what was added and save it as `docs/images/NAME.png`."""
+        points = np.vstack(self.points)
+        screen = points @ np.stack([self.right, self.up], axis=1)  # (p, 2)
+        low, high = screen.min(axis=0), screen.max(axis=0)
+        depth = points @ self.backward
+        middle = (low + high) / 2 @ np.stack([self.right, self.up]) + depth.mean() * self.backward
+        camera = self.plotter.camera
+        camera.focal_point = middle
+        camera.position = middle + 2 * np.ptp(depth) * self.backward
+        camera.up = self.up
+        camera.parallel_scale = 0.54 * ((high - low) / self.shape).max() * self.shape[1]
+        self.plotter.reset_camera_clipping_range()
+        size = self.plotter.length
+        self.plotter.enable_ssao(radius=0.05 * size, bias=0.006 * size, kernel_size=128)
+        picture = _cropped(Image.fromarray(self.plotter.screenshot(return_img=True)))
+        self.plotter.close()
+        small = picture.resize(
+            [extent // FINENESS for extent in picture.size], Image.Resampling.BOX
+        )
+        small.quantize(128).save(IMAGES / f"{name}.png", optimize=True)
+
+
+def _cropped(picture: Image.Image) -> Image.Image:
+    """Return the picture without the white around it, but for a margin."""
+    ink = np.asarray(picture.convert("L")) < 250
+    ink[:, -FINENESS:] = False  # ambient occlusion darkens the last columns
+    margin = FINENESS * MARGIN
+    rows, columns = np.flatnonzero(ink.any(axis=1)), np.flatnonzero(ink.any(axis=0))
+    left, top = max(columns[0] - margin, 0), max(rows[0] - margin, 0)
+    return picture.crop((left, top, columns[-1] + margin, rows[-1] + margin))
+
+
+def draw_stick_woman() -> None:
+    """Draw the scaffold of the stick woman, and its edges as a frame."""
+    scaffold = build_scaffold(skeleton("stick_woman"))
+    frame = frame_scaffold(scaffold, 0.55)
+    stage = Stage((-0.32, -1.0, 0.16), 1100, 1100)
+    stage.add_mesh(scaffold.mesh, SAND, 0.3)
+    beside = frame.mesh.moved(frame.mesh.vertices + np.array([105.0, 35.0, 0.0]))
+    stage.add(patches(beside), BLUE)
+    stage.save("stick_woman")
+
+
+def draw_spiral() -> None:
+    """Draw the spiral that leaves a node of valency 3."""
+    stage = Stage((-0.35, -1.0, 0.75), 1000, 700)
+    stage.add_mesh(build_scaffold(skeleton("spiral")).mesh, SAND, 0.18)
+    stage.save("spiral")
+
+
+def draw_partitions() -> None:
+    """Draw the partitions of spheres around 3, 4 and 8 branches."""
+    stage = Stage((-0.15, -1.0, 0.35), 1200, 500)
+    for column, name in enumerate(("star_3", "star_4", "star_8")):
+        directions = skeleton(name).directions[::2]
+        _add_partition(stage, partition_sphere(directions), np.array([3.2 * column, 0, 0]))
+    stage.save("partitions")
+
+
+def _add_partition(stage: Stage, partition: Partition, center: Points) -> None:
+    """Add the unit sphere with its quads in pastels, their arcs, and the branches as struts."""
+    arcs = []
+    for quad, direction, color in zip(partition.quads, partition.directions, PASTELS, strict=False):
+        rim = np.concatenate(
+            [
+                _arc(partition.vertices[a], partition.vertices[b])
+                for a, b in zip(quad, np.roll(quad, -1), strict=True)
+            ]
+        )
+        arcs.append(rim)
+        stage.add(_fan(direction, rim, center), color)
+        strut = pv.Cylinder(
+            center=center + 1.15 * direction, direction=direction, radius=0.09, height=0.42
+        )
+        stage.add(strut, GREY)
+        stage.add(pv.Sphere(radius=0.09, center=center + 1.36 * direction), GREY)
+    for rim in arcs:
+        pairs = np.stack([np.arange(len(rim)), np.roll(np.arange(len(rim)), -1)], axis=1)
+        stage.add(wires(center + rim, pairs, 0.016), INK, specular=0.0)
+
+
+def _arc(a: UnitVectors, b: UnitVectors) -> UnitVectors:
+    """Return points of the arc from `a` to just before `b`, shape (k, 3)."""
+    share = np.linspace(0.0, 1.0, 48, endpoint=False)[:, None]
+    return normalize((1 - share) * a + share * b)
+
+
+def _fan(apex: UnitVectors, rim: UnitVectors, center: Points) -> pv.PolyData:
+    """Return the part of the unit sphere inside `rim`, which is star-shaped around `apex`."""
+    share = np.linspace(0.0, 1.0, 49)[:, None, None]
+    points = normalize((1 - share) * apex + share * np.append(rim, rim[:1], axis=0))
+    rings, around = points.shape[:2]
+    corner = (np.arange(rings - 1)[:, None] * around + np.arange(around - 1)).reshape(-1, 1)
+    surface = _polydata(
+        center + points.reshape(-1, 3), corner + np.array([0, around, around + 1, 1])
+    )
+    surface.point_data["Normals"] = points.reshape(-1, 3)
+    surface.point_data.active_normals_name = "Normals"
+    return surface
+
+
+def draw_overlapping_tree() -> None:
+    """Draw the scaffold of a tree whose spheres intersect, and the spheres inside it."""
+    tree = skeleton("tree").with_radii(overlapping_tree.RADIUS)
+    scaffold = build_scaffold(tree, fit="paper")
+    stage = Stage((-0.5, -1.0, 0.2), 800, 900)
+    for node, radius in zip(tree.nodes, tree.radii, strict=True):
+        ball = pv.Sphere(radius=radius, center=node, theta_resolution=64, phi_resolution=64)
+        stage.add(ball, BLUE)
+    stage.add(patches(scaffold.mesh), SAND, opacity=0.45)
+    stage.add(wires(scaffold.mesh.vertices, scaffold.mesh.edges, 0.1), INK, specular=0.0)
+    stage.save("overlapping_tree")
+
+
+def draw_twist() -> None:
+    """Draw the branch with its twist spread, and below it with its twist in the last row."""
+    scaffold = build_scaffold(skeleton("bend"))
+    strip = 4 * np.arange(len(scaffold.skeleton.joints) + 1) + 1  # one side of the branch
+    colors = np.where(np.isin(np.arange(len(scaffold.mesh.quads)), strip), CORAL, SAND)
+    stage = Stage((-0.2, -1.0, 0.6), 1000, 800)
+    for mesh, drop in ((scaffold.mesh, 0.0), (twist.with_twist_in_last_row(scaffold), 24.0)):
+        moved = mesh.moved(mesh.vertices - np.array([0.0, 0.0, drop]))
+        for color in (CORAL, SAND):
+            stage.add(patches(QuadMesh(moved.vertices, moved.quads[colors == color])), color)
+        stage.add(wires(moved.vertices, moved.edges, 0.13), INK, specular=0.0)
+    stage.save("twist")
+
+
+def draw_lattice() -> None:
+    """Draw the smooth ring."""
+    smooth = smooth_mesh(build_scaffold(lattice.ring()), levels=2).mesh
+    stage = Stage((-0.5, -1.0, 0.6), 900, 630)
+    stage.add(_polydata(smooth.vertices, smooth.quads), SAND)
+    stage.save("lattice")
+
+
+PICTURES: dict[str, Callable[[], None]] = {
+    "stick_woman": draw_stick_woman,
+    "spiral": draw_spiral,
+    "partitions": draw_partitions,
+    "overlapping_tree": draw_overlapping_tree,
+    "twist": draw_twist,
+    "lattice": draw_lattice,
+}
+
+
+if __name__ == "__main__":
+    IMAGES.mkdir(exist_ok=True)
+    for name in sys.argv[1:] or PICTURES:
+        PICTURES[name]()
+        print(f"{IMAGES / name}.png: {(IMAGES / f'{name}.png').stat().st_size / 1000:.0f} kB")
