@@ -12,12 +12,24 @@ from scaffold_cad.export import write
 from scaffold_cad.frames import rotation_minimizing_frames
 from scaffold_cad.intersections import self_intersections
 from scaffold_cad.io import read_skeleton
+from scaffold_cad.lattice import (
+    UnitCell,
+    cells,
+    delaunay_foam,
+    fill,
+    mapped,
+    register_cell,
+    relative_density,
+    solve_radius,
+    tile,
+    voronoi_foam,
+)
+from scaffold_cad.manifolds import to_trimesh
 from scaffold_cad.partition import Partition, partition_sphere, partition_spheres
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton, check_skeleton
-from scaffold_cad.solid import to_trimesh
-from scaffold_cad.solidify import Solidified, solidified, to_solid
+from scaffold_cad.solid import Solidified, solidified, to_solid
 from scaffold_cad.thicken import thicken
 from scaffold_cad.trianglemesh import TriangleMesh
 
@@ -29,18 +41,28 @@ __all__ = [
     "Skeleton",
     "Solidified",
     "TriangleMesh",
+    "UnitCell",
     "build_scaffold",
+    "cells",
     "check_skeleton",
+    "delaunay_foam",
+    "fill",
+    "mapped",
     "partition_sphere",
     "partition_spheres",
     "read_skeleton",
+    "register_cell",
+    "relative_density",
     "rotation_minimizing_frames",
     "self_intersections",
     "solidified",
+    "solve_radius",
     "thicken",
+    "tile",
     "to_brep",
     "to_solid",
     "to_trimesh",
+    "voronoi_foam",
     "write",
 ]
 

@@ -25,11 +25,11 @@ from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.files import check_target, replacing
 from scaffold_cad.io import skeleton_to_json
+from scaffold_cad.manifolds import manifold_triangles
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.shells import check_solid
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.solid import manifold_triangles
 from scaffold_cad.trianglemesh import TriangleMesh
 from scaffold_cad.writers.glb import write_glb
 from scaffold_cad.writers.obj import write_obj

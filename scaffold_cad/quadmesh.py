@@ -89,10 +89,16 @@ class QuadMesh:
     def triangles(self) -> Triangles:
         """Two triangles a quad, shape (2 f, 3), split along its shorter diagonal.
 
-        At a tie the first diagonal is taken: the same mesh always gives the same triangles.
+        Where only the other diagonal gives two triangles that are not folded onto each other, as
+        in a quad with a corner that points inwards, that one is taken. At a tie it is the first:
+        the same mesh always gives the same triangles.
         """
         a, b, c, d = (self.vertices[self.quads[:, k]] for k in range(4))
-        first = dot(a - c, a - c) <= dot(b - d, b - d) * (1 + 1e-9)
+        along, across = c - a, d - b
+        shorter = dot(along, along) <= dot(across, across) * (1 + 1e-9)
+        flat_along = dot(np.cross(b - a, along), np.cross(along, d - a)) >= 0
+        flat_across = dot(np.cross(c - b, across), np.cross(across, a - b)) >= 0
+        first = np.where(flat_along == flat_across, shorter, flat_along)
         q = self.quads
         split_ac = np.stack([q[:, [0, 1, 2]], q[:, [0, 2, 3]]], axis=1)
         split_bd = np.stack([q[:, [0, 1, 3]], q[:, [1, 2, 3]]], axis=1)

@@ -1,115 +1,86 @@
-"""Watertight triangle solids: the only user of manifold3d and trimesh, imported when needed."""
+"""The solid of a scaffold: its mesh where it is embedded, a union of pieces where it is not."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import logging
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from scaffold_cad.arrays import Points
-from scaffold_cad.backends import need
+from scaffold_cad import manifolds
+from scaffold_cad.arrays import Ints
+from scaffold_cad.embedding import Embedding
 from scaffold_cad.errors import MeshError
+from scaffold_cad.intersections import self_intersections
+from scaffold_cad.pieces import solid_pieces
 from scaffold_cad.quadmesh import QuadMesh
-from scaffold_cad.shells import check_solid
+from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.trianglemesh import TriangleMesh
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
-    from trimesh import Trimesh
+
+WOBBLES = (0.0, 1e-3, -1e-3, 3e-3, -3e-3, 0.01, -0.01)
+"""How unlike each other the prisms of overlapping struts are made, in turn, until their union
+does not cross itself; relative to their radius. The first that works is taken."""
+
+_log = logging.getLogger(__name__)
 
 
-def to_solid(mesh: QuadMesh | TriangleMesh) -> Manifold:
-    """Return `mesh` as a manifold3d solid, its coordinates in double precision.
+@dataclass(frozen=True, eq=False)
+class Solidified:
+    """A watertight solid that does not cross itself, and how it was made."""
 
-    No boolean is made: where two parts of the mesh cross, they still cross in the solid.
+    manifold: Manifold
+    """The solid."""
+    united_edges: Ints
+    """Skeleton edges whose struts went through the union, ascending; all others are as built."""
+    filled_voids: list[float]
+    """Volume of each void that overlapping struts enclosed, mm³; they are filled."""
+
+
+def to_solid(what: Scaffold | QuadMesh | TriangleMesh) -> Manifold:
+    """Return `what` as a watertight manifold3d solid.
+
+    A scaffold's mesh is taken as it is where `Scaffold.embedding` certifies it, and the struts
+    that it does not certify go through a union: `solidified` tells which. A bare mesh is taken as
+    it is: where two parts of it cross, they still cross in the solid.
 
     Raises
     ------
     MeshError
-        If the mesh is not closed, not outward, or manifold3d refuses it; the reason is named.
+        If a bare mesh is not closed or not outward.
     MissingBackendError
         If manifold3d is not installed.
     """
-    if isinstance(mesh, QuadMesh):
-        check_solid(mesh)
-    else:
-        mesh.check_closed()
-        if not mesh.signed_volume > 0:
-            raise MeshError(
-                f"the triangles have a volume of {mesh.signed_volume:g} mm³; need > 0 "
-                "(are they clockwise seen from outside?)"
-            )
-    need("manifold3d", "a manifold3d solid")
-    import manifold3d
+    return solidified(what).manifold if isinstance(what, Scaffold) else manifolds.to_manifold(what)
 
-    # Copies: manifold3d takes no read-only arrays.
-    solid = manifold3d.Manifold(
-        manifold3d.Mesh64(mesh.vertices.copy(), mesh.triangles.astype(np.uint64, order="C"))
+
+def solidified(scaffold: Scaffold) -> Solidified:
+    """Return the watertight solid of `scaffold`, and which of its struts were united.
+
+    Raises
+    ------
+    MeshError
+        If every union tried crosses itself.
+    """
+    embedded = scaffold.embedding()
+    if embedded.certified:
+        return Solidified(manifolds.to_manifold(scaffold.mesh), embedded.left_out, [])
+    crossings = 0
+    for wobble in WOBBLES:
+        manifold, voids = _united(scaffold, embedded, wobble)
+        crossings = len(self_intersections(manifolds.manifold_triangles(manifold)))
+        if crossings == 0:
+            return Solidified(manifold, embedded.left_out, voids)
+        _log.debug("%d crossings left in the union with a wobble of %g", crossings, wobble)
+    raise MeshError(
+        f"the union of {len(embedded.left_out)} overlapping struts still crosses itself "
+        f"in {crossings} places; need 0 (try other radii)"
     )
-    if solid.status() != manifold3d.Error.NoError:
-        raise MeshError(f"manifold3d refuses the mesh: {solid.status().name}; need NoError")
-    return solid
 
 
-def manifold_triangles(manifold: Manifold) -> TriangleMesh:
-    """Return the triangles of a manifold3d solid, its coordinates in double precision.
-
-    Raises
-    ------
-    MeshError
-        If the solid holds an error instead of a shape; it is named.
-    """
-    if manifold.status().name != "NoError":
-        raise MeshError(f"the manifold3d solid holds the error {manifold.status().name}")
-    mesh = manifold.to_mesh64()
-    # Where triangles differ in other properties manifold3d has several vertices at a place.
-    same = np.arange(len(mesh.vert_properties))
-    same[mesh.merge_from_vert] = mesh.merge_to_vert
-    return TriangleMesh(mesh.vert_properties[:, :3], same[mesh.tri_verts.astype(np.intp)])
-
-
-def to_trimesh(what: QuadMesh | TriangleMesh | Manifold) -> Trimesh:
-    """Return the triangles of `what` as a trimesh object, every vertex as it is.
-
-    Raises
-    ------
-    MissingBackendError
-        If trimesh is not installed.
-    """
-    mesh = what if isinstance(what, QuadMesh | TriangleMesh) else manifold_triangles(what)
-    need("trimesh", "a trimesh object")
-    import trimesh
-
-    # `process` would weld close vertices, which can break a closed mesh.
-    return trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
-
-
-def union(surfaces: Sequence[TriangleMesh], hulls: Sequence[Points]) -> Manifold:
-    """Return the union of closed surfaces and of the convex hulls of point sets (p, 3).
-
-    Raises
-    ------
-    MeshError
-        If manifold3d refuses a surface.
-    MissingBackendError
-        If manifold3d is not installed.
-    """
-    need("manifold3d", "a union")
-    import manifold3d
-
-    parts = [to_solid(surface) for surface in surfaces]
-    parts += [manifold3d.Manifold.hull_points(points) for points in hulls]
-    return manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add)
-
-
-def without_voids(manifold: Manifold) -> tuple[Manifold, list[float]]:
-    """Return the solid with its enclosed voids filled, and the volumes of these, mm³."""
-    import manifold3d
-
-    shells = manifold.decompose()
-    outer = [shell for shell in shells if shell.volume() > 0]
-    if len(outer) == len(shells):
-        return manifold, []
-    voids = [-shell.volume() for shell in shells if not shell.volume() > 0]
-    return manifold3d.Manifold.batch_boolean(outer, manifold3d.OpType.Add), voids
+def _united(scaffold: Scaffold, embedded: Embedding, wobble: float) -> tuple[Manifold, list[float]]:
+    """Return the union of the pieces of a scaffold, and the volumes of the voids filled."""
+    pieces = solid_pieces(scaffold, embedded, wobble)
+    surfaces = [pieces.surface] if len(pieces.surface.triangles) else []
+    return manifolds.without_voids(manifolds.union([*surfaces, *pieces.spheres], pieces.hulls))

@@ -17,7 +17,7 @@ from scaffold_cad.errors import OptionError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.solidify import to_solid
+from scaffold_cad.solid import to_solid
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

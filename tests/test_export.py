@@ -24,9 +24,9 @@ from scaffold_cad.errors import (
 )
 from scaffold_cad.export import check_writable, known_suffixes, write
 from scaffold_cad.io import read_skeleton
+from scaffold_cad.manifolds import to_manifold, to_trimesh
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import build_scaffold
-from scaffold_cad.solid import to_solid, to_trimesh
 from scaffold_cad.trianglemesh import TriangleMesh
 from tests.meshes import (
     CUBE,
@@ -207,7 +207,7 @@ def test_step_faces_are_named_after_their_skeleton_edges(tmp_path: Path) -> None
 @pytest.mark.parametrize("suffix", MESH_SUFFIXES)
 def test_solids_of_other_packages_go_into_mesh_formats(tmp_path: Path, suffix) -> None:
     build123d = pytest.importorskip("build123d")
-    for what in (to_solid(CUBE), to_trimesh(CUBE), build123d.Box(2, 2, 2)):
+    for what in (to_manifold(CUBE), to_trimesh(CUBE), build123d.Box(2, 2, 2)):
         path = tmp_path / f"cube{suffix}"
         write(what, path)
         again = read_mesh(path)
@@ -336,7 +336,7 @@ def test_what_a_format_cannot_hold_is_refused(tmp_path: Path, what, name, error,
 
 
 @pytest.mark.parametrize("suffix", [".step", ".brep"])
-@pytest.mark.parametrize(("convert", "kind"), [(to_solid, "Manifold"), (to_trimesh, "Trimesh")])
+@pytest.mark.parametrize(("convert", "kind"), [(to_manifold, "Manifold"), (to_trimesh, "Trimesh")])
 def test_triangles_are_no_b_rep(tmp_path: Path, suffix, convert, kind) -> None:
     message = f"STEP and BREP files need a B-rep, which a {kind} has not; need a Scaffold"
     with pytest.raises(FormatError, match=message):

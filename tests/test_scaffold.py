@@ -167,7 +167,7 @@ def test_a_strut_too_short_for_two_collars_gets_one_or_none() -> None:
         )
         return int(build_scaffold(both, collars=True).refinement.collared[0].sum())
 
-    counts = [joints(distance) for distance in (30.0, 4.0, 1.0)]
+    counts = [joints(distance) for distance in (30.0, 4.0, 0.2)]
     assert counts[0] == 2
     assert counts == sorted(counts, reverse=True)
     assert counts[-1] == 0

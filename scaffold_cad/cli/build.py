@@ -13,7 +13,7 @@ from scaffold_cad.arrays import Ints
 from scaffold_cad.cli import source
 from scaffold_cad.export import BREP_SUFFIXES, check_writable, write
 from scaffold_cad.scaffold import Scaffold, build_scaffold
-from scaffold_cad.solidify import solidified
+from scaffold_cad.solid import solidified
 from scaffold_cad.stars import Fit, Section
 from scaffold_cad.thicken import frame_scaffold
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from scaffold_cad.solid import to_trimesh
+from scaffold_cad.manifolds import to_trimesh
 from scaffold_cad.trianglemesh import TriangleMesh
 
 METRES_PER_MM = 0.001

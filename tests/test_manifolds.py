@@ -13,8 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaffold_cad.errors import MeshError, MissingBackendError
+from scaffold_cad.manifolds import manifold_triangles, to_manifold, to_trimesh
 from scaffold_cad.quadmesh import QuadMesh
-from scaffold_cad.solid import manifold_triangles, to_solid, to_trimesh
 from scaffold_cad.trianglemesh import TriangleMesh
 from tests.meshes import CUBE, INSIDE_OUT_CUBE, OPEN_CUBE, TORUS, TWO_CUBES, torus
 
@@ -24,7 +24,9 @@ def triangles_of(mesh: QuadMesh) -> TriangleMesh:
 
 
 def test_importing_the_module_leaves_its_back_ends_alone() -> None:
-    program = "import sys, scaffold_cad.solid; print({'manifold3d', 'trimesh'} & set(sys.modules))"
+    program = (
+        "import sys, scaffold_cad.manifolds; print({'manifold3d', 'trimesh'} & set(sys.modules))"
+    )
     run = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, check=True
     )
@@ -33,25 +35,25 @@ def test_importing_the_module_leaves_its_back_ends_alone() -> None:
 
 @pytest.mark.parametrize(("mesh", "volume"), [(CUBE, 8.0), (TWO_CUBES, 16.0)])
 def test_cubes_become_solids_of_their_volume(mesh, volume) -> None:
-    solid = to_solid(mesh)
+    solid = to_manifold(mesh)
     assert solid.status() == manifold3d.Error.NoError
     assert solid.volume() == pytest.approx(volume, rel=1e-15)
 
 
 def test_a_torus_keeps_its_hole_and_its_triangles() -> None:
-    solid = to_solid(TORUS)
+    solid = to_manifold(TORUS)
     assert solid.genus() == 1
     assert solid.num_tri() == len(TORUS.triangles)
 
 
 def test_a_triangle_mesh_becomes_the_same_solid() -> None:
-    assert to_solid(triangles_of(TORUS)).volume() == to_solid(TORUS).volume()
+    assert to_manifold(triangles_of(TORUS)).volume() == to_manifold(TORUS).volume()
 
 
 @given(seed=st.integers(0, 2**32 - 1))
 def test_a_solid_and_back_keeps_coordinates_to_the_last_bit(seed: int) -> None:
     mesh = torus(5, 4, seed=seed)
-    again = manifold_triangles(to_solid(mesh))
+    again = manifold_triangles(to_manifold(mesh))
     again.check_closed()
     assert again.signed_volume == pytest.approx(triangles_of(mesh).signed_volume, rel=1e-12)
     assert sorted(again.vertices.tolist()) == sorted(mesh.vertices.tolist())
@@ -68,13 +70,13 @@ def test_a_solid_and_back_keeps_coordinates_to_the_last_bit(seed: int) -> None:
 )
 def test_what_bounds_no_solid_is_refused(mesh, message) -> None:
     with pytest.raises(MeshError, match=re.escape(message)):
-        to_solid(mesh)
+        to_manifold(mesh)
 
 
 def test_a_refusal_of_manifold3d_is_named(monkeypatch) -> None:
-    monkeypatch.setattr("scaffold_cad.solid.check_solid", lambda _: None)
+    monkeypatch.setattr("scaffold_cad.manifolds.check_solid", lambda _: None)
     with pytest.raises(MeshError, match="manifold3d refuses the mesh: NotManifold; need NoError"):
-        to_solid(OPEN_CUBE)
+        to_manifold(OPEN_CUBE)
 
 
 def test_a_solid_that_holds_an_error_has_no_triangles() -> None:
@@ -94,7 +96,7 @@ def test_vertices_that_differ_in_a_property_only_become_one() -> None:
     assert triangles.signed_volume == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize("convert", [lambda cube: cube, triangles_of, to_solid])
+@pytest.mark.parametrize("convert", [lambda cube: cube, triangles_of, to_manifold])
 def test_trimesh_objects_are_watertight(convert) -> None:
     mesh = to_trimesh(convert(CUBE))
     assert mesh.is_watertight
@@ -110,7 +112,7 @@ def test_trimesh_objects_keep_vertices_that_are_close() -> None:
 @pytest.mark.parametrize(
     ("convert", "message"),
     [
-        (to_solid, "a manifold3d solid needs manifold3d; run: pip install manifold3d"),
+        (to_manifold, "a manifold3d solid needs manifold3d; run: pip install manifold3d"),
         (to_trimesh, "a trimesh object needs trimesh; run: pip install trimesh"),
     ],
 )

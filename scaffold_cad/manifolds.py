@@ -1,0 +1,115 @@
+"""Watertight triangle solids: the only user of manifold3d and trimesh, imported when needed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from scaffold_cad.arrays import Points
+from scaffold_cad.backends import need
+from scaffold_cad.errors import MeshError
+from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.shells import check_solid
+from scaffold_cad.trianglemesh import TriangleMesh
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+    from trimesh import Trimesh
+
+
+def to_manifold(mesh: QuadMesh | TriangleMesh) -> Manifold:
+    """Return `mesh` as a manifold3d solid, its coordinates in double precision.
+
+    No boolean is made: where two parts of the mesh cross, they still cross in the solid.
+
+    Raises
+    ------
+    MeshError
+        If the mesh is not closed, not outward, or manifold3d refuses it; the reason is named.
+    MissingBackendError
+        If manifold3d is not installed.
+    """
+    if isinstance(mesh, QuadMesh):
+        check_solid(mesh)
+    else:
+        mesh.check_closed()
+        if not mesh.signed_volume > 0:
+            raise MeshError(
+                f"the triangles have a volume of {mesh.signed_volume:g} mm³; need > 0 "
+                "(are they clockwise seen from outside?)"
+            )
+    need("manifold3d", "a manifold3d solid")
+    import manifold3d
+
+    # Copies: manifold3d takes no read-only arrays.
+    solid = manifold3d.Manifold(
+        manifold3d.Mesh64(mesh.vertices.copy(), mesh.triangles.astype(np.uint64, order="C"))
+    )
+    if solid.status() != manifold3d.Error.NoError:
+        raise MeshError(f"manifold3d refuses the mesh: {solid.status().name}; need NoError")
+    return solid
+
+
+def manifold_triangles(manifold: Manifold) -> TriangleMesh:
+    """Return the triangles of a manifold3d solid, its coordinates in double precision.
+
+    Raises
+    ------
+    MeshError
+        If the solid holds an error instead of a shape; it is named.
+    """
+    if manifold.status().name != "NoError":
+        raise MeshError(f"the manifold3d solid holds the error {manifold.status().name}")
+    mesh = manifold.to_mesh64()
+    # Where triangles differ in other properties manifold3d has several vertices at a place.
+    same = np.arange(len(mesh.vert_properties))
+    same[mesh.merge_from_vert] = mesh.merge_to_vert
+    return TriangleMesh(mesh.vert_properties[:, :3], same[mesh.tri_verts.astype(np.intp)])
+
+
+def to_trimesh(what: QuadMesh | TriangleMesh | Manifold) -> Trimesh:
+    """Return the triangles of `what` as a trimesh object, every vertex as it is.
+
+    Raises
+    ------
+    MissingBackendError
+        If trimesh is not installed.
+    """
+    mesh = what if isinstance(what, QuadMesh | TriangleMesh) else manifold_triangles(what)
+    need("trimesh", "a trimesh object")
+    import trimesh
+
+    # `process` would weld close vertices, which can break a closed mesh.
+    return trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
+
+
+def union(surfaces: Sequence[TriangleMesh], hulls: Sequence[Points]) -> Manifold:
+    """Return the union of closed surfaces and of the convex hulls of point sets (p, 3).
+
+    Raises
+    ------
+    MeshError
+        If manifold3d refuses a surface.
+    MissingBackendError
+        If manifold3d is not installed.
+    """
+    need("manifold3d", "a union")
+    import manifold3d
+
+    parts = [to_manifold(surface) for surface in surfaces]
+    parts += [manifold3d.Manifold.hull_points(points) for points in hulls]
+    return manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add)
+
+
+def without_voids(manifold: Manifold) -> tuple[Manifold, list[float]]:
+    """Return the solid with its enclosed voids filled, and the volumes of these, mm³."""
+    import manifold3d
+
+    shells = manifold.decompose()
+    outer = [shell for shell in shells if shell.volume() > 0]
+    if len(outer) == len(shells):
+        return manifold, []
+    voids = [-shell.volume() for shell in shells if not shell.volume() > 0]
+    return manifold3d.Manifold.batch_boolean(outer, manifold3d.OpType.Add), voids
