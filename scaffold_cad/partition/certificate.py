@@ -16,6 +16,7 @@ import numpy as np
 from scaffold_cad.arrays import Bools, Floats, Ints, UnitVectors
 from scaffold_cad.partition.arcs import is_closed
 from scaffold_cad.partition.blocks import blocks
+from scaffold_cad.vectors import dot, length, triple
 
 MIN_CLEARANCE = 1e-9
 """Least clearance of a certified quad, rad: rounding moves a determinant by some 1e-15."""
@@ -74,13 +75,13 @@ def arc_normals(corners: UnitVectors) -> UnitVectors:
     """
     normals = np.cross(corners, np.roll(corners, -1, axis=2))
     with np.errstate(invalid="ignore", divide="ignore"):
-        unit: UnitVectors = normals / np.sqrt((normals**2).sum(axis=-1, keepdims=True))
+        unit: UnitVectors = normals / length(normals)[..., None]
     return unit
 
 
 def clearances(directions: UnitVectors, normals: UnitVectors) -> Floats:
     """Return the angle from each direction to the nearest great circle of its arcs, rad, (M, N)."""
-    sines = (normals * directions[:, :, None]).sum(axis=-1)  # (M, N, 4)
+    sines = dot(normals, directions[:, :, None])  # (M, N, 4)
     nearest: Floats = np.arcsin(np.clip(sines, -1.0, 1.0)).min(axis=2)
     return nearest
 
@@ -94,8 +95,8 @@ def triangle_areas(directions: UnitVectors, corners: UnitVectors) -> Floats:
     """
     following = np.roll(corners, -1, axis=2)
     apexes = directions[:, :, None]
-    spanned = (np.cross(corners, following) * apexes).sum(axis=-1)
-    leaving = (apexes * corners).sum(axis=-1)
-    along = (corners * following).sum(axis=-1)
+    spanned = triple(corners, following, apexes)
+    leaving = dot(apexes, corners)
+    along = dot(corners, following)
     areas: Floats = 2 * np.arctan2(spanned, 1 + leaving + np.roll(leaving, -1, axis=2) + along)
     return areas

@@ -26,7 +26,7 @@ from scaffold_cad.vectors import angle_between
 
 PERFECT = 0.9999
 """A score that need not be improved."""
-MANY_ARCS = 0.01
+MANY_ARCS = 0.004
 """What each arc beyond four at a vertex costs of the score, by the square."""
 LONG_ARC = 2.5
 """Voronoi arcs longer than this, in reaches, bring no more gain."""
@@ -43,19 +43,23 @@ class Effort:
     choices: int
     """Number of multigraphs wanted."""
     search: int
-    """Steps of the search for them."""
-    finalists: int
-    """Number of them that get Newton steps."""
+    """Steps of the search for them, for each direction (and as for ten if fewer)."""
     trust: float
     """Factor of the gains: less lets the choices differ more."""
+    flow: tuple[tuple[int, int], ...]
+    """Steps along the gradient, and how many of a star's candidates are kept after them."""
 
 
+FIRST_OF_FOUR = Effort(below=PERFECT, choices=1, search=0, trust=1.0, flow=())
+"""Four directions have only six multigraphs, and the best by gain is nearly always perfect."""
 EFFORTS = (
-    Effort(below=PERFECT, choices=8, search=160, finalists=2, trust=1.0),
-    Effort(below=0.95, choices=48, search=800, finalists=3, trust=0.5),
-    Effort(below=0.8, choices=160, search=2500, finalists=4, trust=0.25),
+    Effort(below=PERFECT, choices=8, search=14, trust=1.0, flow=((20, 3), (30, 2))),
+    Effort(below=0.93, choices=48, search=60, trust=0.5, flow=((20, 12), (30, 3))),
+    Effort(below=0.8, choices=160, search=150, trust=0.25, flow=((20, 40), (30, 6))),
 )
-FLOW, NEWTON = 50, 20
+LUNES = ((50, 1),)
+"""The flow of lunes, which join the contest for the stars that stay poorest."""
+NEWTON = 20
 
 
 def dual_partitions(stars: UnitVectors) -> tuple[UnitVectors, Ints]:
@@ -71,15 +75,15 @@ def dual_partitions(stars: UnitVectors) -> tuple[UnitVectors, Ints]:
         return lune_partitions(stars)  # the only topology, and about the best axis
     contest = _Contest(stars)
     meshes, meshed = triangulations(stars)
-    for effort in EFFORTS:
+    for effort in (FIRST_OF_FOUR, *EFFORTS) if stars.shape[1] == 4 else EFFORTS:
         part = contest.score[meshed] < effort.below
         rows = meshed[part]
         if len(rows) == 0:
             break
         found, owners = candidates(meshes[part], stars[rows], contest.reach[rows], effort)
-        contest.enter(found, rows[owners], effort.finalists)
+        contest.enter(found, rows[owners], effort.flow)
     poor = np.flatnonzero(contest.score < EFFORTS[-1].below)
-    contest.enter(Quadrangulations(*lune_partitions(stars[poor])), poor, finalists=1)
+    contest.enter(Quadrangulations(*lune_partitions(stars[poor])), poor, LUNES)
     return contest.best.vertices, contest.best.quads
 
 
@@ -96,7 +100,7 @@ def candidates(
         effort.trust * second - (1 - effort.trust),
         stars.shape[1],
         effort.choices,
-        effort.search,
+        effort.search * max(stars.shape[1], 10),
     )
     owners, choice = np.nonzero(gains > -np.inf)
     multiplicity = np.zeros((len(owners), meshes.tails.shape[1]), dtype=np.intp)
@@ -119,23 +123,35 @@ class _Contest:
             np.zeros((count, valency + 2, 3)), np.zeros((count, valency, 4), dtype=np.intp)
         )
 
-    def enter(self, found: Quadrangulations, owners: Ints, finalists: int) -> None:
+    def enter(
+        self, found: Quadrangulations, owners: Ints, flow: tuple[tuple[int, int], ...]
+    ) -> None:
         """Relax the quadrangulations of `owners` (ascending) and keep each star's best.
 
-        Those good as they stand end the contest for their star. The others flow for a while;
-        only the `finalists` of each star are then taken to the end.
+        Those perfect as they stand end the contest for their star. The others flow in heats,
+        after each of which only some go on, and the last get Newton steps.
         """
         self._keep(found, owners)
         going = self.score[owners] < PERFECT
         found, owners = found[going], owners[going]
-        found, scores = self._relaxed(found, owners, flow=FLOW)
-        final = leaders(owners, scores, finalists)
-        found, owners = found[final], owners[final]
-        found, _ = self._relaxed(found, owners, newton=NEWTON)
-        self._keep(found, owners)
+        total, done = sum(steps for steps, _ in flow), 0
+        for steps, kept in flow:
+            part = (done / total, (done + steps) / total)
+            found, scores = self._relaxed(found, owners, flow=steps, part=part)
+            leading = leaders(owners, scores, kept)
+            found, owners, done = found[leading], owners[leading], done + steps
+        if flow:
+            found, _ = self._relaxed(found, owners, newton=NEWTON)
+            self._keep(found, owners)
 
     def _relaxed(
-        self, found: Quadrangulations, owners: Ints, flow: int = 0, newton: int = 0
+        self,
+        found: Quadrangulations,
+        owners: Ints,
+        *,
+        flow: int = 0,
+        part: tuple[float, float] = (0.0, 1.0),
+        newton: int = 0,
     ) -> tuple[Quadrangulations, Floats]:
         vertices, lowest = relaxed(
             self.stars[owners],
@@ -143,6 +159,7 @@ class _Contest:
             found.quads,
             found.vertices,
             flow=flow,
+            part=part,
             newton=newton,
         )
         return Quadrangulations(vertices, found.quads), _scores(lowest, found.quads)

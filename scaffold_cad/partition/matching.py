@@ -17,6 +17,8 @@ from scaffold_cad.arrays import Floats, Ints
 EDGES_EACH = 4
 PENALTY = 1.5
 """Gain lost by the square of the edges missing at, or too many for, a direction."""
+OF_FOUR = np.array([[2, 1, 1], [1, 2, 1], [1, 1, 2], [0, 2, 2], [2, 0, 2], [2, 2, 0]])
+"""How often each of the three pairs of opposite edges among four directions can be taken."""
 TENURE = (3, 8, 5, 11, 4, 7, 9)
 """Steps for which a changed edge is left alone, in turn: unequal ones avoid going in circles."""
 
@@ -35,7 +37,13 @@ def good_matchings(
     valency : number of directions
     count : number of different multiplicities wanted
     steps : number of changes tried
+
+    Notes
+    -----
+    For four directions all choices are gone through: opposite edges are taken equally often.
     """
+    if valency == 4:
+        return _all_of_four(ends, first, second, count)
     search = _TabuSearch(ends, first, second, valency, count)
     for step in range(steps):
         search.change(step)
@@ -43,6 +51,18 @@ def good_matchings(
     order = np.argsort(-search.gains, axis=1, kind="stable")
     found = np.take_along_axis(search.found, order[..., None], axis=1)
     return found.astype(np.intp), np.take_along_axis(search.gains, order, axis=1)
+
+
+def _all_of_four(ends: Ints, first: Floats, second: Floats, count: int) -> tuple[Ints, Floats]:
+    """Return the best `count` of the six choices for four directions, and their gains."""
+    low, high = ends.min(axis=2), ends.max(axis=2)
+    pair = np.where(low == 0, high, 6 - low - high) - 1  # edges 0k and ij are opposite
+    choices = OF_FOUR[:, pair].swapaxes(0, 1)  # (M, 6, 6)
+    taken = np.where(choices > 0, first[:, None], 0) + np.where(choices > 1, second[:, None], 0)
+    gains = taken.sum(axis=2)
+    order = np.argsort(-gains, axis=1, kind="stable")[:, :count]
+    best = np.take_along_axis(choices, order[..., None], axis=1)
+    return best, np.take_along_axis(gains, order, axis=1)
 
 
 class _TabuSearch:
@@ -82,8 +102,8 @@ class _TabuSearch:
         self.multiplicity[row, edge] = new
         self.gain += sign * np.where(old + new == 1, first, second)
         self.mark += sign.astype(np.uint64) * self.marks[edge]
-        self.more[row, edge] = np.select([new == 0, new == 1], [first, second], -np.inf)
-        self.less[row, edge] = np.select([new == 2, new == 1], [-second, -first], -np.inf)
+        self.more[row, edge] = np.where(new == 0, first, np.where(new == 1, second, -np.inf))
+        self.less[row, edge] = np.where(new == 2, -second, np.where(new == 1, -first, -np.inf))
         self.free_from[row, edge] = step + 1 + TENURE[step % len(TENURE)]
         for end in range(2):
             self.missing[row, self.ends[row, edge, end]] -= sign

@@ -66,12 +66,12 @@ class _State:
     normals: Floats  # unit a × b (3, K, A)
     shrink: Floats  # 1 / |a × b| (K, A)
     spans: Floats  # unit a − b (3, K, A)
-    ratios: Floats  # of the clearance on the left and right and of the length (3, K, A)
+    ratios: Floats  # of the clearance on the left and right and of the length (K, 3, A)
 
     @property
     def lowest(self) -> Floats:
         """Smallest ratio of each partition, shape (K,)."""
-        smallest: Floats = self.ratios.min(axis=(0, 2))
+        smallest: Floats = self.ratios.reshape(len(self.ratios), -1).min(axis=1)
         return smallest
 
 
@@ -82,6 +82,7 @@ def relaxed(
     vertices: UnitVectors,
     *,
     flow: int = 0,
+    part: tuple[float, float] = (0.0, 1.0),
     newton: int = 0,
     sharpness: tuple[float, float] = NEWTON_SHARPNESS,
 ) -> tuple[UnitVectors, Floats]:
@@ -94,6 +95,7 @@ def relaxed(
     quads : (K, N, 4) intp, closed
     vertices : (K, N + 2, 3) float64, where to start; they need not be certified
     flow : number of steps along the gradient
+    part : where in the schedule of such steps they begin and end
     newton : number of Newton steps after these
     sharpness : of the soft minimum at the first and the last Newton step
     """
@@ -101,7 +103,7 @@ def relaxed(
     for block in blocks(len(quads), 2 * quads.shape[1], BLOCK):
         problem = _problem(directions[block], reach[block], quads[block])
         flat = np.ascontiguousarray(np.moveaxis(vertices[block], 2, 0)).reshape(3, -1)
-        flat = _climb(problem, flat, flow)
+        flat = _climb(problem, flat, np.linspace(*part, flow))
         flat, lowest[block] = _newton(problem, flat, newton, sharpness)
         moved[block] = np.moveaxis(flat.reshape(3, problem.rows, -1), 0, 2)
     return moved, lowest
@@ -130,49 +132,48 @@ def _problem(directions: UnitVectors, reach: Floats, quads: Ints) -> _Problem:
 def _state(problem: _Problem, vertices: Floats) -> _State:
     a, b = vertices[:, problem.starts], vertices[:, problem.ends]
     normals = _cross(a, b)
-    shrink = 1 / np.sqrt((normals * normals).sum(axis=0) + TINY)
+    shrink = 1 / np.sqrt(_dot(normals, normals) + TINY)
     normals *= shrink
     spans = a - b
-    lengths = np.sqrt((spans * spans).sum(axis=0) + TINY)
+    lengths = np.sqrt(_dot(spans, spans) + TINY)
     spans /= lengths
-    ratios = np.stack(
-        [
-            (normals * problem.left).sum(axis=0),
-            (normals * problem.right).sum(axis=0),
-            SHORT_ARC_RATIO + lengths * problem.stretch,
-        ]
-    )
+    ratios = np.empty((problem.rows, 3, a.shape[2]))
+    ratios[:, 0] = _dot(normals, problem.left)
+    ratios[:, 1] = _dot(normals, problem.right)
+    ratios[:, 2] = SHORT_ARC_RATIO + lengths * problem.stretch
     return _State(a, b, normals, shrink, spans, ratios)
 
 
 def _soft_minimum(state: _State, sharpness: float) -> tuple[Floats, Floats]:
-    """Return the soft minimum of the ratios, (K,), and its derivatives by them, (3, K, A)."""
+    """Return the soft minimum of the ratios, (K,), and its derivatives by them, (K, 3, A)."""
     lowest = state.lowest
-    weights = np.exp(-sharpness * (state.ratios - lowest[:, None]))
-    total = weights.sum(axis=(0, 2))
-    weights /= total[:, None]
+    weights = np.exp(sharpness * (lowest[:, None, None] - state.ratios))
+    total = weights.reshape(len(weights), -1).sum(axis=1)
+    weights /= total[:, None, None]
     return lowest - np.log(total) / sharpness, weights
 
 
-def _climb(problem: _Problem, vertices: Floats, steps: int) -> Floats:
-    """Return the best vertices found along the gradient, shape (3, K V)."""
-    best, highest = vertices, _state(problem, vertices).lowest
+def _climb(problem: _Problem, vertices: Floats, progress: Floats) -> Floats:
+    """Return the best vertices found along the gradient, shape (3, K V).
+
+    A step for each of `progress`, which runs from 0 to 1 as steps get shorter and the minimum
+    sharper.
+    """
+    best, highest = vertices, np.full(problem.rows, -np.inf)
     momentum = np.zeros_like(vertices)
     squares = np.zeros(problem.rows)
     decay = 0.95
-    progress = np.arange(steps) / max(steps - 1, 1)
-    sharpnesses = _geometric(FLOW_SHARPNESS, progress)
-    lengths = _geometric(FLOW_STEP, progress) * np.sqrt(problem.vertices)
-    for step in range(steps):
+    sharpness = _geometric(FLOW_SHARPNESS, progress)
+    longest = _geometric(FLOW_STEP, progress) * np.sqrt(problem.vertices)
+    for step in range(len(progress)):
         state = _state(problem, vertices)
-        if step:
-            best, highest = _better(problem, best, highest, vertices, state.lowest)
-        _, weights = _soft_minimum(state, sharpnesses[step])
+        best, highest = _better(problem, best, highest, vertices, state.lowest)
+        _, weights = _soft_minimum(state, sharpness[step])
         gradient = _gradient(problem, state, weights) * problem.scale
         momentum = FLOW_INERTIA * momentum + (1 - FLOW_INERTIA) * gradient
-        norm = (gradient * gradient).sum(axis=0).reshape(problem.rows, -1).sum(axis=1)
+        norm = _dot(gradient, gradient).reshape(problem.rows, -1).sum(axis=1)
         squares = decay * squares + (1 - decay) * norm
-        rate = lengths[step] / np.sqrt(squares / (1 - decay ** (step + 1)) + TINY)
+        rate = longest[step] / np.sqrt(squares / (1 - decay ** (step + 1)) + TINY)
         vertices = _unit(vertices + momentum * (problem.scale * np.repeat(rate, problem.vertices)))
     best, _ = _better(problem, best, highest, vertices, _state(problem, vertices).lowest)
     return best
@@ -185,7 +186,7 @@ def _newton(
     state = _state(problem, vertices)
     best, highest = vertices, state.lowest
     damping = np.full(problem.rows, 0.03)
-    for sharpness in _geometric(ends, np.arange(steps) / max(steps - 1, 1)):
+    for sharpness in _geometric(ends, np.linspace(0, 1, steps)):
         value, weights = _soft_minimum(state, sharpness)
         tried = _newton_step(problem, vertices, state, weights, sharpness, damping)
         tried_state = _state(problem, tried)
@@ -215,7 +216,7 @@ def _newton_step(
     first = any_perpendicular(np.ascontiguousarray(vertices.T)).T
     tangents = np.stack([first, _cross(vertices, first)]) * problem.scale  # (2, 3, K V)
     slopes = _slopes(problem, state, tangents)  # (3 ratios, 4 unknowns of an arc, K, A)
-    weighted = weights[:, None] * slopes
+    weighted = np.moveaxis(weights, 1, 0)[:, None] * slopes
     steepness = np.empty((rows, count, 2))
     hessian = np.zeros((rows, count, 2, count, 2))
     row, vertex = np.arange(rows)[:, None], np.arange(count)
@@ -250,7 +251,7 @@ def _slopes(problem: _Problem, state: _State, tangents: Floats) -> Floats:
     at_starts, at_ends = tangents[:, :, problem.starts], tangents[:, :, problem.ends]
     slopes = np.empty((3, 4, *problem.starts.shape))
     for side, directions in enumerate((problem.left, problem.right)):
-        pull = (directions - state.ratios[side] * state.normals) * state.shrink
+        pull = (directions - state.ratios[:, side] * state.normals) * state.shrink
         slopes[side, :2] = (_cross(state.b, pull) * at_starts).sum(axis=1)
         slopes[side, 2:] = (_cross(pull, state.a) * at_ends).sum(axis=1)
     apart = state.spans * problem.stretch
@@ -261,8 +262,8 @@ def _slopes(problem: _Problem, state: _State, tangents: Floats) -> Floats:
 
 def _gradient(problem: _Problem, state: _State, weights: Floats) -> Floats:
     """Return the derivative by the vertices of the weighted sum of the ratios, (3, K V)."""
-    left, right, length = weights
-    along = left * state.ratios[0] + right * state.ratios[1]
+    left, right, length = np.moveaxis(weights, 1, 0)
+    along = left * state.ratios[:, 0] + right * state.ratios[:, 1]
     pull = (left * problem.left + right * problem.right - along * state.normals) * state.shrink
     apart = state.spans * (length * problem.stretch)
     at_starts, at_ends = _cross(state.b, pull) + apart, _cross(pull, state.a) - apart
@@ -296,12 +297,21 @@ def _geometric(ends: tuple[float, float], progress: Floats) -> Floats:
 
 def _unit(vectors: Floats) -> Floats:
     """Return `vectors` (3, ...) scaled to length 1."""
-    scaled: Floats = vectors / np.sqrt((vectors * vectors).sum(axis=0) + TINY)
+    scaled: Floats = vectors / np.sqrt(_dot(vectors, vectors) + TINY)
     return scaled
+
+
+def _dot(a: Floats, b: Floats) -> Floats:
+    """Return the dot products of vectors whose coordinates come first."""
+    products: Floats = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return products
 
 
 def _cross(a: Floats, b: Floats) -> Floats:
     """Return the cross products of vectors whose coordinates come first, shape (3, ...)."""
-    return np.stack(
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    )
+    product = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    for axis in range(3):
+        first, second = (axis + 1) % 3, (axis + 2) % 3
+        np.multiply(a[first], b[second], out=product[axis])
+        product[axis] -= a[second] * b[first]
+    return product
