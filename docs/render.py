@@ -14,12 +14,16 @@ import numpy as np
 import pyvista as pv
 from PIL import Image
 
+from scaffold_cad import (
+    Partition,
+    QuadMesh,
+    build_scaffold,
+    partition_sphere,
+    thicken,
+    to_trimesh,
+)
 from scaffold_cad.arrays import Floats, Points, UnitVectors
-from scaffold_cad.partition import Partition, partition_sphere
-from scaffold_cad.quadmesh import QuadMesh
-from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.smooth import smooth_mesh
-from scaffold_cad.thicken import frame_scaffold
 from scaffold_cad.vectors import normalize
 
 ROOT = Path(__file__).parents[1]
@@ -29,6 +33,7 @@ sys.path.insert(0, str(ROOT / "examples"))
 # The examples' folder must be found first.
 import lattice  # noqa: E402
 import overlapping_tree  # noqa: E402
+import stick_woman  # noqa: E402
 import twist  # noqa: E402
 from _common import skeleton  # noqa: E402
 
@@ -154,11 +159,11 @@ def _cropped(picture: Image.Image) -> Image.Image:
 def draw_stick_woman() -> None:
     """Draw the scaffold of the stick woman, and its edges as a frame."""
     scaffold = build_scaffold(skeleton("stick_woman"))
-    frame = frame_scaffold(scaffold, 0.55)
+    frame = pv.wrap(to_trimesh(thicken(scaffold, stick_woman.WIRE)))
     stage = Stage((-0.32, -1.0, 0.16), 1100, 1100)
     stage.add_mesh(scaffold.mesh, SAND, 0.3)
-    beside = frame.mesh.moved(frame.mesh.vertices + np.array([105.0, 35.0, 0.0]))
-    stage.add(patches(beside), BLUE)
+    beside = frame.translate((105.0, 35.0, 0.0))
+    stage.add(beside.compute_normals(feature_angle=15.0, split_vertices=True), BLUE)
     stage.save("stick_woman")
 
 
@@ -250,7 +255,7 @@ def draw_twist() -> None:
 def draw_lattice() -> None:
     """Draw the smooth ring."""
     smooth = smooth_mesh(build_scaffold(lattice.ring()), levels=2).mesh
-    stage = Stage((-0.5, -1.0, 0.6), 900, 630)
+    stage = Stage((-0.5, -1.0, 0.6), 800, 580)
     stage.add(_polydata(smooth.vertices, smooth.quads), SAND)
     stage.save("lattice")
 

@@ -1,0 +1,76 @@
+"""What the README shows works as it stands: programs, commands, links, and the JSON format."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from scaffold_cad import read_skeleton
+from scaffold_cad.cli import main
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+PAGES = [ROOT / "README.md", ROOT / "examples" / "README.md"]
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```$", README, flags=re.DOTALL | re.MULTILINE)
+
+
+def commands() -> list[str]:
+    steps = [
+        step for block in blocks("sh") for line in block.splitlines() for step in line.split("&&")
+    ]
+    return [step.strip() for step in steps if step.strip().startswith("scaffold-cad ")]
+
+
+@pytest.fixture
+def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder that has the examples of the repository but may be written to."""
+    (tmp_path / "examples").symlink_to(ROOT / "examples", target_is_directory=True)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("program", blocks("python"), ids=["first", "api"])
+def test_program_runs_and_writes_what_it_names(program: str, checkout: Path) -> None:
+    exec(compile(program, "README.md", "exec"), {})
+    named = re.findall(r'write\(.*"([\w.]+)"\)', program)
+    assert named
+    for name in named:
+        assert (checkout / name).stat().st_size > 0
+
+
+def test_first_program_has_at_most_ten_lines() -> None:
+    assert len(blocks("python")[0].strip().splitlines()) <= 10
+
+
+@pytest.mark.parametrize("command", commands())
+def test_command_succeeds_and_writes_its_file(
+    command: str, checkout: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = shlex.split(command)
+    assert main(words[1:]) == 0
+    if "-o" in words:
+        assert (checkout / words[words.index("-o") + 1]).stat().st_size > 0
+    else:
+        assert capsys.readouterr().out
+
+
+def test_json_shown_is_read(tmp_path: Path) -> None:
+    (shown,) = blocks("json")
+    path = tmp_path / "shown.json"
+    path.write_text(shown, encoding="utf-8")
+    assert read_skeleton(path, strict=True).radii.tolist() == [1.0, 1.5]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.parent.name)
+def test_links_lead_to_files(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    targets = re.findall(r"\]\(([^)]+)\)", text) + re.findall(r'src="([^"]+)"', text)
+    local = [target for target in targets if not target.startswith("https://")]
+    assert local
+    assert [target for target in local if not (page.parent / target).exists()] == []
