@@ -1,24 +1,140 @@
-"""Pairs of overlapping axis-aligned boxes."""
+"""Which axis-aligned boxes overlap: the broad phase of every search for what meets.
+
+The boxes are the leaves of a complete binary tree, sorted so that neighbours in space are
+neighbours in it, and the tree is walked against itself level by level, with whole arrays.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
-from scaffold_cad.arrays import Floats, Ints
+from scaffold_cad.arrays import Ints, Points
+
+PAIRS_AT_ONCE = 1 << 16
+"""Pairs of boxes looked at together: some 10 MB, however many boxes there are."""
+
+Packed: TypeAlias = NDArray[np.int64]
+"""Three coordinates on the grid in each number: 20 bits for each, below a spare one."""
+
+GRID_BITS = 20
+FIELD_BITS = GRID_BITS + 1
+SPARE_BITS = sum(1 << (axis * FIELD_BITS + GRID_BITS) for axis in range(3))
 
 
-def overlapping_boxes(low: Floats, high: Floats) -> Iterator[tuple[Ints, Ints]]:
-    """Yield blocks of pairs i < j of boxes (k, 3) that overlap. TEMPORARY sweep."""
-    order = np.argsort(low[:, 0], kind="stable")
-    lo, hi = low[order], high[order]
-    stop = np.searchsorted(lo[:, 0], hi[:, 0], side="right")
-    for s in range(0, len(order), 512):
-        i = np.arange(s, min(s + 512, len(order)))
-        n = stop[i] - i - 1
-        a = np.repeat(i, n)
-        b = np.arange(n.sum()) - np.repeat(np.cumsum(n) - n, n) + a + 1
-        ok = ((lo[a, 1:] <= hi[b, 1:]) & (lo[b, 1:] <= hi[a, 1:])).all(axis=1)
-        p, q = order[a[ok]], order[b[ok]]
-        yield np.minimum(p, q), np.maximum(p, q)
+def overlapping_boxes(low: Points, high: Points) -> Iterator[tuple[Ints, Ints]]:
+    """Yield blocks of pairs i < j of boxes that overlap, or nearly so; each pair comes once.
+
+    Boxes that touch overlap. Boxes farther apart along any axis than two millionths of the extent
+    of all boxes are no pair.
+
+    Parameters
+    ----------
+    low, high : (n, 3) float64, mm; lowest and highest corner of each box, low <= high
+
+    Notes
+    -----
+    O(n log n) for boxes in general position. A block of pairs of one level of the tree gives a
+    block of the next, and the latest goes first: only a few blocks a level ever wait.
+    """
+    tree = _box_tree(low, high)
+    root = np.zeros(1, dtype=np.intp)
+    waiting = [(0, root, root)]
+    while waiting:
+        level, i, j = waiting.pop()
+        if level == len(tree.lows) - 1:
+            proper = (i != j) & (j < len(tree.order))
+            i, j = tree.order[i[proper]], tree.order[j[proper]]
+            yield np.minimum(i, j), np.maximum(i, j)
+        elif len(i) > PAIRS_AT_ONCE:
+            middle = len(i) // 2
+            waiting += [(level, i[:middle], j[:middle]), (level, i[middle:], j[middle:])]
+        else:
+            i, j = _meeting_children(tree, level + 1, i, j)
+            waiting.append((level + 1, i, j))
+
+
+@dataclass(frozen=True, eq=False)
+class _BoxTree:
+    """A complete binary tree of boxes: boxes 2 k and 2 k + 1 of a level lie in box k above.
+
+    Bounds are rounded down to a grid of 2**20 steps, which never parts boxes that meet. With
+    the spare bits set in `highs`, `highs[i] - lows[j]` keeps them all just where box i ends
+    nowhere below the start of box j: one subtraction compares three coordinates.
+    """
+
+    order: Ints
+    """Box in each leaf, shape (n,); the leaves after them are empty."""
+    lows: list[Packed]
+    highs: list[Packed]
+    """Bounds of the boxes of each level, the root's first, shapes (1,), (2,), (4,), ..."""
+
+
+def _box_tree(low: Points, high: Points) -> _BoxTree:
+    origin = low.min(axis=0, initial=np.inf)
+    extent = (high - origin).max(initial=1e-300)
+    lower, upper = (
+        ((bound - origin) / extent * (2**GRID_BITS - 1)).astype(np.int64).T for bound in (low, high)
+    )
+    order = np.argsort(_sorting_keys(lower, upper), kind="stable")
+    depth = max(len(order) - 1, 0).bit_length()
+    lows = np.full((3, 2**depth), 2**GRID_BITS - 1, dtype=np.int64)
+    highs = np.zeros((3, 2**depth), dtype=np.int64)
+    lows[:, : len(order)] = lower[:, order]
+    highs[:, : len(order)] = upper[:, order]
+    tree = _BoxTree(order, [_packed(lows)], [_packed(highs) | SPARE_BITS])
+    for _ in range(depth):
+        lows = np.minimum(lows[:, 0::2], lows[:, 1::2])
+        highs = np.maximum(highs[:, 0::2], highs[:, 1::2])
+        tree.lows.insert(0, _packed(lows))
+        tree.highs.insert(0, _packed(highs) | SPARE_BITS)
+    return tree
+
+
+def _packed(bounds: NDArray[np.int64]) -> Packed:
+    """Return the columns of `bounds` (3, n) packed, shape (n,)."""
+    x, y, z = bounds
+    packed: Packed = x | (y << FIELD_BITS) | (z << (2 * FIELD_BITS))
+    return packed
+
+
+def _sorting_keys(low: NDArray[np.int64], high: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return keys that sort boxes (3, n) by size, then along a Morton curve, shape (n,).
+
+    A large box among small ones would enlarge every box above it in the tree.
+    """
+    _, exponents = np.frexp((high - low).max(axis=0) + 1.0)
+    sizes = (exponents // 2).astype(np.int64)  # by factors of 4
+    keys: NDArray[np.int64] = sizes << (3 * (GRID_BITS - 1))
+    for axis, middle in enumerate((low + high) >> 2):
+        keys |= _spread(middle) << axis
+    return keys
+
+
+def _spread(values: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return `values` below 2**21 with two zero bits put between their bits."""
+    for shift, mask in (
+        (32, 0x001F00000000FFFF),
+        (16, 0x001F0000FF0000FF),
+        (8, 0x100F00F00F00F00F),
+        (4, 0x10C30C30C30C30C3),
+        (2, 0x1249249249249249),
+    ):
+        values = (values | (values << shift)) & mask
+    return values
+
+
+def _meeting_children(tree: _BoxTree, level: int, i: Ints, j: Ints) -> tuple[Ints, Ints]:
+    """Return the pairs of boxes of a level that overlap, below the pairs i <= j above it."""
+    low, high = tree.lows[level], tree.highs[level]
+    i, j = np.repeat(2 * i, 4), np.repeat(2 * j, 4)
+    i[2::4] += 1
+    i[3::4] += 1
+    j[1::2] += 1
+    overlap = (high[i] - low[j]) & (high[j] - low[i]) & SPARE_BITS == SPARE_BITS
+    overlap &= i <= j  # the halves of one box meet each other once
+    return i[overlap], j[overlap]
