@@ -17,6 +17,9 @@ from scaffold_cad.vectors import dot
 BLEND = 0.5
 """Distance from a branch point's furthest corner along a strut to its collar, in radii."""
 
+WIDER = 1.01
+"""Width of the cone at a collar, in widths of the collar."""
+
 LEAST_STRUT = 0.25
 """Least length of strut between two collars, in radii; below it the strut gets one or none."""
 
@@ -51,16 +54,23 @@ def without_collars(skeleton: Skeleton) -> Refinement:
 
 
 def with_collars(
-    skeleton: Skeleton, stars: Stars, positions: Points, like: Bools | None = None
+    skeleton: Skeleton,
+    stars: Stars,
+    positions: Points,
+    corner_distance: float,
+    like: Bools | None = None,
 ) -> Refinement:
     """Return the skeleton with a joint where each strut leaves the blend of a branch point.
 
     Parameters
     ----------
     positions : (w, 3) float64, mm; the partition vertices seen from their nodes
+    corner_distance : distance of a section's corners from its node, in radii
     like : (m, 2) bool; exactly these ends get a collar, squeezed together where room is short
     """
-    near, far = collar_distances(skeleton, stars, positions, like).T  # (m,), nan for none
+    near, far = collar_distances(
+        skeleton, stars, positions, corner_distance, like
+    ).T  # (m,), nan for none
     lengths = skeleton.lengths
     ends = skeleton.edges
     fractions = np.stack([near / lengths, 1.0 - far / lengths], axis=1)  # (m, 2)
@@ -86,9 +96,16 @@ def with_collars(
 
 
 def collar_distances(
-    skeleton: Skeleton, stars: Stars, positions: Points, like: Bools | None = None
+    skeleton: Skeleton,
+    stars: Stars,
+    positions: Points,
+    corner_distance: float,
+    like: Bools | None = None,
 ) -> Floats:
     """Return how far from each end of each edge its collar stands, (m, 2), mm; nan for none.
+
+    Beyond the furthest corner of the branch point, and where the cone of the spherical quad has
+    become wide enough for the collar's own corners.
 
     An edge with no room for two gets one in the middle of the room that is left, or none.
     """
@@ -98,8 +115,11 @@ def collar_distances(
     extent = np.zeros(at_branch.shape)
     extent[at_branch] = dot(corner, axis).max(axis=1)
     extents = extent.reshape(-1, 2)
-    blend = BLEND * skeleton.radii[skeleton.edges] * at_branch.reshape(-1, 2)
-    wanted = np.where(at_branch.reshape(-1, 2), extents + blend, np.nan)  # (m, 2)
+    radii = skeleton.radii[skeleton.edges]
+    # A wider clearance than a right angle leaves room at once.
+    slope = np.tan(np.clip(stars.clearance, 1e-6, 1.5)).reshape(-1, 2)
+    wide_enough = WIDER * corner_distance * radii.max(axis=1)[:, None] / slope
+    wanted: Floats = np.maximum(extents + BLEND * radii, wide_enough)  # (m, 2), nan off branch points
 
     lengths = skeleton.lengths
     if like is not None:
@@ -108,7 +128,7 @@ def collar_distances(
         squeeze = np.minimum(1.0, MOST_SQUEEZED * lengths / np.maximum(total, 1e-300))
         squeezed: Floats = wanted * squeeze[:, None]
         return squeezed
-    least = LEAST_STRUT * skeleton.radii[skeleton.edges].max(axis=1)
+    least = LEAST_STRUT * radii.max(axis=1)
     fits = lengths - np.nansum(wanted, axis=1) >= least
     room = lengths - extents.sum(axis=1)
     middle = extents[:, 0] + room / 2

@@ -5,7 +5,8 @@ inside of the scaffold. No two faces meet outside shared edges if
 
 - each tube leaves each of its nodes within its own cone, the part of space that the spherical
   quad around its direction cuts out (at a joint or an extremity: within its own half-space),
-- each sleeve is star-shaped around a point of its axis, so that it does not cross itself,
+- no sleeve crosses itself: it is star-shaped around a point of its axis, or else found whole by
+  the exact test of its few triangles,
 - tubes that share no node keep apart.
 
 A strut that breaks a condition is left out, and the quads that it leaves open at its branch
@@ -24,7 +25,9 @@ import numpy as np
 
 from scaffold_cad.arrays import Bools, Edges, Floats, Ints, Points
 from scaffold_cad.boxes import overlapping_boxes
+from scaffold_cad.intersections import self_intersections
 from scaffold_cad.segments import nearest_on_segments
+from scaffold_cad.trianglemesh import TriangleMesh
 from scaffold_cad.vectors import dot, length, normalize, triple
 
 if TYPE_CHECKING:
@@ -52,7 +55,7 @@ class Embedding:
 
     within_cone: Bools
     """Whether each strut leaves each of its two nodes within its own cone, shape (m, 2)."""
-    star_shaped: Bools
+    uncrossed: Bools
     """Whether no sleeve of each strut crosses itself, shape (m,)."""
     conflicts: Edges
     """Pairs of struts without a common node that could not be shown to keep apart, (k, 2)."""
@@ -81,9 +84,9 @@ def embedding(scaffold: Scaffold) -> Embedding:
     """
     edge_count = len(scaffold.skeleton.edges)
     within_cone = _within_cones(scaffold)
-    star_shaped = np.ones(edge_count, dtype=np.bool_)
-    star_shaped[scaffold.refinement.edge_of_edge[~_star_shaped(scaffold)]] = False
-    kept = within_cone.all(axis=1) & star_shaped
+    uncrossed = np.ones(edge_count, dtype=np.bool_)
+    uncrossed[scaffold.refinement.edge_of_edge[~_uncrossed(scaffold)]] = False
+    kept = within_cone.all(axis=1) & uncrossed
 
     tubes = _tubes(scaffold)
     candidates = tubes.only(kept[tubes.owner])
@@ -97,7 +100,7 @@ def embedding(scaffold: Scaffold) -> Embedding:
         dropped = np.unique(bodies.node[_conflicts(bodies, among=bodies.node >= 0)])
         dropped = dropped[dropped >= 0]
         if len(dropped) == 0:
-            return Embedding(within_cone, star_shaped, conflicts, kept, kept_nodes)
+            return Embedding(within_cone, uncrossed, conflicts, kept, kept_nodes)
         kept_nodes[dropped] = False
         kept &= kept_nodes[scaffold.skeleton.edges].all(axis=1)
 
@@ -157,10 +160,10 @@ def _in_front(planes: Floats, points: Points) -> Bools:
     return np.asarray((heights > MARGIN * scale).all(axis=(1, 2)))
 
 
-def _star_shaped(scaffold: Scaffold) -> Bools:
-    """Return whether each sleeve is star-shaped around a point of its axis, (m',).
+def _uncrossed(scaffold: Scaffold) -> Bools:
+    """Return whether each sleeve, closed towards its nodes, does not cross itself, (m',).
 
-    It is when its triangles, and those that close it towards its nodes, are all seen from one
+    Nearly all are star-shaped around a point of their axis: their triangles are all seen from one
     side and together cover the sphere of directions once.
     """
     refined = scaffold.refined
@@ -172,7 +175,25 @@ def _star_shaped(scaffold: Scaffold) -> Bools:
             centre = (1 - fraction) * start[part] + fraction * end[part]
             shell = _closed_sleeves(scaffold, part, sides[part])  # (k, 16, 3, 3)
             fine[part] = _seen_once(shell - centre[:, None, None, :])
+    for part in _chunks(np.flatnonzero(~fine)):
+        fine[part] = _whole(_closed_sleeves(scaffold, part, sides[part]))
     return fine
+
+
+def _whole(shells: Points) -> Bools:
+    """Return whether closed surfaces (k, t, 3, 3) face outwards and do not cross themselves."""
+    count, size = shells.shape[:2]
+    fine = triple(*(shells[:, :, corner] - shells[:, :1, 0] for corner in range(3))).sum(axis=1) > 0
+    # Every shell has vertices of its own, numbered by position within the shell.
+    points, number = np.unique(
+        np.column_stack([np.repeat(np.arange(float(count)), 3 * size), shells.reshape(-1, 3)]),
+        axis=0,
+        return_inverse=True,
+    )
+    mesh = TriangleMesh(points[:, 1:], number.reshape(-1, 3))
+    pairs = self_intersections(mesh, weld=False) // size
+    fine[pairs[pairs[:, 0] == pairs[:, 1], 0]] = False
+    return np.asarray(fine)
 
 
 def _closed_sleeves(scaffold: Scaffold, sleeves: Ints, sides: Ints) -> Points:

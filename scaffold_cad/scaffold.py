@@ -148,11 +148,12 @@ def build_scaffold(
     else:
         options = like.options
         _check_same_edges(skeleton, like.skeleton)
-        stars = partition_stars(skeleton, options.method, like.stars.corners)
+        stars = partition_stars(skeleton, options.method, like.stars)
     positions = star_positions(skeleton, stars, options.fit, options.section)
     if options.collars:
         slots = None if like is None else like.refinement.collared
-        refinement = with_collars(skeleton, stars, positions, slots)
+        corner_distance = options.corner_distance
+        refinement = with_collars(skeleton, stars, positions, corner_distance, slots)
     else:
         refinement = without_collars(skeleton)
 

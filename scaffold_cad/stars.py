@@ -55,17 +55,19 @@ class Stars:
     clearance: Floats
     """Angle from each half-edge's direction to the nearest side of its spherical quad, rad;
     nan where the tail is no branch point, shape (2 m,)."""
+    directions: UnitVectors
+    """Direction in which each half-edge leaves its node, shape (2 m, 3)."""
 
 
-def partition_stars(skeleton: Skeleton, method: str, like: Ints | None = None) -> Stars:
+def partition_stars(skeleton: Skeleton, method: str, like: Stars | None = None) -> Stars:
     """Return the partitions of all branch points.
 
     Parameters
     ----------
     skeleton : checked
     method : of `partition_sphere`
-    like : (2 m, 4) intp, the `corners` of another skeleton with the same edges, whose
-        combinatorics are kept
+    like : the partitions of another skeleton with the same edges; their combinatorics are kept,
+        and their vertices stay near to where the turn of each star brings them
     """
     valency = skeleton.valency
     counts = np.where(valency >= 3, valency + 2, 0)
@@ -77,12 +79,32 @@ def partition_stars(skeleton: Skeleton, method: str, like: Ints | None = None) -
         nodes = np.flatnonzero(valency == n)  # (k,)
         half_edges = skeleton.incidence.at_nodes(nodes, n)  # (k, n)
         first = offsets[nodes][:, None, None]
-        same = None if like is None else like[half_edges] - first
-        cut = partition_spheres(skeleton.directions[half_edges], method, like=same)
-        vertices[offsets[nodes][:, None] + np.arange(n + 2)] = cut.vertices
+        rows = offsets[nodes][:, None] + np.arange(n + 2)  # (k, n + 2)
+        directions = skeleton.directions[half_edges]  # (k, n, 3)
+        if like is None:
+            cut = partition_spheres(directions, method)
+        else:
+            turns = _turns(like.directions[half_edges], directions)
+            near = like.vertices[rows] @ np.swapaxes(turns, 1, 2)
+            quads = like.corners[half_edges] - first
+            cut = partition_spheres(directions, method, like=quads, near=near)
+        vertices[rows] = cut.vertices
         corners[half_edges] = cut.quads + first
         clearance[half_edges] = cut.clearance
-    return Stars(vertices, offsets, corners, clearance)
+    return Stars(vertices, offsets, corners, clearance, skeleton.directions)
+
+
+def _turns(before: UnitVectors, after: UnitVectors) -> Floats:
+    """Return the rotations (k, 3, 3) that bring the rows of `before` (k, n, 3) closest to `after`.
+
+    References
+    ----------
+    Kabsch, A solution for the best rotation to relate two sets of vectors, 1976.
+    """
+    left, _, right = np.linalg.svd(np.swapaxes(after, 1, 2) @ before)
+    left[:, :, 2] *= np.sign(np.linalg.det(left) * np.linalg.det(right))[:, None]
+    turns: Floats = left @ right
+    return turns
 
 
 def star_positions(skeleton: Skeleton, stars: Stars, fit: Fit, section: Section) -> Points:

@@ -7,8 +7,10 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-# A shared machine may stall for longer than any fixed deadline.
-settings.register_profile("default", deadline=None)
+# A shared machine may stall for longer than any fixed deadline. `--hypothesis-profile=thorough`
+# looks longer.
+settings.register_profile("default", deadline=None, max_examples=40)
+settings.register_profile("thorough", deadline=None, max_examples=1000)
 settings.load_profile("default")
 
 

@@ -197,10 +197,10 @@ def test_the_scaffold_follows_when_the_skeleton_turns_moves_and_grows(
     )
     # The first section of a component without branch points is free to turn about its strut.
     rows = has_branch[scaffold.node_of_vertex]
-    span = float(np.ptp(moved.nodes, axis=0).max())
-    np.testing.assert_allclose(
-        again.mesh.vertices[rows], follow(scaffold.mesh.vertices)[rows], atol=2e-3 * span
-    )
+    centres = again.refined.nodes[scaffold.node_of_vertex]
+    away = length(again.mesh.vertices - follow(scaffold.mesh.vertices))
+    # Partitions are relaxed again and may settle a little elsewhere.
+    assert (away[rows] < 0.1 * length(again.mesh.vertices - centres)[rows]).all()
 
 
 @given(skeletons(), st.integers(0, 2**32 - 1), OPTIONS)
