@@ -16,7 +16,7 @@ from scaffold_cad.smooth import smooth_mesh
 CELL = 4.5
 """Size of a cell, mm."""
 
-AROUND = 16
+AROUND = 12
 """Cells around the ring."""
 
 INNER_RADIUS = 8.5
