@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 from _common import out_folder, save, skeleton
 
-from scaffold_cad import build_scaffold
+from scaffold_cad import build_scaffold, to_solid
 
-RADIUS = 3.5
-"""Radius of every node, mm; most edges are shorter than twice this."""
+RADIUS = 3.2
+"""Radius of every node, mm; half the edges are shorter than twice this."""
 
 
 def main(folder: Path) -> None:
@@ -23,7 +23,7 @@ def main(folder: Path) -> None:
     print(f"the spheres at the ends of {overlapping} of {len(tree.edges)} edges intersect")
     print(f"certified that the scaffold does not: {scaffold.embedding().certified}")
     save(scaffold, folder / "overlapping_tree.step")
-    save(scaffold, folder / "overlapping_tree.stl")
+    save(to_solid(scaffold), folder / "overlapping_tree.stl")
 
 
 if __name__ == "__main__":
