@@ -69,11 +69,11 @@ def corners_of(vertices: UnitVectors, quads: Ints) -> UnitVectors:
 
 
 def arc_normals(corners: UnitVectors) -> UnitVectors:
-    """Return the unit normal, towards the quad, of each arc's great circle, (M, N, 4, 3).
+    """Return the unit normal, towards the quad, of each arc's great circle, (..., 4, 3).
 
     The normal of an arc between equal or opposite vertices is not a number.
     """
-    normals = np.cross(corners, np.roll(corners, -1, axis=2))
+    normals = np.cross(corners, np.roll(corners, -1, axis=-2))
     with np.errstate(invalid="ignore", divide="ignore"):
         unit: UnitVectors = normals / length(normals)[..., None]
     return unit

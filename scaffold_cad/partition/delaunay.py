@@ -14,14 +14,17 @@ from itertools import combinations
 import numpy as np
 
 from scaffold_cad.arrays import Bools, Floats, Ints, UnitVectors, read_only
+from scaffold_cad.partition.blocks import blocks
 from scaffold_cad.vectors import normalize
 
 TIE_BREAK = 1e-11
-"""How far directions are moved out to choose the diagonals of facets with 4 or more corners.
+"""How far directions are moved to choose the diagonals of facets with 4 or more corners.
 
 It lies between the rounding of a hull's facets (1e-15) and the height of the flattest cap that
-three directions 0.01° apart cut off (1e-9).
+three directions 0.01° apart cut off (1e-9). A coplanar star becomes a flat hull of two sides.
 """
+BLOCK = 2_000_000
+"""Heights of directions above planes calculated at once, which bounds the memory taken."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,20 +69,18 @@ class Triangulations:
 def triangulations(stars: UnitVectors) -> tuple[Triangulations, Ints]:
     """Return the triangulations of those `stars` (M, N, 3) that have one, and which these are.
 
-    Coplanar stars have none, nor have stars so nearly degenerate that rounding decides.
+    Those so nearly degenerate that rounding decides have none.
     """
     count, valency = stars.shape[:2]
     chosen = _triples(valency)
     triangles = np.empty((count, 2 * valency - 4, 3), dtype=np.intp)
     centers = np.empty((count, 2 * valency - 4, 3))
     found = np.zeros(count, dtype=np.bool_)
-    rows = max(1, 2_000_000 // (len(chosen) * valency))
-    # Powers of e satisfy no linear relation: no four of the lifted directions stay coplanar.
-    lifts = 1 + TIE_BREAK * (1000 * np.exp(np.arange(valency) / 7) % 1.0)
-    for start in range(0, count, rows):
-        block = np.arange(start, min(start + rows, count))
-        lifted = stars[block] * lifts[:, None]
-        above, below, normals = _supports(lifted, chosen)
+    # Powers of e satisfy no linear relation: no four of the moved directions stay coplanar.
+    moves = TIE_BREAK * (1000 * np.exp(np.arange(3 * valency) / 21) % 1.0).reshape(valency, 3)
+    for part in blocks(count, len(chosen) * valency, BLOCK):
+        block = np.arange(part.start, part.stop)
+        above, below, normals = _supports(stars[block] + moves, chosen)
         complete = (above | below).sum(axis=1) == 2 * valency - 4
         block = block[complete]
         facet = np.nonzero((above | below)[complete])[1].reshape(-1, 2 * valency - 4)

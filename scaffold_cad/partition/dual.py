@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, Ints, UnitVectors
+from scaffold_cad.arrays import Bools, Floats, Ints, UnitVectors
 from scaffold_cad.partition.arcs import arc_counts
 from scaffold_cad.partition.certificate import certify
 from scaffold_cad.partition.delaunay import Triangulations, triangulations
@@ -25,11 +25,15 @@ from scaffold_cad.partition.star import nearest_angles
 from scaffold_cad.vectors import angle_between
 
 PERFECT = 0.9999
-"""A score that need not be improved."""
-MANY_ARCS = 0.004
-"""What each arc beyond four at a vertex costs of the score, by the square."""
+"""A lowest ratio that need not be improved."""
+MANY_ARCS, MOST_BURDEN = 0.003, 0.05
+"""What arcs beyond four at a vertex cost of the score, by the square, and at most."""
+WANTED = 1000.0
+"""Gain of taking an edge that must be taken."""
 LONG_ARC = 2.5
 """Voronoi arcs longer than this, in reaches, bring no more gain."""
+TINY_ARC = 0.1
+"""Voronoi arcs shorter than this, in reaches, are hardly there: their ends should merge."""
 WIDE_GAP = 1.5
 """Gaps between two caps wider than this, in reaches, bring no more loss."""
 
@@ -39,7 +43,7 @@ class Effort:
     """How much to try for a star."""
 
     below: float
-    """Only stars whose score is less get this effort."""
+    """Only stars whose best lowest ratio so far is less get this effort."""
     choices: int
     """Number of multigraphs wanted."""
     search: int
@@ -73,26 +77,35 @@ def dual_partitions(stars: UnitVectors) -> tuple[UnitVectors, Ints]:
     """
     if stars.shape[1] == 3:
         return lune_partitions(stars)  # the only topology, and about the best axis
-    contest = _Contest(stars)
+    contest = Contest(stars)
     meshes, meshed = triangulations(stars)
     for effort in (FIRST_OF_FOUR, *EFFORTS) if stars.shape[1] == 4 else EFFORTS:
-        part = contest.score[meshed] < effort.below
+        part = contest.lowest[meshed] < effort.below
         rows = meshed[part]
         if len(rows) == 0:
             break
         found, owners = candidates(meshes[part], stars[rows], contest.reach[rows], effort)
         contest.enter(found, rows[owners], effort.flow)
-    poor = np.flatnonzero(contest.score < EFFORTS[-1].below)
+    poor = np.flatnonzero(contest.lowest < EFFORTS[-1].below)
     contest.enter(Quadrangulations(*lune_partitions(stars[poor])), poor, LUNES)
     return contest.best.vertices, contest.best.quads
 
 
 def candidates(
-    meshes: Triangulations, stars: UnitVectors, reach: Floats, effort: Effort
+    meshes: Triangulations,
+    stars: UnitVectors,
+    reach: Floats,
+    effort: Effort,
+    wanted: Bools | None = None,
 ) -> tuple[Quadrangulations, Ints]:
-    """Return quadrangulations for triangulated `stars`, and the star of each, ascending."""
-    half_edges = _edges(meshes)  # (M, E)
+    """Return quadrangulations for triangulated `stars`, and the star of each, ascending.
+
+    Only those that take each of the `wanted` edges (M, E), at least once.
+    """
+    half_edges = edges_of(meshes)  # (M, E)
     first, second = _gains(meshes, half_edges, stars, reach)
+    if wanted is not None:
+        first = first + WANTED * wanted
     ends = np.stack([_taken(meshes.tails, half_edges), _taken(meshes.heads, half_edges)], axis=2)
     choices, gains = good_matchings(
         ends,
@@ -102,22 +115,26 @@ def candidates(
         effort.choices,
         effort.search * max(stars.shape[1], 10),
     )
-    owners, choice = np.nonzero(gains > -np.inf)
+    good = gains > -np.inf
+    if wanted is not None:
+        good &= (choices > 0).all(axis=2, where=wanted[:, None])
+    owners, choice = np.nonzero(good)
     multiplicity = np.zeros((len(owners), meshes.tails.shape[1]), dtype=np.intp)
     rows = np.arange(len(owners))[:, None]
     for side in (half_edges, _taken(meshes.twins, half_edges)):
         multiplicity[rows, side[owners]] = choices[owners, choice]
-    found, kept = quadrangulations(meshes[owners], multiplicity)
+    found, kept = quadrangulations(meshes[owners], stars[owners], multiplicity)
     return found, owners[kept]
 
 
-class _Contest:
+class Contest:
     """The best partition of each star so far."""
 
     def __init__(self, stars: UnitVectors) -> None:
         count, valency = stars.shape[:2]
         self.stars = stars
         self.reach = nearest_angles(stars) / 2
+        self.lowest = np.full(count, -np.inf)  # ratio of the best, see `relax`
         self.score = np.full(count, -np.inf)
         self.best = Quadrangulations(
             np.zeros((count, valency + 2, 3)), np.zeros((count, valency, 4), dtype=np.intp)
@@ -131,18 +148,19 @@ class _Contest:
         Those perfect as they stand end the contest for their star. The others flow in heats,
         after each of which only some go on, and the last get Newton steps.
         """
-        self._keep(found, owners)
-        going = self.score[owners] < PERFECT
+        found, lowest = self._relaxed(found, owners)
+        self._keep(found, owners, lowest)
+        going = self.lowest[owners] < PERFECT
         found, owners = found[going], owners[going]
         total, done = sum(steps for steps, _ in flow), 0
         for steps, kept in flow:
             part = (done / total, (done + steps) / total)
-            found, scores = self._relaxed(found, owners, flow=steps, part=part)
-            leading = leaders(owners, scores, kept)
+            found, lowest = self._relaxed(found, owners, flow=steps, part=part)
+            leading = leaders(owners, _scores(lowest, found.quads), kept)
             found, owners, done = found[leading], owners[leading], done + steps
         if flow:
-            found, _ = self._relaxed(found, owners, newton=NEWTON)
-            self._keep(found, owners)
+            found, lowest = self._relaxed(found, owners, newton=NEWTON)
+            self._keep(found, owners, lowest)
 
     def _relaxed(
         self,
@@ -162,19 +180,18 @@ class _Contest:
             part=part,
             newton=newton,
         )
-        return Quadrangulations(vertices, found.quads), _scores(lowest, found.quads)
+        return Quadrangulations(vertices, found.quads), lowest
 
-    def _keep(self, found: Quadrangulations, owners: Ints) -> None:
+    def _keep(self, found: Quadrangulations, owners: Ints, lowest: Floats) -> None:
         """Take over the best valid one of each star where it improves on what there is."""
-        _, scores = self._relaxed(found, owners)
         valid = certify(self.stars[owners], found.vertices, found.quads).valid
-        scores = np.where(valid, scores, -np.inf)
+        scores = np.where(valid, _scores(lowest, found.quads), -np.inf)
         chosen = leaders(owners, scores, 1)
         chosen = chosen[scores[chosen] > self.score[owners[chosen]]]
         stars = owners[chosen]
         self.best.vertices[stars] = found.vertices[chosen]
         self.best.quads[stars] = found.quads[chosen]
-        self.score[stars] = scores[chosen]
+        self.lowest[stars], self.score[stars] = lowest[chosen], scores[chosen]
 
 
 def leaders(owners: Ints, scores: Floats, count: int) -> Ints:
@@ -189,8 +206,8 @@ def leaders(owners: Ints, scores: Floats, count: int) -> Ints:
 def _scores(lowest: Floats, quads: Ints) -> Floats:
     """Return how good partitions are: their lowest ratio, less where many arcs meet."""
     excess = np.maximum(arc_counts(quads) - 4, 0)
-    burden = 1 + MANY_ARCS * (excess**2).sum(axis=1)
-    return np.where(lowest > 0, lowest / burden, lowest)
+    burden = 1 - np.minimum(MANY_ARCS * (excess**2).sum(axis=1), MOST_BURDEN)
+    return np.where(lowest > 0, lowest * burden, lowest)
 
 
 def _gains(
@@ -205,10 +222,11 @@ def _gains(
     arc = np.minimum(angle_between(left, right) / np.sqrt(near * far), LONG_ARC)
     apart = angle_between(stars[row, tails], stars[row, heads])
     gap = np.minimum(apart / (near + far) - 1, WIDE_GAP)
-    return 1 + 0.82 * arc - 1.4 * gap, -1 + 0.37 * arc - 0.51 * gap
+    merging = np.maximum(1 - arc / TINY_ARC, 0)
+    return 1 + 0.82 * arc - 1.4 * gap - 0.8 * merging, -1 + 0.37 * arc - 0.51 * gap
 
 
-def _edges(meshes: Triangulations) -> Ints:
+def edges_of(meshes: Triangulations) -> Ints:
     """Return the lower half-edge of each edge, shape (M, 3 N − 6)."""
     half_edges = np.arange(meshes.twins.shape[1])
     lower = np.nonzero(half_edges < meshes.twins)[1]

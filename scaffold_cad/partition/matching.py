@@ -13,13 +13,13 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.arrays import Floats, Ints
+from scaffold_cad.partition.multigraph import EDGES_EACH
 
-EDGES_EACH = 4
 PENALTY = 1.5
 """Gain lost by the square of the edges missing at, or too many for, a direction."""
 OF_FOUR = np.array([[2, 1, 1], [1, 2, 1], [1, 1, 2], [0, 2, 2], [2, 0, 2], [2, 2, 0]])
 """How often each of the three pairs of opposite edges among four directions can be taken."""
-TENURE = (3, 8, 5, 11, 4, 7, 9)
+TENURE = (1, 1, 2, 8, 3, 1, 14, 5, 2)
 """Steps for which a changed edge is left alone, in turn: unequal ones avoid going in circles."""
 
 

@@ -19,6 +19,9 @@ from scaffold_cad.partition.arcs import is_closed
 from scaffold_cad.partition.delaunay import Triangulations
 from scaffold_cad.vectors import normalize
 
+EDGES_EACH = 4
+"""Edges of the multigraph at each direction: its quad has as many sides."""
+
 
 @dataclass(frozen=True, eq=False)
 class Quadrangulations:
@@ -37,13 +40,14 @@ class Quadrangulations:
 
 
 def quadrangulations(
-    triangulations: Triangulations, multiplicity: Ints
+    triangulations: Triangulations, stars: UnitVectors, multiplicity: Ints
 ) -> tuple[Quadrangulations, Ints]:
     """Return the duals of those multigraphs that have one, and which these are.
 
     Parameters
     ----------
     triangulations : K of them
+    stars : (K, N, 3) float64, the directions triangulated
     multiplicity : (K, 6 N − 12) intp, how often each half-edge's edge is taken; the edges at
         each direction must add up to four
 
@@ -61,7 +65,9 @@ def quadrangulations(
 
     triangulations = triangulations[connected]
     quads = _quads(triangulations, multiplicity[connected], faces[connected], pockets[connected])
-    vertices = _vertices(triangulations, faces[connected], pockets[connected], doubled[connected])
+    vertices = _vertices(
+        triangulations, stars[connected], faces[connected], pockets[connected], doubled[connected]
+    )
     kept = is_closed(quads)
     return Quadrangulations(vertices[kept], quads[kept]), connected[kept]
 
@@ -122,22 +128,24 @@ def _quads(triangulations: Triangulations, multiplicity: Ints, faces: Ints, pock
 
 
 def _vertices(
-    triangulations: Triangulations, faces: Ints, pockets: Ints, doubled: Bools
+    triangulations: Triangulations, stars: UnitVectors, faces: Ints, pockets: Ints, doubled: Bools
 ) -> UnitVectors:
     """Return the mean of the Voronoi vertices of each face, shape (K, N + 2, 3).
 
-    A face between two copies of an edge gets the middle of the edge's Voronoi arc.
+    A face between two copies of an edge gets the middle of the edge's Voronoi arc, which bisects
+    the edge's directions and its own ends; the ends may be opposite, as in a coplanar star.
     """
     rows, triangles = faces.shape
     count = triangles // 2 + 4
     sums = np.zeros((rows * count, 3))
-    row, half_edge = np.nonzero(doubled)
-    sides = triangulations.centers[row, half_edge // 3]
-    other_sides = triangulations.centers[row, triangulations.twins[row, half_edge] // 3]
     flat = (faces + count * np.arange(rows)[:, None]).reshape(-1)
     for axis in range(3):
-        sums[:, axis] = np.bincount(
-            flat, triangulations.centers[..., axis].reshape(-1), minlength=rows * count
-        )
-    sums[count * row + pockets[row, half_edge]] = sides + other_sides
+        column = triangulations.centers[..., axis].reshape(-1)
+        sums[:, axis] = np.bincount(flat, column, minlength=rows * count)
+    row, half_edge = np.nonzero(doubled)
+    tail, head = triangulations.tails[row, half_edge], triangulations.heads[row, half_edge]
+    left = triangulations.centers[row, half_edge // 3]
+    right = triangulations.centers[row, triangulations.twins[row, half_edge] // 3]
+    middles = np.cross(stars[row, tail] - stars[row, head], right - left)
+    sums[count * row + pockets[row, half_edge]] = middles
     return normalize(sums).reshape(rows, count, 3)

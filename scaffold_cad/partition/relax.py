@@ -24,8 +24,8 @@ SHORT_ARC_RATIO = 0.8
 """What an arc of length 0 counts: keeping arcs long may cost clearance only above this."""
 BLOCK = 8192
 """Arcs treated at once: their arrays stay in the processor's cache."""
-TINY = 1e-300
-"""Added to squares that are divided by."""
+TINY = 1e-24
+"""Added to squares that are divided by: vertices may coincide in a first guess."""
 
 FLOW_SHARPNESS = (2.0, 80.0)
 FLOW_STEP = (0.27, 0.046)
@@ -236,7 +236,9 @@ def _newton_step(
     matrix -= slope[:, :, None] * slope[:, None]
     matrix *= sharpness
     unknown = np.arange(2 * count)
-    matrix[:, unknown, unknown] += damping[:, None]
+    # Where vertices nearly coincide the slopes are huge; the second term keeps it regular.
+    steepest = matrix[:, unknown, unknown].max(axis=1)
+    matrix[:, unknown, unknown] += (damping + 1e-10 * steepest)[:, None]
     step = np.linalg.solve(matrix, slope[:, :, None])[..., 0]
     step *= (NEWTON_STEP / np.maximum(np.abs(step).max(axis=1), NEWTON_STEP))[:, None]
     along = step.reshape(-1, 2).T

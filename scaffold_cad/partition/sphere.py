@@ -19,10 +19,13 @@ from scaffold_cad.partition.certificate import (
     corners_of,
 )
 from scaffold_cad.partition.dual import dual_partitions
+from scaffold_cad.partition.guidance import as_neighbors, guided_partition
+from scaffold_cad.partition.insertion import insertion_partitions
 from scaffold_cad.partition.lune import lune_partitions
 from scaffold_cad.partition.partitions import Partition, Partitions
 from scaffold_cad.partition.reuse import Models, as_models, placed
 from scaffold_cad.partition.star import (
+    MIN_VALENCY,
     DistinctStars,
     as_stars,
     check_separated,
@@ -35,17 +38,47 @@ COPIES = 20_000
 """Quads of repeated stars treated at once, which bounds the memory taken."""
 METHODS: dict[str, Callable[[UnitVectors], tuple[UnitVectors, Ints]]] = {
     "dual": dual_partitions,
+    "insertion": insertion_partitions,
     "lune": lune_partitions,
 }
 """Vertices (M, N + 2, 3) and quads (M, N, 4), certified or not, of stars (M, N, 3)."""
 
 
-def partition_sphere(directions: ArrayLike, method: str = "dual") -> Partition:
-    """Return a certified partition of the sphere around N `directions` (N, 3).
+def partition_sphere(
+    directions: ArrayLike, method: str = "dual", *, neighbors: ArrayLike | None = None
+) -> Partition:
+    """Return a certified partition of the sphere around N directions.
 
-    See `partition_spheres`, which does many at once.
+    Parameters
+    ----------
+    directions : (N, 3) float64
+        Directions of any length > 0; N ≥ 3.
+    method : "dual", "insertion" or "lune"
+        See `partition_spheres`, which does many at once.
+    neighbors : (k, 2) intp, optional
+        Pairs of directions whose quads must share an arc; with the method "dual" only.
+
+    Raises
+    ------
+    PartitionError
+        If a direction is not finite or zero, if two are less than 0.01° apart, or if no
+        certified partition is found in which the `neighbors` are so.
+    OptionError
+        If there is no such method, or `neighbors` are given with another than "dual".
     """
-    return partition_spheres(np.asarray(directions)[None], method)[0]
+    star = np.asarray(directions)[None]
+    if neighbors is None:
+        return partition_spheres(star, method)[0]
+    if method != "dual":
+        raise OptionError(f"method is {method!r}; need 'dual' to choose neighbors")
+    star = as_stars(star)
+    check_separated(star, np.zeros(1, dtype=np.intp), np.arange(star.shape[1])[None])
+    pairs = as_neighbors(neighbors, star.shape[1])
+    if star.shape[1] == MIN_VALENCY:
+        return partition_spheres(star, method)[0]  # each is everyone's neighbor
+    vertices, quads = guided_partition(star[0], pairs)
+    clearance = certify(star, vertices[None], quads[None]).clearance
+    return Partition(star[0], vertices, quads, clearance[0], method)
 
 
 def partition_spheres(
