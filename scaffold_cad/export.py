@@ -5,9 +5,10 @@
 .brep                   OCCT's own format, mm
 .stl                    binary, 32-bit coordinates, mm
 .3mf                    one mesh object, 32-bit coordinates, mm
-.obj .ply               quads stay quads, 64-bit coordinates, mm
+.obj .ply               quads stay quads, 64-bit coordinates, mm; OBJ also a skeleton, as lines
 .glb                    metres and y up, as glTF asks
 .json                   a skeleton, as `read_skeleton` reads it
+.swc                    a skeleton without loops, as `read_skeleton` reads it
 ======================  ====================================================================
 """
 
@@ -32,10 +33,11 @@ from scaffold_cad.shells import check_solid
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.trianglemesh import TriangleMesh
 from scaffold_cad.writers.glb import write_glb
-from scaffold_cad.writers.obj import write_obj
+from scaffold_cad.writers.obj import write_obj, write_obj_lines
 from scaffold_cad.writers.ply import write_ply
 from scaffold_cad.writers.step import write_step
 from scaffold_cad.writers.stl import write_stl
+from scaffold_cad.writers.swc import write_swc
 from scaffold_cad.writers.threemf import write_3mf
 
 BREP_SUFFIXES = (".step", ".stp", ".brep")
@@ -77,7 +79,8 @@ def write(what: Any, path: str | PathLike[str], *, write_pcurves: bool = False) 
     ----------
     what : a Scaffold, a QuadMesh or a BezierMesh for any format but JSON; a TriangleMesh, a
         manifold3d Manifold or a trimesh Trimesh for mesh formats; a build123d shape, which mesh
-        formats get within 0.01 mm; a Skeleton for JSON
+        formats get within 0.01 mm; a Skeleton for JSON,
+        OBJ (as lines, without radii) and SWC (without loops)
     path : of the file; its suffix names the format
     write_pcurves : whether a STEP file also holds each edge in the parameters of its faces, for
         programs that ask for it: twice the size, and OCCT takes longer to write and to read it
@@ -146,17 +149,20 @@ def _write_brep(content: Content, path: Path) -> None:
 
 @register_writer(".stl")
 def _write_stl(content: Content, path: Path) -> None:
-    write_stl(_triangles(content.what), path)
+    write_stl(_triangles(content.what).single_precision(), path)
 
 
 @register_writer(".3mf")
 def _write_3mf(content: Content, path: Path) -> None:
-    write_3mf(_triangles(content.what), path)
+    write_3mf(_triangles(content.what).single_precision(), path)
 
 
 @register_writer(".obj")
 def _write_obj(content: Content, path: Path) -> None:
-    write_obj(_mesh(content.what), path)
+    if isinstance(content.what, Skeleton):
+        write_obj_lines(content.what, path)
+    else:
+        write_obj(_mesh(content.what), path)
 
 
 @register_writer(".ply")
@@ -166,7 +172,7 @@ def _write_ply(content: Content, path: Path) -> None:
 
 @register_writer(".glb")
 def _write_glb(content: Content, path: Path) -> None:
-    write_glb(_triangles(content.what), path)
+    write_glb(_triangles(content.what).single_precision(), path)
 
 
 @register_writer(".json")
@@ -174,6 +180,13 @@ def _write_json(content: Content, path: Path) -> None:
     if not isinstance(content.what, Skeleton):
         raise FormatError(f"a JSON file cannot hold a {_kind(content.what)}; need a Skeleton")
     path.write_text(skeleton_to_json(content.what), encoding="utf-8")
+
+
+@register_writer(".swc")
+def _write_swc(content: Content, path: Path) -> None:
+    if not isinstance(content.what, Skeleton):
+        raise FormatError(f"an SWC file cannot hold a {_kind(content.what)}; need a Skeleton")
+    write_swc(content.what, path)
 
 
 def _patches(what: Any) -> BezierMesh | None:

@@ -71,7 +71,7 @@ def test_radii_may_be_left_out_and_further_keys_are_ignored(tmp_path: Path) -> N
     [
         ("{\n\n oops", r"bad\.json, line 3: Expecting property name .*; need JSON"),
         ("[" * 100_000, r"bad\.json is nested too deeply; need lists of numbers"),
-        ("[1, 2]", r'is JSON of another kind; need "format": "scaffold-cad skeleton"'),
+        ("[1, 2]", r"is JSON of another kind; need an object"),
         ('{"type": "FeatureCollection"}', "is JSON of another kind"),
         (changed(version=2), r'bad\.json has "version": 2; need 1'),
         (changed(version=None), r'bad\.json has "version": null; need 1'),

@@ -1,6 +1,6 @@
 """The command `scaffold-cad`: one module a subcommand, no geometry.
 
-Exit codes: 0 done, 2 bad input (one line on standard error says what), 130 interrupted. What was
+Exit codes: 0 done, 1 not printable (`check`), 2 bad input (one line on standard error says what), 130 interrupted. What was
 repaired or must be known is logged on standard error; results go to standard output.
 """
 
@@ -12,10 +12,10 @@ import sys
 from collections.abc import Sequence
 
 from scaffold_cad import __version__
-from scaffold_cad.cli import build, info
+from scaffold_cad.cli import build, check, formats, info
 from scaffold_cad.errors import ScaffoldCadError
 
-COMMANDS = (build, info)
+COMMANDS = (build, check, formats, info)
 
 BAD_INPUT = 2
 INTERRUPTED = 130
@@ -26,14 +26,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     _log_to_stderr(logging.ERROR if options.quiet else logging.INFO)
     try:
-        options.run(options)
+        code: int | None = options.run(options)
     except ScaffoldCadError as error:
         print(f"scaffold-cad: {error}", file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt:
         print("scaffold-cad: interrupted", file=sys.stderr)
         return INTERRUPTED
-    return 0
+    return code or 0  # most commands give none: they are done
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -7,6 +7,7 @@ import argparse
 import numpy as np
 
 from scaffold_cad.arrays import Floats
+from scaffold_cad.cli import source
 from scaffold_cad.io import read_raw, read_with_repairs
 from scaffold_cad.skeleton import Skeleton
 
@@ -17,12 +18,13 @@ def add_parser(
     """Add this command to the command line."""
     parser = commands.add_parser("info", parents=[common], help="count what a skeleton holds")
     parser.add_argument("input", metavar="INPUT", help="file with a skeleton")
+    source.add_max_nodes(parser)
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
     """Print the counts of the skeleton as it is built, one a line."""
-    has_radii = read_raw(options.input).radii is not None
+    has_radii = read_raw(options.input, options.max_nodes).radii is not None
     # Any radius will do for the counts of a file without radii; it is not shown.
     cleaning = read_with_repairs(options.input, None if has_radii else 1.0)
     rows = _counts(cleaning.skeleton)

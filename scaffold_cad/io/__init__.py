@@ -2,7 +2,8 @@
 
 `read_skeleton` reads a file, repairs the faults that real files have, and logs what it did. A
 format is known by suffix (`known_suffixes`), or by content where the suffix is unknown or wrong;
-`register_reader` adds one.
+`register_reader` adds one, and so does a package with a module as an entry point of the group
+``scaffold_cad.readers``.
 """
 
 from __future__ import annotations
@@ -17,22 +18,51 @@ from scaffold_cad.arrays import Floats
 from scaffold_cad.errors import FormatError, OptionError, SkeletonError
 
 # Importing these modules registers their formats.
-from scaffold_cad.io import _gel, _obj, _polylines, _swc, _threemf  # noqa: F401
-from scaffold_cad.io._formats import HEAD_SIZE, known_suffixes, reader_of, register_reader
+from scaffold_cad.io import (  # noqa: F401
+    _bvh,
+    _dxf,
+    _gel,
+    _gltf,
+    _gxl,
+    _mesh,
+    _molecule,
+    _obj,
+    _polylines,
+    _spatial_frame,
+    _swc,
+    _tgf,
+    _threemf,
+    _vtk_legacy,
+    _vtk_xml,
+)
+from scaffold_cad.io._formats import (
+    HEAD_SIZE,
+    known_formats,
+    known_suffixes,
+    reader_of,
+    register_reader,
+)
 from scaffold_cad.io._json import skeleton_to_json
+from scaffold_cad.io._networkx import skeleton_from_networkx, skeleton_to_networkx
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.repair import repaired
 from scaffold_cad.skeleton import Cleaning, Skeleton, check_skeleton
 
 __all__ = [
     "RawSkeleton",
+    "known_formats",
     "known_suffixes",
     "read_raw",
     "read_skeleton",
     "read_with_repairs",
     "register_reader",
+    "skeleton_from_networkx",
     "skeleton_to_json",
+    "skeleton_to_networkx",
 ]
+
+BYTES_PER_EDGE = 9000
+"""Memory that an edge takes at the peak of a build with collars, measured on lattices."""
 
 _log = logging.getLogger(__name__)
 
@@ -44,6 +74,7 @@ def read_skeleton(
     *,
     weld_distance: float | None = None,
     split_contacts: bool = False,
+    max_nodes: int | None = None,
 ) -> Skeleton:
     """Return the skeleton that a file holds, repaired so that it can be scaffolded.
 
@@ -56,11 +87,13 @@ def read_skeleton(
         formats without radii
     strict : whether to refuse what needs repair; then no option of repair may be given
     weld_distance, split_contacts : options of `Skeleton.cleaned`
+    max_nodes : most nodes that are taken, as a guard of memory; any number if None
 
     Raises
     ------
     FormatError
-        If the file cannot be read, or holds no edge, or no radii and none is given.
+        If the file cannot be read, or holds no edge, or no radii and none is given, or more
+        nodes than `max_nodes`.
     SkeletonError
         If it cannot be repaired, or with `strict` if it needs repair; nodes and edges are
         numbered from 0 in order of the file.
@@ -69,14 +102,18 @@ def read_skeleton(
     """
     if not strict:
         cleaning = read_with_repairs(
-            path, radius, weld_distance=weld_distance, split_contacts=split_contacts
+            path,
+            radius,
+            weld_distance=weld_distance,
+            split_contacts=split_contacts,
+            max_nodes=max_nodes,
         )
         if cleaning.repairs.total:
             _log.warning("%s was repaired: %s", path, cleaning.repairs)
         return cleaning.skeleton
     if weld_distance is not None or split_contacts:
         raise OptionError("strict reading repairs nothing; need no weld_distance, split_contacts")
-    raw = read_raw(path)
+    raw = read_raw(path, max_nodes)
     radii = _radii(Path(path), raw, radius)
     try:
         skeleton = Skeleton(raw.nodes, raw.edges, radii)
@@ -92,9 +129,10 @@ def read_with_repairs(
     *,
     weld_distance: float | None = None,
     split_contacts: bool = False,
+    max_nodes: int | None = None,
 ) -> Cleaning:
     """Return the skeleton that a file holds as `read_skeleton` does, and what was repaired."""
-    raw = read_raw(path)
+    raw = read_raw(path, max_nodes)
     radii = _radii(Path(path), raw, radius)
     try:
         graph = repaired(
@@ -109,13 +147,13 @@ def read_with_repairs(
     return Cleaning(Skeleton(graph.nodes, graph.edges, graph.radii), graph.repairs)
 
 
-def read_raw(path: str | PathLike[str]) -> RawSkeleton:
+def read_raw(path: str | PathLike[str], max_nodes: int | None = None) -> RawSkeleton:
     """Return the graph in a file as it is, faults included.
 
     Raises
     ------
     FormatError
-        If the file cannot be read, or holds no edge.
+        If the file cannot be read, or holds no edge, or more nodes than `max_nodes`.
     """
     path = Path(path)
     try:
@@ -126,6 +164,13 @@ def read_raw(path: str | PathLike[str]) -> RawSkeleton:
         raise FormatError(f"{path} cannot be read: {error.strerror or error}") from None
     if len(raw.edges) == 0:
         raise FormatError(f"{path} has {len(raw.nodes)} nodes but no edges; need at least one")
+    if max_nodes is not None and len(raw.nodes) > max_nodes:
+        size = len(raw.edges) * BYTES_PER_EDGE / 1e9
+        found = f"{path} has {len(raw.nodes)} nodes and {len(raw.edges)} edges"
+        raise FormatError(
+            f"{found}; need at most {max_nodes} nodes: to build it takes about {size:.2g} GB of "
+            "memory, and max_nodes (--max-nodes) allows it"
+        )
     _log.info("%s: %d nodes and %d edges read", path, len(raw.nodes), len(raw.edges))
     return raw
 

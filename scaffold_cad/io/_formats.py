@@ -5,6 +5,8 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import TypeAlias
 
@@ -18,6 +20,9 @@ Recogniser: TypeAlias = Callable[[bytes], bool]
 
 HEAD_SIZE = 2**16
 """How many bytes of a file a recogniser is given."""
+
+ENTRY_POINTS = "scaffold_cad.readers"
+"""Group of entry points, each a module of an installed package that registers its readers."""
 
 _log = logging.getLogger(__name__)
 
@@ -57,9 +62,30 @@ def register_reader(
     return register
 
 
+def known_formats() -> tuple[Format, ...]:
+    """Return all formats in order of their registration, those of other packages included."""
+    _load_entry_points()
+    return tuple(_formats)
+
+
 def known_suffixes() -> tuple[str, ...]:
     """Return the suffixes of all registered formats, in alphabetic order."""
-    return tuple(sorted({suffix for known in _formats for suffix in known.suffixes}))
+    return tuple(sorted({suffix for known in known_formats() for suffix in known.suffixes}))
+
+
+@cache
+def _load_entry_points() -> None:
+    """Import the modules by which other packages add formats, once."""
+    for entry in entry_points(group=ENTRY_POINTS):
+        _load(entry)
+
+
+def _load(entry: EntryPoint) -> None:
+    try:
+        entry.load()
+    # A broken package must not keep others' files from being read.
+    except Exception as error:
+        _log.warning("readers of %s cannot be loaded: %r", entry.value, error)
 
 
 def reader_of(path: Path, head: bytes) -> Reader:
@@ -72,11 +98,12 @@ def reader_of(path: Path, head: bytes) -> Reader:
     FormatError
         If no format has the suffix of the file or recognises its content.
     """
-    by_suffix = [known for known in _formats if path.name.lower().endswith(known.suffixes)]
+    formats = known_formats()
+    by_suffix = [known for known in formats if path.name.lower().endswith(known.suffixes)]
     both = [known for known in by_suffix if known.recognises(head)]
     if both:
         return both[-1].read
-    by_content = [known for known in _formats if known.recognises(head)]
+    by_content = [known for known in formats if known.recognises(head)]
     if len(by_content) == 1:
         _log.warning("%s is read as %s, by its content", path, by_content[0].name)
         return by_content[0].read

@@ -19,13 +19,13 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 from scaffold_cad.arrays import as_points
 from scaffold_cad.errors import FormatError
+from scaffold_cad.io._document import member, read_document
 from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._raw import RawSkeleton
-from scaffold_cad.io._text import read_text
 from scaffold_cad.skeleton import Skeleton
 
 FORMAT = "scaffold-cad skeleton"
@@ -66,26 +66,13 @@ def _block(values: list[Any]) -> str:
 
 def _document(path: Path) -> dict[str, Any]:
     """Return the JSON object in a file, if it is of our format and of a version we know."""
-    text = read_text(path)
-    try:
-        document = json.loads(text, parse_constant=_refuse_constant)
-    except json.JSONDecodeError as error:
-        raise FormatError(f"{path}, line {error.lineno}: {error.msg}; need JSON") from None
-    except ValueError as error:
-        raise FormatError(f"{path}: {error}; need finite numbers") from None
-    except RecursionError:
-        raise FormatError(f"{path} is nested too deeply; need lists of numbers") from None
-    if not isinstance(document, dict) or document.get("format") != FORMAT:
+    document = read_document(path)
+    if document.get("format") != FORMAT:
         raise FormatError(f'{path} is JSON of another kind; need "format": "{FORMAT}"')
     for key, known in (("version", VERSION), ("units", UNITS)):
         if document.get(key) != known:
             found = json.dumps(document.get(key))
             raise FormatError(f'{path} has "{key}": {found}; need {json.dumps(known)}')
     for key in ("nodes", "edges"):
-        if not isinstance(document.get(key), list):
-            raise FormatError(f'{path} has no list "{key}"; need one')
+        member(path, document, key, list)
     return document
-
-
-def _refuse_constant(name: str) -> NoReturn:
-    raise ValueError(f"{name} is no JSON number")

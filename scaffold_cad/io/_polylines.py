@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from scaffold_cad.io._formats import register_reader
-from scaffold_cad.io._raw import RawSkeleton
+from scaffold_cad.io._raw import RawSkeleton, joined_polylines
 from scaffold_cad.io._text import (
     first_words,
     floats,
@@ -16,7 +16,6 @@ from scaffold_cad.io._text import (
     read_rows,
     whole_number,
 )
-from scaffold_cad.repair import equal_positions
 
 _NEED = "a polyline: N x y z x y z ..., with N points"
 
@@ -43,6 +42,4 @@ def read_polylines(path: Path) -> RawSkeleton:
         counts.append(count)
     points = floats(path, rows, slice(1, None), _NEED).reshape(-1, 3)
     # The format has no other way to share a node than to repeat its coordinates.
-    node, first = equal_positions(points)
-    starts = np.delete(np.arange(len(points)), np.cumsum(counts, dtype=np.intp) - 1)
-    return RawSkeleton(points[first], np.stack([node[starts], node[starts + 1]], axis=1))
+    return joined_polylines(np.split(points, np.cumsum(counts[:-1], dtype=np.intp)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.arrays import Bools, Edges, Floats, Points, as_edges, as_floats, read_only
 from scaffold_cad.errors import SkeletonError
+from scaffold_cad.repair import equal_positions
 
 LARGEST_COORDINATE = 1e12
 """Largest coordinate or radius that is believed, mm: a million km."""
@@ -58,3 +60,12 @@ def _refuse_first(absurd: Bools, verb: str, values: Floats) -> None:
         raise SkeletonError(
             f"node {found[0]} {verb} {value} mm; need at most {LARGEST_COORDINATE:g}"
         )
+
+
+def joined_polylines(polylines: Sequence[Points]) -> RawSkeleton:
+    """Return polylines, each (k, 3), as a graph; they join where they have equal points."""
+    points = np.concatenate([np.zeros((0, 3)), *polylines])
+    node, first = equal_positions(points)
+    ends = np.cumsum([len(line) for line in polylines if len(line)], dtype=np.intp) - 1
+    starts = np.delete(np.arange(len(points)), ends)
+    return RawSkeleton(points[first], np.stack([node[starts], node[starts + 1]], axis=1))

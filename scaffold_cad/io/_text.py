@@ -26,14 +26,19 @@ def read_text(path: Path) -> str:
     FormatError
         If the file is too large or is not text.
     """
-    size = path.stat().st_size
-    if size > LARGEST_FILE:
-        raise FormatError(f"{path} has {size} bytes; need at most {LARGEST_FILE}")
+    check_size(path, LARGEST_FILE)
     data = path.read_bytes()
     if b"\0" in data:
         raise FormatError(f"{path} is not text: byte {data.index(0)} is zero; need UTF-8 text")
     text = data.decode("utf-8-sig", errors="replace")
     return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def check_size(path: Path, limit: int) -> None:
+    """Raise a FormatError if a file has more than `limit` bytes."""
+    size = path.stat().st_size
+    if size > limit:
+        raise FormatError(f"{path} has {size} bytes; need at most {limit}")
 
 
 def read_rows(path: Path) -> list[Row]:

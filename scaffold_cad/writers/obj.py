@@ -1,4 +1,4 @@
-"""Wavefront OBJ files: quads stay quads."""
+"""Wavefront OBJ files: quads stay quads, and the edges of skeletons are lines."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TextIO
 import numpy as np
 
 from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.trianglemesh import TriangleMesh
 
 CHUNK = 1 << 15
@@ -21,6 +22,14 @@ def write_obj(mesh: QuadMesh | TriangleMesh, path: Path) -> None:
         file.write("# scaffold_cad\n# unit: mm\n")
         _write_rows(file, "v %r %r %r\n", mesh.vertices)
         _write_rows(file, "f" + " %d" * faces.shape[1] + "\n", faces + 1)
+
+
+def write_obj_lines(skeleton: Skeleton, path: Path) -> None:
+    """Write the nodes, exact to the last bit, and the edges; OBJ has no place for radii."""
+    with path.open("w", encoding="ascii", newline="\n") as file:
+        file.write("# scaffold_cad\n# unit: mm\n")
+        _write_rows(file, "v %r %r %r\n", skeleton.nodes)
+        _write_rows(file, "l %d %d\n", skeleton.edges + 1)
 
 
 def _write_rows(file: TextIO, template: str, rows: np.ndarray) -> None:

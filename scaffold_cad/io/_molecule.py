@@ -1,0 +1,96 @@
+"""Molecules: Chemical JSON, and XYZ with bonds as Tinker writes it. Atoms are nodes, bonds edges.
+
+Neither holds radii for a frame, and lengths, which are in Å, are taken as mm.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from scaffold_cad.errors import FormatError
+from scaffold_cad.io._document import member, read_document
+from scaffold_cad.io._formats import register_reader
+from scaffold_cad.io._raw import RawSkeleton
+from scaffold_cad.io._text import (
+    float_columns,
+    is_number,
+    line_error,
+    read_rows,
+    whole_number,
+)
+
+_ATOM = "an atom: number, element, x, y, z, type, numbers of its neighbours"
+
+
+def _recognises_cjson(head: bytes) -> bool:
+    return b'"chemicalJson"' in head or b'"chemical json"' in head
+
+
+@register_reader("Chemical JSON", ".cjson", recognises=_recognises_cjson)
+def read_cjson(path: Path) -> RawSkeleton:
+    """Read atoms and bonds of Avogadro's Chemical JSON; the order of bonds is ignored."""
+    document = read_document(path)
+    atoms = member(path, document, "atoms", dict)
+    places = member(path, member(path, atoms, "coords", dict), "3d", list)
+    bonds = member(path, document, "bonds", dict)
+    ends = member(path, member(path, bonds, "connections", dict), "index", list)
+    return RawSkeleton(_rows(path, places, 3, "3d"), _rows(path, ends, 2, "index"))
+
+
+def _rows(path: Path, values: list[object], width: int, name: str) -> np.ndarray:
+    """Return a flat list as rows of `width`."""
+    if len(values) % width:
+        raise FormatError(f'{path} has {len(values)} numbers in "{name}"; need {width} a row')
+    if not all(isinstance(value, int | float) for value in values):
+        raise FormatError(f'{path} has something else than numbers in "{name}"; need numbers')
+    return np.asarray(values).reshape(-1, width)
+
+
+def _recognises_xyz(head: bytes) -> bool:
+    if b"\0" in head:
+        return False
+    lines = [line.split() for line in head.decode("utf-8", errors="replace").splitlines()[:2]]
+    return (
+        len(lines) == 2
+        and lines[0][:1] != []
+        and lines[0][0].isdigit()
+        and len(lines[1]) >= 6
+        and lines[1][0] == "1"
+        and not is_number(lines[1][1])
+        and all(is_number(word) for word in lines[1][2:6])
+    )
+
+
+@register_reader("Tinker XYZ", ".xyz", ".txyz", recognises=_recognises_xyz)
+def read_xyz(path: Path) -> RawSkeleton:
+    """Read atoms and bonds of a Tinker XYZ file; atoms are numbered from 1.
+
+    The first line counts the atoms; a second one with the sides of a periodic box is left out.
+    The plain XYZ format has no bonds, and is refused.
+    """
+    rows = read_rows(path)
+    if not rows:
+        raise FormatError(f"{path} holds no line; need the number of atoms")
+    count = whole_number(path, rows[0][0], rows[0][1][0], "the number of atoms")
+    if len(rows) > 1 and all(is_number(word) for word in rows[1][1]):
+        del rows[1]
+    atoms = rows[1:]
+    if len(atoms) != count:
+        found = f"{path} has {len(atoms)} atoms"
+        raise FormatError(f"{found}; need {count}, as the first line says, each {_ATOM}")
+    for line, words in atoms:
+        if not is_number(words[0]):
+            raise line_error(path, line, "an atom without bonds", _ATOM)
+    nodes = float_columns(path, atoms, 2, 3, _ATOM)
+    edges = []
+    for k, (line, words) in enumerate(atoms):
+        for word in words[6:]:
+            other = whole_number(path, line, word, _ATOM) - 1
+            if not 0 <= other < count:
+                raise line_error(path, line, f"atom {word}", f"1 to {count}")
+            # Each bond is listed at both of its atoms.
+            if other > k:
+                edges.append((k, other))
+    return RawSkeleton(nodes, np.reshape(np.asarray(edges, dtype=np.intp), (-1, 2)))

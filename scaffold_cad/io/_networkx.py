@@ -1,0 +1,82 @@
+"""Graphs of networkx as skeletons, and back."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from scaffold_cad.arrays import as_floats
+from scaffold_cad.backends import need
+from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.skeleton import Skeleton
+
+
+def skeleton_from_networkx(
+    graph: Any, radius: float | None = None, *, position: str = "pos", radii: str = "radius"
+) -> Skeleton:
+    """Return a networkx graph as a skeleton, not repaired; nodes and edges keep their order.
+
+    Directions, keys and weights of edges are ignored; parallel edges become one.
+
+    Parameters
+    ----------
+    graph : a networkx Graph, DiGraph, MultiGraph or MultiDiGraph
+    radius : mm, > 0; the radius of every node, instead of what the graph holds
+    position : name of the nodes' attribute that is (x, y, z), or (x, y) for z = 0, mm
+    radii : name of the nodes' attribute that is the radius, mm
+
+    Raises
+    ------
+    SkeletonError
+        If a node has no position or no radius, or not what a `Skeleton` takes.
+    """
+    number = {node: k for k, node in enumerate(graph.nodes)}
+    points = [_position(node, data.get(position), position) for node, data in graph.nodes.items()]
+    if radius is None:
+        lost = next((n for n, data in graph.nodes.items() if radii not in data), None)
+        if lost is not None:
+            raise SkeletonError(f"node {lost!r} has no {radii!r}; need one, or radius= for all")
+    of_nodes = radius if radius is not None else [d[radii] for d in graph.nodes.values()]
+    pairs = dict.fromkeys(_ordered(number[a], number[b]) for a, b, *_ in graph.edges)
+    edges = np.reshape(np.asarray([*pairs], dtype=np.intp), (-1, 2))
+    return Skeleton(np.reshape(points, (-1, 3)), edges, as_floats(of_nodes, "radii"))
+
+
+def skeleton_to_networkx(
+    skeleton: Skeleton, *, position: str = "pos", radii: str = "radius"
+) -> Any:
+    """Return a skeleton as a networkx Graph; nodes are numbered, edges have a ``length``, mm.
+
+    Raises
+    ------
+    MissingBackendError
+        If networkx is not installed.
+    """
+    need("networkx", "a networkx graph")
+    import networkx
+
+    if position == radii:
+        raise OptionError(f"position and radii are both {position!r}; need two names")
+    graph = networkx.Graph()
+    rows = zip(skeleton.nodes.tolist(), skeleton.radii.tolist(), strict=True)
+    graph.add_nodes_from(
+        (k, {position: tuple(place), radii: r}) for k, (place, r) in enumerate(rows)
+    )
+    for (a, b), length in zip(skeleton.edges.tolist(), skeleton.lengths.tolist(), strict=True):
+        graph.add_edge(a, b, length=length)
+    return graph
+
+
+def _position(node: Any, value: Any, name: str) -> list[float]:
+    try:
+        point = [float(x) for x in value]
+    except (TypeError, ValueError):
+        point = []
+    if len(point) not in (2, 3):
+        raise SkeletonError(f"node {node!r} has {value!r} as {name!r}; need (x, y, z) in mm")
+    return [*point, 0.0][:3]
+
+
+def _ordered(a: int, b: int) -> tuple[int, int]:
+    return (a, b) if a <= b else (b, a)

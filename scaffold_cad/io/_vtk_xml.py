@@ -1,0 +1,226 @@
+"""VTK's XML files: the lines of poly data (.vtp) and unstructured grids (.vtu)."""
+
+from __future__ import annotations
+
+import binascii
+import re
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from scaffold_cad.arrays import Floats, Ints
+from scaffold_cad.errors import FormatError
+from scaffold_cad.io._formats import register_reader
+from scaffold_cad.io._raw import RawSkeleton
+from scaffold_cad.io._text import LARGEST_FILE, check_size
+from scaffold_cad.io._vtk import Lines, is_radii, line_cells, skeleton_of
+from scaffold_cad.io._xml import xml_root
+
+_TYPES = {
+    "Int8": "i1",
+    "UInt8": "u1",
+    "Int16": "i2",
+    "UInt16": "u2",
+    "Int32": "i4",
+    "UInt32": "u4",
+    "Int64": "i8",
+    "UInt64": "u8",
+    "Float32": "f4",
+    "Float64": "f8",
+}
+
+MOST_UNPACKED = 2**28
+"""Most bytes that an array may be unpacked to."""
+
+_APPENDED = re.compile(rb"<AppendedData[^>]*>\s*_")
+
+
+def _recognises(head: bytes) -> bool:
+    return b"<VTKFile" in head
+
+
+@register_reader("VTK XML", ".vtp", ".vtu", recognises=_recognises)
+def read_vtk_xml(path: Path) -> RawSkeleton:
+    """Read the lines of a .vtp or .vtu file; point data called "radius" are the radii.
+
+    Arrays may be text, base64, or appended, raw or base64; packed by zlib or not. Lengths are
+    taken as mm. Cells that are no lines are left out.
+    """
+    check_size(path, LARGEST_FILE)
+    reader = _XmlFile(path)
+    pieces = [reader.piece(piece) for piece in reader.root.iter("Piece")]
+    if not pieces:
+        raise FormatError(f"{path} has no Piece; need one of PolyData or UnstructuredGrid")
+    shift = np.cumsum([0, *(len(piece.points) for piece in pieces)])
+    size = np.cumsum([0, *(len(piece.lines.connectivity) for piece in pieces)])
+    lines = Lines(
+        np.concatenate(
+            [piece.lines.connectivity + n for piece, n in zip(pieces, shift, strict=False)]
+        ),
+        np.concatenate([piece.lines.ends + n for piece, n in zip(pieces, size, strict=False)]),
+    )
+    radii = [piece.radii for piece in pieces if piece.radii is not None]
+    return skeleton_of(
+        path,
+        np.concatenate([piece.points for piece in pieces]),
+        lines,
+        np.concatenate(radii) if len(radii) == len(pieces) else None,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Piece:
+    """What a piece of a file holds."""
+
+    points: Floats
+    lines: Lines
+    radii: Floats | None
+
+
+class _XmlFile:
+    """A file of XML, and the bytes appended to it, which need not be XML."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        data = path.read_bytes()
+        found = _APPENDED.search(data)
+        self._appended = b""
+        if found:
+            stop = data.rfind(b"</AppendedData>")
+            if stop < 0:
+                raise FormatError(f"{path} ends within its appended data; need the whole file")
+            self._appended = data[found.end() : stop]
+            data = data[: found.end() - 1] + data[stop:]
+        self.root = xml_root(path, data)
+        if self.root.get("type") not in ("PolyData", "UnstructuredGrid"):
+            raise FormatError(f"{path} holds {self.root.get('type')}; need PolyData")
+        self._order = ">" if self.root.get("byte_order") == "BigEndian" else "<"
+        self._header = np.dtype(
+            self._order + ("u8" if self.root.get("header_type") == "UInt64" else "u4")
+        )
+        compressor = self.root.get("compressor")
+        if compressor not in (None, "", "vtkZLibDataCompressor"):
+            raise FormatError(f"{path} is packed by {compressor[:80]}; need vtkZLibDataCompressor")
+        self._packed = bool(compressor)
+        data_of = self.root.find("AppendedData")
+        self._raw = data_of is not None and data_of.get("encoding") == "raw"
+
+    def piece(self, piece: Element) -> _Piece:
+        """Return what a piece holds."""
+        points = self._array(self._element(piece, "Points/DataArray"))
+        if len(points) % 3:
+            raise FormatError(f"{self._path} has {len(points)} coordinates; need 3 a point")
+        cells = "Lines" if self.root.get("type") == "PolyData" else "Cells"
+        lines = Lines(
+            self._indices(self._element(piece, f"{cells}/DataArray[@Name='connectivity']")),
+            self._indices(self._element(piece, f"{cells}/DataArray[@Name='offsets']")),
+        )
+        if cells == "Cells":
+            types = self._indices(self._element(piece, "Cells/DataArray[@Name='types']"))
+            lines = line_cells(self._path, lines, types)
+        radii = None
+        for array in piece.findall("PointData/DataArray"):
+            if is_radii(array.get("Name", "")):
+                radii = self._array(array).astype(np.float64)
+        points = points.astype(np.float64).reshape(-1, 3)
+        count = piece.get("NumberOfPoints", "")
+        if count.strip() != str(len(points)):
+            raise FormatError(f"{self._path} has {len(points)} points; need {count[:80]}")
+        if radii is not None and len(radii) != len(points):
+            raise FormatError(f"{self._path} has {len(radii)} radii; need {len(points)}")
+        return _Piece(points, lines, radii)
+
+    def _element(self, piece: Element, where: str) -> Element:
+        found = piece.find(where)
+        if found is None:
+            raise FormatError(f"{self._path} has no {where} in a Piece; need it")
+        return found
+
+    def _indices(self, array: Element) -> Ints:
+        values = self._array(array)
+        if len(values) and not np.abs(values.astype(np.float64)).max() < 2.0**53:
+            raise FormatError(f"{self._path} has an index beyond 2^53; need one of a point")
+        return values.astype(np.intp)
+
+    def _array(self, array: Element) -> Floats:
+        """Return the numbers of an array, flat."""
+        kind = array.get("type", "")
+        if kind not in _TYPES:
+            raise FormatError(f"{self._path} has numbers of type {kind[:80]!r}; need {[*_TYPES]}")
+        dtype = np.dtype(self._order + _TYPES[kind])
+        form = array.get("format", "ascii")
+        try:
+            if form == "ascii":
+                return np.array((array.text or "").split(), dtype=np.float64)
+            if form == "binary":
+                data = self._decoded((array.text or "").strip().encode("ascii"), raw=False)
+            else:
+                offset = int(array.get("offset", ""))
+                if not 0 <= offset < len(self._appended):
+                    raise ValueError(f"offset {offset} of {len(self._appended)}")
+                data = self._decoded(self._appended[offset:], self._raw)
+            return np.frombuffer(data, dtype=dtype)
+        except (ValueError, zlib.error) as error:  # base64 errors are ValueErrors
+            name = array.get("Name", "of points")
+            raise FormatError(f"{self._path}, array {name[:80]!r}: {error}; need numbers") from None
+
+    def _decoded(self, text: bytes, raw: bool) -> bytes:
+        """Return the bytes of an array that begins `text`."""
+        source = _Source(text, raw)
+        width = self._header.itemsize
+        if not self._packed:
+            (size,) = self._header_numbers(source.peek(width), 1)
+            return source.take(width + size)[width:]
+        (blocks,) = self._header_numbers(source.peek(width), 1)
+        if blocks > len(text):
+            raise ValueError(f"{blocks} blocks in {len(text)} bytes")
+        header = self._header_numbers(source.take((3 + blocks) * width), 3 + blocks)
+        full, last, sizes = header[1], header[2], header[3:]
+        unpacked = [full] * blocks
+        if last and blocks:
+            unpacked[-1] = last
+        if sum(unpacked) > MOST_UNPACKED:
+            raise ValueError(f"{sum(unpacked)} bytes, more than {MOST_UNPACKED}")
+        packed = source.take(sum(sizes))
+        parts, at = [], 0
+        for size, length in zip(sizes, unpacked, strict=True):
+            part = zlib.decompressobj().decompress(packed[at : at + size], length + 1)
+            if len(part) != length:
+                raise ValueError(f"a block of {len(part)} bytes instead of {length}")
+            parts.append(part)
+            at += size
+        return b"".join(parts)
+
+    def _header_numbers(self, data: bytes, count: int) -> list[int]:
+        return [int(value) for value in np.frombuffer(data, dtype=self._header, count=count)]
+
+
+class _Source:
+    """Bytes that are raw, or base64 in parts of which each is padded."""
+
+    def __init__(self, text: bytes, raw: bool) -> None:
+        self._text = text
+        self._raw = raw
+        self._at = 0
+
+    def peek(self, count: int) -> bytes:
+        """Return the next `count` bytes, which stay."""
+        return self._read(count)[0]
+
+    def take(self, count: int) -> bytes:
+        """Return the next `count` bytes, which are a part of their own."""
+        data, self._at = self._read(count)
+        return data
+
+    def _read(self, count: int) -> tuple[bytes, int]:
+        length = count if self._raw else 4 * ((count + 2) // 3)
+        text = self._text[self._at : self._at + length]
+        if len(text) < length:
+            raise ValueError(f"it ends within {count} bytes")
+        data = text if self._raw else binascii.a2b_base64(text)
+        if len(data) < count:
+            raise ValueError(f"{len(data)} bytes instead of {count}")
+        return data[:count], self._at + length
