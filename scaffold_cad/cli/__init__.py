@@ -1,7 +1,8 @@
 """The command `scaffold-cad`: one module a subcommand, no geometry.
 
-Exit codes: 0 done, 1 not printable (`check`), 2 bad input (one line on standard error says what), 130 interrupted. What was
-repaired or must be known is logged on standard error; results go to standard output.
+Exit codes: 0 done, 1 not printable (`check`), 2 bad input (one line on standard error says what),
+130 interrupted. What was repaired or must be known is logged on standard error; results go to
+standard output.
 """
 
 from __future__ import annotations

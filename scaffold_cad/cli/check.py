@@ -1,0 +1,123 @@
+"""`scaffold-cad check`: whether a part can be printed, what is in the way, and where."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from scaffold_cad.cli import source
+from scaffold_cad.errors import OptionError
+from scaffold_cad.files import check_target
+from scaffold_cad.io import read_skeleton
+from scaffold_cad.printability import MATERIALS, PROCESSES, check_printability, read_triangles
+from scaffold_cad.printability.page import write_page
+from scaffold_cad.printability.processes import Process
+
+NOT_PRINTABLE = 1
+
+LIMITS = {
+    "least_diameter": ("--min-diameter", "MM", "thinnest strut"),
+    "least_gap": ("--min-gap", "MM", "narrowest gap between struts"),
+    "greatest_slenderness": ("--max-slenderness", "N", "length of a strut over its diameter"),
+    "longest_bridge": ("--max-bridge", "MM", "longest level strut without support"),
+    "least_opening": ("--min-opening", "MM", "narrowest hole that powder or resin leaves through"),
+    "layer": ("--layer", "MM", "height of a layer"),
+}
+"""Option, unit and meaning of the limits of a process that are plain numbers."""
+
+_log = logging.getLogger(__name__)
+
+
+def add_parser(
+    commands: argparse._SubParsersAction[argparse.ArgumentParser], common: argparse.ArgumentParser
+) -> None:
+    """Add this command to the command line."""
+    parser = commands.add_parser(
+        "check",
+        parents=[common],
+        help="check whether a mesh file, or the solid of a skeleton, can be printed",
+        description="Exit code 0: printable; 1: not printable; 2: bad input. INPUT is a mesh "
+        "(STL, 3MF, OBJ, PLY) or a skeleton, which is built.",
+    )
+    source.add_arguments(parser)
+    parser.add_argument(
+        "--skeleton", type=Path, metavar="FILE", help="skeleton of the struts of a mesh file"
+    )
+    parser.add_argument("--process", choices=PROCESSES, default="sls", help="default: sls")
+    parser.add_argument("--material", choices=MATERIALS, help="for the mass of the part")
+    parser.add_argument(
+        "--direction",
+        type=_direction,
+        default=(0.0, 0.0, 1.0),
+        metavar="X,Y,Z",
+        help='direction of building, or "best" (default: 0,0,1; --direction=-1,0,0)',
+    )
+    parser.add_argument(
+        "--no-supports", action="store_true", help="what needs supports cannot be printed"
+    )
+    limits = parser.add_argument_group("limits, instead of those of the process")
+    for name, (option, unit, meaning) in LIMITS.items():
+        limits.add_argument(option, dest=name, type=float, metavar=unit, help=meaning)
+    limits.add_argument(
+        "--overhang", type=float, metavar="DEG", help="angle to the plate below which faces hang"
+    )
+    limits.add_argument(
+        "--build-volume", type=_three_numbers, metavar="X,Y,Z", help="greatest size of a part, mm"
+    )
+    parser.add_argument("--json", action="store_true", help="print the report as JSON")
+    parser.add_argument(
+        "--html", type=Path, metavar="PAGE", help="write a page that shows the failing places"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print the report and return 0 if the part is printable, else 1."""
+    if options.html is not None:
+        check_target(options.html)
+    triangles = read_triangles(options.input)
+    skeleton = None
+    if options.skeleton is not None:
+        if triangles is None:
+            raise OptionError("--skeleton is for mesh files; the input is a skeleton itself")
+        skeleton = read_skeleton(options.skeleton, options.radius, options.strict)
+    report = check_printability(
+        source.skeleton_from(options) if triangles is None else triangles,
+        _process(options),
+        skeleton=skeleton,
+        direction=options.direction,
+        material=options.material,
+        supports=not options.no_supports,
+        name=Path(options.input).name,
+    )
+    print(report.to_json() if options.json else report)
+    if options.html is not None:
+        write_page(report, options.html)
+        _log.info("%s written", options.html)
+    return 0 if report.printable else NOT_PRINTABLE
+
+
+def _process(options: argparse.Namespace) -> Process:
+    """Return the process asked for, with the limits asked for."""
+    names = [*LIMITS, "build_volume"]
+    changes: dict[str, Any] = {name: getattr(options, name) for name in names}
+    if options.overhang is not None:
+        changes["overhang_angle"] = math.radians(options.overhang)
+    given = {name: value for name, value in changes.items() if value is not None}
+    return replace(PROCESSES[options.process], **given)
+
+
+def _direction(text: str) -> Any:
+    return "best" if text == "best" else _three_numbers(text)
+
+
+def _three_numbers(text: str) -> tuple[float, float, float]:
+    try:
+        x, y, z = (float(word) for word in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r}; need three numbers, as in 0,0,1") from None
+    return x, y, z

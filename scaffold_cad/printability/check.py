@@ -1,0 +1,126 @@
+"""check_printability(): everything to know of a part before it is printed."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from numpy.typing import ArrayLike
+
+from scaffold_cad.brep import tessellated
+from scaffold_cad.errors import MeshError, OptionError
+from scaffold_cad.manifolds import manifold_triangles
+from scaffold_cad.printability.direction import (
+    Facets,
+    as_direction,
+    best_direction,
+    direction_findings,
+    standing_size,
+)
+from scaffold_cad.printability.lattice import lattice_findings
+from scaffold_cad.printability.part import part_findings
+from scaffold_cad.printability.processes import USUAL_MATERIAL, Process, process_named
+from scaffold_cad.printability.report import Finding, Report
+from scaffold_cad.printability.surface import surface_findings
+from scaffold_cad.printability.topology import Connectivity, welded
+from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.scaffold import Scaffold, build_scaffold
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.solid import to_solid
+from scaffold_cad.stars import APOTHEM
+from scaffold_cad.trianglemesh import TriangleMesh
+
+
+def check_printability(
+    what: Any,
+    process: str | Process = "sls",
+    *,
+    skeleton: Skeleton | None = None,
+    direction: ArrayLike | Literal["best"] = (0.0, 0.0, 1.0),
+    material: str | None = None,
+    supports: bool = True,
+    name: str = "part",
+) -> Report:
+    """Return what a printing engineer asks of a part before it is printed.
+
+    Parameters
+    ----------
+    what : a Skeleton or a Scaffold, whose solid is made; or what has a surface: a mesh, a
+        manifold3d Manifold, a trimesh Trimesh, a build123d shape
+    process : a name in `PROCESSES`, or limits of your own
+    skeleton : of the struts of a mesh, with their radii; a Skeleton or a Scaffold has its own
+    direction : that is built upwards in, or "best"
+    material : a name in `MATERIALS`; by default what the process mostly prints
+    supports : whether supports may be used
+    name : what the report calls the part
+
+    Raises
+    ------
+    MeshError
+        If there is no triangle.
+    OptionError
+        If `what` has no surface, or the process, the material or the direction is not known.
+    """
+    process = process_named(process)
+    if isinstance(what, Skeleton):
+        what = build_scaffold(what)
+    if isinstance(what, Scaffold):
+        skeleton = _as_built(what) if skeleton is None else skeleton
+        what = to_solid(what)
+    mesh = welded(_triangles(what))
+    surface = Connectivity(mesh)
+    if len(surface.triangles) == 0:
+        raise MeshError(f"{name} has no triangle of three vertices; need at least one")
+    facets = Facets.of(surface)
+    upwards = best_direction(facets, process) if _is_best(direction) else as_direction(direction)
+    findings: list[Finding] = []
+    loops = None if skeleton is None else skeleton.loop_count
+    findings += surface_findings(surface, process, loops)
+    if skeleton is not None and len(skeleton.edges):
+        findings += lattice_findings(skeleton, process)
+    findings += direction_findings(surface, facets, upwards, process, skeleton, supports)
+    findings += part_findings(
+        surface,
+        standing_size(mesh.vertices, upwards),
+        process,
+        USUAL_MATERIAL.get(process.name, "pla") if material is None else material,
+    )
+    return Report(name, process, tuple(findings), mesh, upwards)
+
+
+def assert_printable(what: Any, process: str | Process = "sls", **options: Any) -> None:
+    """Raise an AssertionError that holds the report unless `what` is printable; for tests.
+
+    The options are those of `check_printability`.
+    """
+    report = check_printability(what, process, **options)
+    if not report.printable:
+        raise AssertionError(str(report))
+
+
+def _triangles(what: Any) -> TriangleMesh:
+    """Return the surface of `what` as it is."""
+    if isinstance(what, TriangleMesh):
+        return what
+    if isinstance(what, QuadMesh):
+        return TriangleMesh(what.vertices, what.triangles)
+    # Known by what they offer, so that no back end need be imported.
+    if hasattr(what, "to_mesh64"):  # manifold3d
+        return manifold_triangles(what)
+    if hasattr(what, "wrapped"):  # build123d
+        return tessellated(what)
+    if hasattr(what, "vertices") and hasattr(what, "faces"):  # trimesh
+        return TriangleMesh(what.vertices, what.faces)
+    raise OptionError(
+        f"a {type(what).__name__} has no surface; need a Skeleton, a Scaffold, a mesh, a "
+        "manifold3d Manifold, a trimesh Trimesh or a build123d shape"
+    )
+
+
+def _as_built(scaffold: Scaffold) -> Skeleton:
+    """Return the skeleton of a scaffold with half the width of its square sections as radii."""
+    skeleton = scaffold.skeleton
+    return skeleton.with_radii(skeleton.radii * APOTHEM[scaffold.options.section])
+
+
+def _is_best(direction: ArrayLike | Literal["best"]) -> bool:
+    return isinstance(direction, str) and direction == "best"

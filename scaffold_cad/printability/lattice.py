@@ -1,0 +1,173 @@
+"""Findings on struts: thin ones, slender ones, and those that nearly touch."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from scaffold_cad.arrays import Floats, Ints, Points
+from scaffold_cad.boxes import overlapping_boxes
+from scaffold_cad.printability.processes import Process
+from scaffold_cad.printability.report import Finding, counted
+from scaffold_cad.segments import nearest_on_segments
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.vectors import length
+
+MOST_PLACES = 1000
+"""How many struts of one kind a finding points at."""
+
+
+def lattice_findings(skeleton: Skeleton, process: Process) -> Iterator[Finding]:
+    """Yield what there is to say of struts with the radii of `skeleton`, at least one."""
+    thinnest = 2.0 * skeleton.radii[skeleton.edges].min(axis=1)
+    yield _diameter(skeleton, thinnest, process)
+    yield _slenderness(skeleton, thinnest, process)
+    yield _gap(skeleton, process)
+
+
+def _diameter(skeleton: Skeleton, thinnest: Floats, process: Process) -> Finding:
+    needed = process.least_diameter
+    # A strut of the very limit, its radius halved and doubled in decimals, is thick enough.
+    thin = np.flatnonzero(thinnest < needed * (1 - 1e-9))
+    first = int(np.argmin(thinnest))
+    text = f"{thinnest[first]:.4g} mm at least, strut {first}"
+    advice = ""
+    if len(thin):
+        advice = (
+            f"{counted(len(thin), 'strut')} too thin: strut {first} is {thinnest[first]:.4g} mm, "
+            f"{process.name.upper()} needs {needed:g}: raise --radius to {needed / 2:g} or more"
+        )
+    return Finding(
+        "strut_diameter",
+        "lattice",
+        "failure" if len(thin) else "ok",
+        {
+            "least_mm": float(thinnest[first]),
+            "needed_mm": needed,
+            "strut": first,
+            "thin": len(thin),
+        },
+        text,
+        advice,
+        _middles(skeleton, thin),
+    )
+
+
+def _slenderness(skeleton: Skeleton, thinnest: Floats, process: Process) -> Finding:
+    ratios = skeleton.lengths / thinnest
+    allowed = process.greatest_slenderness
+    slender = np.flatnonzero(ratios > allowed)
+    first = int(np.argmax(ratios))
+    advice = ""
+    if len(slender):
+        advice = (
+            f"{counted(len(slender), 'strut')} may bend or break: strut {first} is "
+            f"{skeleton.lengths[first]:.4g} mm long and {thinnest[first]:.4g} mm thick; "
+            f"keep it within {allowed:g} diameters"
+        )
+    return Finding(
+        "slenderness",
+        "lattice",
+        "warning" if len(slender) else "ok",
+        {"greatest": float(ratios[first]), "allowed": allowed, "strut": first},
+        f"{ratios[first]:.3g} diameters long at most, strut {first}",
+        advice,
+        _middles(skeleton, slender),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Gaps:
+    """Pairs of struts without a common node that come closer than a limit."""
+
+    first: Ints
+    second: Ints
+    """The struts of each pair, shapes (p,)."""
+    widths: Floats
+    """Room between their surfaces, < 0 where they overlap, shape (p,), mm."""
+    places: Points
+    """The middle of the gap, shape (p, 3), mm."""
+
+
+def narrow_gaps(skeleton: Skeleton, limit: float) -> Gaps:
+    """Return the pairs of struts whose round surfaces come closer than `limit`, mm.
+
+    A strut's radius goes evenly from that of its one node to that of its other.
+    """
+    start, end = np.moveaxis(skeleton.nodes[skeleton.edges], 1, 0)
+    reach = skeleton.radii[skeleton.edges].max(axis=1)[:, None] + limit / 2
+    blocks = [
+        _gaps_of(skeleton, i, j, limit)
+        for i, j in overlapping_boxes(
+            np.minimum(start, end) - reach, np.maximum(start, end) + reach
+        )
+    ]
+    if not blocks:
+        none = np.zeros(0, dtype=np.intp)
+        return Gaps(none, none, np.zeros(0), np.zeros((0, 3)))
+    return Gaps(
+        np.concatenate([block.first for block in blocks]),
+        np.concatenate([block.second for block in blocks]),
+        np.concatenate([block.widths for block in blocks]),
+        np.concatenate([block.places for block in blocks]),
+    )
+
+
+def _gaps_of(skeleton: Skeleton, i: Ints, j: Ints, limit: float) -> Gaps:
+    """Return those of the pairs i, j that are gaps narrower than `limit`."""
+    ends = skeleton.edges
+    apart = (ends[i][:, :, None] != ends[j][:, None, :]).all(axis=(1, 2))
+    i, j = i[apart], j[apart]
+    on_i, on_j = nearest_on_segments(
+        *np.moveaxis(skeleton.nodes[ends[i]], 1, 0), *np.moveaxis(skeleton.nodes[ends[j]], 1, 0)
+    )
+    widths = length(on_i - on_j) - _radius_at(skeleton, i, on_i) - _radius_at(skeleton, j, on_j)
+    near = widths < limit
+    return Gaps(i[near], j[near], widths[near], (on_i[near] + on_j[near]) / 2)
+
+
+def _radius_at(skeleton: Skeleton, edges: Ints, points: Points) -> Floats:
+    """Return the radius of each of `edges` at a point on it, shape (k,), mm."""
+    ends = skeleton.edges[edges]
+    share = length(points - skeleton.nodes[ends[:, 0]]) / skeleton.lengths[edges]
+    near, far = skeleton.radii[ends].T
+    radii: Floats = near + np.clip(share, 0.0, 1.0) * (far - near)
+    return radii
+
+
+def _gap(skeleton: Skeleton, process: Process) -> Finding:
+    needed = process.least_gap
+    gaps = narrow_gaps(skeleton, needed)
+    overlapping = int((gaps.widths <= 0).sum())
+    open_rows = np.flatnonzero(gaps.widths > 0)
+    value = {"needed_mm": needed, "least_mm": None, "narrow": len(open_rows)}
+    value["overlapping"] = overlapping
+    text = f"{needed:g} mm or more between struts"
+    advice = ""
+    if len(open_rows):
+        row = open_rows[np.argmin(gaps.widths[open_rows])]
+        value["least_mm"] = float(gaps.widths[row])
+        text = f"{gaps.widths[row]:.3g} mm, struts {gaps.first[row]} and {gaps.second[row]}"
+        advice = (
+            f"{counted(len(open_rows), 'pair')} of struts may fuse, {process.name.upper()} needs "
+            f"{needed:g} mm: move them apart, or lower --radius"
+        )
+    if overlapping:
+        text += f"; {counted(overlapping, 'pair')} overlap and are one"
+    return Finding(
+        "strut_gap",
+        "lattice",
+        "warning" if len(open_rows) else "ok",
+        value,
+        text,
+        advice,
+        gaps.places[open_rows[:MOST_PLACES]],
+    )
+
+
+def _middles(skeleton: Skeleton, edges: Ints) -> Points:
+    """Return the middle of the first of `edges`, shape (k, 3), mm."""
+    middles: Points = skeleton.nodes[skeleton.edges[edges[:MOST_PLACES]]].mean(axis=1)
+    return middles

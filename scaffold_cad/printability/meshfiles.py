@@ -1,0 +1,111 @@
+"""Triangles read from files as they are, faults included: STL, OBJ, PLY and 3MF."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from os import PathLike
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+
+from scaffold_cad.backends import need
+from scaffold_cad.errors import FormatError, MeshError, SkeletonError
+from scaffold_cad.trianglemesh import TriangleMesh
+
+Reader: TypeAlias = Callable[[Path], TriangleMesh]
+
+MILLIMETRES = {
+    "MicroMeter": 0.001,
+    "MilliMeter": 1.0,
+    "CentiMeter": 10.0,
+    "Inch": 25.4,
+    "Foot": 304.8,
+    "Meter": 1000.0,
+}
+"""Length of each unit of lib3mf, mm."""
+
+
+def read_triangles(path: str | PathLike[str]) -> TriangleMesh | None:
+    """Return the triangles that a file holds, or None where it is of no such format or has none.
+
+    Vertices are neither merged nor dropped. Numbers are taken as mm, but for 3MF, which says.
+
+    Raises
+    ------
+    FormatError
+        If the file is an STL or a PLY file and cannot be read or holds no triangles.
+    MissingBackendError
+        If the package that reads the format is not installed.
+    """
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix not in _READERS:
+        return None
+    try:
+        mesh = _READERS[suffix](path)
+    except OSError as error:
+        raise FormatError(f"{path} cannot be read: {error.strerror or error}") from None
+    except (MeshError, SkeletonError) as error:
+        raise FormatError(f"{path}: {error}") from None
+    if len(mesh.triangles):
+        return mesh
+    if suffix in (".stl", ".ply"):
+        raise FormatError(f"{path} holds no triangles; need at least one")
+    return None  # lines or beams: a skeleton
+
+
+def _read_by_trimesh(path: Path) -> TriangleMesh:
+    need("trimesh", f"a {path.suffix} file")
+    import trimesh
+
+    try:
+        # `process` would weld close vertices and drop faces.
+        loaded = trimesh.load_scene(path, process=False)
+        meshes = [mesh for mesh in loaded.dump() if isinstance(mesh, trimesh.Trimesh)]
+    except OSError:
+        raise
+    except Exception as error:  # its readers let any error of theirs through
+        raise FormatError(f"{path} cannot be read: {error}") from None
+    return _joined([TriangleMesh(mesh.vertices, mesh.faces) for mesh in meshes])
+
+
+def _read_3mf(path: Path) -> TriangleMesh:
+    need("lib3mf", "a 3MF file")
+    import lib3mf
+
+    path.stat()  # its errors have names
+    model = lib3mf.Wrapper().CreateModel()
+    try:
+        model.QueryReader("3mf").ReadFromFile(str(path))
+        merged = model.MergeToModel()
+    except lib3mf.ELib3MFException as error:
+        raise FormatError(f"{path} cannot be read: {error}") from None
+    unit = MILLIMETRES[model.GetUnit().name]
+    meshes = []
+    found = merged.GetMeshObjects()
+    while found.MoveNext():
+        body = found.GetCurrentMeshObject()
+        places = np.array([list(vertex.Coordinates) for vertex in body.GetVertices()])
+        rows = np.array([list(row.Indices) for row in body.GetTriangleIndices()], dtype=np.intp)
+        meshes.append(TriangleMesh(places.reshape(-1, 3) * unit, rows))
+    return _joined(meshes)
+
+
+def _joined(meshes: list[TriangleMesh]) -> TriangleMesh:
+    """Return the triangles of all meshes, one after the other."""
+    if not meshes:
+        return TriangleMesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.intp))
+    first = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes])
+    return TriangleMesh(
+        np.concatenate([mesh.vertices for mesh in meshes]),
+        np.concatenate([mesh.triangles + n for mesh, n in zip(meshes, first[:-1], strict=True)]),
+    )
+
+
+_READERS: dict[str, Reader] = {
+    ".stl": _read_by_trimesh,
+    ".obj": _read_by_trimesh,
+    ".ply": _read_by_trimesh,
+    ".3mf": _read_3mf,
+}

@@ -1,0 +1,77 @@
+"""Which closed shells of a mesh lie inside which: voids, shells inside out, shells in shells."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from scaffold_cad.arrays import Floats, Ints, Points
+from scaffold_cad.printability.topology import Connectivity
+from scaffold_cad.vectors import dot, length, triple
+
+TRIANGLES_AT_ONCE = 1 << 16
+
+
+@dataclass(frozen=True, eq=False)
+class Nesting:
+    """What each closed shell is, by the shells around it."""
+
+    voids: Ints
+    """Shells that bound a hollow inside another."""
+    void_volumes: Floats
+    """The volume of each, mm³."""
+    inverted: Ints
+    """Shells inside out: their triangles look inwards though no solid is around them."""
+    buried: Ints
+    """Shells of solid within solid."""
+    places: Points
+    """A point of each shell of the mesh, shape (s, 3), mm."""
+
+
+def nesting(surface: Connectivity) -> Nesting:
+    """Return what each closed shell of a mesh is; open ones are passed over."""
+    volumes = surface.shell_volumes
+    closed = np.flatnonzero(np.isfinite(volumes))
+    rows = surface.mesh.triangles[surface.triangles]
+    corners = surface.mesh.vertices[rows]  # (s, 3, 3)
+    order = np.argsort(surface.shell_of_triangle, kind="stable")
+    bounds = np.searchsorted(surface.shell_of_triangle[order], np.arange(surface.shell_count + 1))
+    of_shell = [corners[order[a:b]] for a, b in pairwise(bounds)]
+    places = np.array([shell[0].mean(axis=0) for shell in of_shell]).reshape(-1, 3)
+    around = np.zeros(surface.shell_count)
+    for shell in closed:
+        low, high = of_shell[shell].min(axis=(0, 1)), of_shell[shell].max(axis=(0, 1))
+        held = np.flatnonzero(((places >= low) & (places <= high)).all(axis=1))
+        held = held[held != shell]
+        around[held] += winding_numbers(places[held], of_shell[shell])
+    depth = np.zeros(surface.shell_count)
+    depth[closed] = np.round(around[closed])
+    solid, hollow = volumes > 0, volumes <= 0  # both False for nan
+    voids = np.flatnonzero(hollow & (depth > 0))
+    return Nesting(
+        voids=voids,
+        void_volumes=-volumes[voids],
+        inverted=np.flatnonzero(hollow & (depth <= 0)),
+        buried=np.flatnonzero(solid & (depth > 0)),
+        places=places,
+    )
+
+
+def winding_numbers(points: Points, corners: Floats) -> Floats:
+    """Return how often triangles (t, 3, 3) go around each of `points` (k, 3), shape (k,).
+
+    References
+    ----------
+    van Oosterom, Strackee, The solid angle of a plane triangle, IEEE Trans. Biomed. Eng. 1983.
+    """
+    total = np.zeros(len(points))
+    step = max(1, TRIANGLES_AT_ONCE // max(len(points), 1))
+    for start in range(0, len(corners), step):
+        spokes = corners[None, start : start + step] - points[:, None, None]  # (k, t', 3, 3)
+        a, b, c = np.moveaxis(spokes, 2, 0)
+        la, lb, lc = length(a), length(b), length(c)
+        below = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb
+        total += np.arctan2(triple(a, b, c), below).sum(axis=1)
+    return total / (2.0 * np.pi)

@@ -1,0 +1,111 @@
+"""What printing processes and materials ask for: limits and densities, each with its source."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+
+from scaffold_cad.errors import OptionError
+
+
+@dataclass(frozen=True)
+class Process:
+    """The limits of a printing process; `dataclasses.replace` gives one with others."""
+
+    name: str
+    """Such as "sls"."""
+    least_diameter: float
+    """Thinnest strut that comes out whole, mm."""
+    least_gap: float
+    """Narrowest gap between two struts that stays open, mm."""
+    greatest_slenderness: float
+    """Length of a strut over its diameter above which it bends or breaks in the making."""
+    overhang_angle: float
+    """Angle to the plate below which a downward face needs support, rad; 0 where none does."""
+    longest_bridge: float
+    """Level strut between two nodes that needs no support all the same, mm."""
+    least_opening: float
+    """Narrowest hole through which powder or resin leaves a hollow, mm; 0 where nothing must."""
+    layer: float
+    """Height of a layer, mm: what lies less above the plate stands on it."""
+    build_volume: tuple[float, float, float]
+    """Greatest width, depth and height of a part, mm."""
+
+    def __post_init__(self) -> None:
+        for field in fields(self)[1:]:
+            values = getattr(self, field.name)
+            for value in values if isinstance(values, tuple) else (values,):
+                if not 0 <= value < math.inf:
+                    raise OptionError(f"{field.name} of a process is {value:g}; need >= 0")
+
+    @property
+    def encloses(self) -> bool:
+        """Whether a void without opening keeps powder or resin that must come out."""
+        return self.least_opening > 0
+
+
+PROCESSES: dict[str, Process] = {
+    # Diameter of pins, clearance, 45°: arti90.com/en/design-clues and Protolabs Network (Hubs),
+    # "Design rules for 3D printing"; a strut held at both ends is a supported wall: 0.8 mm in
+    # the latter, two passes of a 0.4 mm nozzle. Bridge of 10 mm: the latter. Build volume:
+    # Prusa MK4 data sheet.
+    "fdm": Process("fdm", 0.8, 0.5, 20.0, math.radians(45), 10.0, 0.0, 0.2, (250, 210, 220)),
+    # Pins 0.5 mm, moving parts 0.5 mm: the same Hubs table. Below 45° a lattice needs supports, as
+    # for metal. Openings of 2.5 mm:
+    # support.jlcpcb.com/article/170-3d-printing-design-guidelines. Build volume: Formlabs Form 4.
+    "sla": Process("sla", 0.5, 0.5, 15.0, math.radians(45), 2.0, 2.5, 0.05, (200, 125, 210)),
+    # Pins 0.8 mm, gaps 0.5 mm: hlhprototypes.com/sls-3d-printing-design-tips; features 0.8 mm and
+    # openings of 3.5 mm: addema.se/guides-sls. Powder supports every face. Build volume:
+    # Formlabs Fuse 1.
+    "sls": Process("sls", 0.8, 0.5, 30.0, 0.0, 0.0, 3.5, 0.11, (165, 165, 300)),
+    # Walls 0.4 mm, gaps 0.2 mm, 45°, openings of 2 mm: arti90.com/en/design-clues (DMLS). Level
+    # struts above 2 mm sag into the powder: Hubs. Build volume: EOS M 290 data sheet.
+    "lpbf": Process("lpbf", 0.4, 0.2, 20.0, math.radians(45), 2.0, 2.0, 0.04, (250, 250, 325)),
+}
+"""The presets by name."""
+
+
+MATERIALS: dict[str, float] = {
+    "pla": 1.24,  # Prusament PLA, technical data sheet
+    "petg": 1.27,  # Prusament PETG, technical data sheet
+    "abs": 1.04,  # ISO 1183, usual grade
+    "resin": 1.18,  # cured acrylate resins, 1.15 to 1.20
+    "pa12": 0.93,  # EOS PA 2200, laser-sintered
+    "tpu": 1.20,  # usual thermoplastic polyurethane filament
+    "ti6al4v": 4.41,  # EOS Titanium Ti64
+    "alsi10mg": 2.67,  # EOS Aluminium AlSi10Mg
+    "316l": 7.97,  # EOS StainlessSteel 316L
+    "in718": 8.15,  # EOS NickelAlloy IN718
+}
+"""Density of each material by name, g/cm³."""
+
+USUAL_MATERIAL = {"fdm": "pla", "sla": "resin", "sls": "pa12", "lpbf": "ti6al4v"}
+"""What each process mostly prints."""
+
+
+def process_named(process: str | Process) -> Process:
+    """Return the preset of that name, or the process given.
+
+    Raises
+    ------
+    OptionError
+        If there is no preset of that name.
+    """
+    if isinstance(process, Process):
+        return process
+    if process not in PROCESSES:
+        raise OptionError(f"process is {process!r}; need one of {', '.join(PROCESSES)}")
+    return PROCESSES[process]
+
+
+def density_of(material: str) -> float:
+    """Return the density of a material, g/cm³.
+
+    Raises
+    ------
+    OptionError
+        If it is not known.
+    """
+    if material not in MATERIALS:
+        raise OptionError(f"material is {material!r}; need one of {', '.join(MATERIALS)}")
+    return MATERIALS[material]
