@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from scaffold_cad import manifolds
 from scaffold_cad.arrays import Ints
-from scaffold_cad.embedding import Embedding
-from scaffold_cad.errors import MeshError
+from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.intersections import self_intersections
 from scaffold_cad.pieces import solid_pieces
 from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.roundstruts import check_sides, prisms_and_balls, round_surface
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.trianglemesh import TriangleMesh
 
@@ -22,6 +25,9 @@ if TYPE_CHECKING:
 WOBBLES = (0.0, 1e-3, -1e-3, 3e-3, -3e-3, 0.01, -0.01)
 """How unlike each other the prisms of overlapping struts are made, in turn, until their union
 does not cross itself; relative to their radius. The first that works is taken."""
+
+SINGLE_PRECISION = 2.0**-22
+"""Least length of an edge after a union, in greatest coordinates: a few roundings to 32 bits."""
 
 _log = logging.getLogger(__name__)
 
@@ -38,49 +44,111 @@ class Solidified:
     """Volume of each void that overlapping struts enclosed, mm³; they are filled."""
 
 
-def to_solid(what: Scaffold | QuadMesh | TriangleMesh) -> Manifold:
+def to_solid(what: Scaffold | QuadMesh | TriangleMesh, *, sides: int = 4) -> Manifold:
     """Return `what` as a watertight manifold3d solid.
 
     A scaffold's mesh is taken as it is where `Scaffold.embedding` certifies it, and the struts
     that it does not certify go through a union: `solidified` tells which. A bare mesh is taken as
     it is: where two parts of it cross, they still cross in the solid.
 
+    Parameters
+    ----------
+    sides : of a scaffold's struts, see `solidified`
+
     Raises
     ------
     MeshError
         If a bare mesh is not closed or not outward.
+    OptionError
+        If `sides` is not 4, 8 or 16, or not 4 for a bare mesh.
     MissingBackendError
         If manifold3d is not installed.
     """
-    return solidified(what).manifold if isinstance(what, Scaffold) else manifolds.to_manifold(what)
+    if isinstance(what, Scaffold):
+        return solidified(what, sides=sides).manifold
+    if sides != 4:
+        raise OptionError(f"a bare mesh has no struts to give {sides} sides; need a Scaffold")
+    return manifolds.to_manifold(what)
 
 
-def solidified(scaffold: Scaffold) -> Solidified:
+def solidified(scaffold: Scaffold, *, sides: int = 4) -> Solidified:
     """Return the watertight solid of `scaffold`, and which of its struts were united.
+
+    Parameters
+    ----------
+    sides : of the struts: 4 for the scaffold itself; 8 or 16 for one or two Catmull-Clark
+        subdivisions of it, whose sections have the area of the circle of the skeleton's radius
 
     Raises
     ------
     MeshError
-        If every union tried crosses itself.
+        If every union tried crosses itself, or does not stay closed in 32-bit coordinates.
+    OptionError
+        If `sides` is not 4, 8 or 16.
     """
+    check_sides(sides)
+    return _square_solid(scaffold) if sides == 4 else _round_solid(scaffold, sides)
+
+
+def _square_solid(scaffold: Scaffold) -> Solidified:
     embedded = scaffold.embedding()
     if embedded.certified:
         return Solidified(manifolds.to_manifold(scaffold.mesh), embedded.left_out, [])
-    crossings = 0
+
+    def united(wobble: float) -> Manifold:
+        pieces = solid_pieces(scaffold, embedded, wobble)
+        surfaces = [pieces.surface] if len(pieces.surface.triangles) else []
+        return manifolds.union([*surfaces, *pieces.spheres], pieces.hulls)
+
+    return _clean_union(united, scaffold, embedded.left_out)
+
+
+def _round_solid(scaffold: Scaffold, sides: int) -> Solidified:
+    surface = round_surface(scaffold, sides)
+    if surface.mesh is not None and len(surface.left_out) == 0:
+        return Solidified(manifolds.to_manifold(surface.mesh), surface.left_out, [])
+    surfaces = []
+    if surface.mesh is not None:
+        surfaces.append(TriangleMesh(surface.mesh.vertices, surface.mesh.triangles))
+
+    def united(wobble: float) -> Manifold:
+        hulls = prisms_and_balls(scaffold, surface.left_out, sides, wobble)
+        return manifolds.union(surfaces, hulls)
+
+    return _clean_union(united, scaffold, surface.left_out)
+
+
+def _clean_union(
+    united: Callable[[float], Manifold], scaffold: Scaffold, edges: Ints
+) -> Solidified:
+    """Return the first union without a fault, its voids filled.
+
+    Parameters
+    ----------
+    united : gives the union for a wobble
+    edges : whose struts are united
+    """
+    # Edges that 32-bit coordinates cannot hold would be written with two ends at one place.
+    least = SINGLE_PRECISION * float(np.abs(scaffold.mesh.vertices).max())
     for wobble in WOBBLES:
-        manifold, voids = _united(scaffold, embedded, wobble)
-        crossings = len(self_intersections(manifolds.manifold_triangles(manifold)))
-        if crossings == 0:
-            return Solidified(manifold, embedded.left_out, voids)
-        _log.debug("%d crossings left in the union with a wobble of %g", crossings, wobble)
+        manifold, voids = manifolds.without_voids(united(wobble).simplify(least))
+        fault = _fault(manifolds.manifold_triangles(manifold))
+        if fault is None:
+            return Solidified(manifold, edges, voids)
+        _log.debug("with a wobble of %g the union %s", wobble, fault)
     raise MeshError(
-        f"the union of {len(embedded.left_out)} overlapping struts still crosses itself "
-        f"in {crossings} places; need 0 (try other radii)"
+        f"the union of {len(edges)} overlapping struts {fault}; need a clean surface "
+        "(try other radii)"
     )
 
 
-def _united(scaffold: Scaffold, embedded: Embedding, wobble: float) -> tuple[Manifold, list[float]]:
-    """Return the union of the pieces of a scaffold, and the volumes of the voids filled."""
-    pieces = solid_pieces(scaffold, embedded, wobble)
-    surfaces = [pieces.surface] if len(pieces.surface.triangles) else []
-    return manifolds.without_voids(manifolds.union([*surfaces, *pieces.spheres], pieces.hulls))
+def _fault(mesh: TriangleMesh) -> str | None:
+    """Return what keeps a closed mesh from being written as a solid, if anything."""
+    crossings = len(self_intersections(mesh))
+    if crossings:
+        return f"crosses itself in {crossings} places"
+    try:
+        mesh.single_precision().check_closed()
+    except MeshError as error:
+        return f"does not stay closed in 32-bit coordinates: {error}"
+    return None

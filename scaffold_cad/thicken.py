@@ -15,6 +15,7 @@ import numpy as np
 
 from scaffold_cad.errors import OptionError
 from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.roundstruts import check_sides
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import to_solid
@@ -23,20 +24,23 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 
-def thicken(what: Scaffold | QuadMesh | Skeleton, radius: float) -> Manifold:
+def thicken(what: Scaffold | QuadMesh | Skeleton, radius: float, *, sides: int = 4) -> Manifold:
     """Return the edges of a scaffold, quad mesh or skeleton as struts: one watertight solid.
 
     Parameters
     ----------
     what : whose edges
-    radius : of the circle that a strut's square section is around, mm
+    radius : mm; of the circle that a strut's section stands for: a square is around it, a section
+        with more sides has its area
+    sides : of a strut, 4, 8 or 16
 
     Raises
     ------
     OptionError
-        If `radius` is not a finite number > 0.
+        If `radius` is not a finite number > 0, or `sides` is another number.
     """
-    return to_solid(frame_scaffold(what, radius))
+    check_sides(sides)
+    return to_solid(frame_scaffold(what, radius), sides=sides)
 
 
 def frame_scaffold(what: Scaffold | QuadMesh | Skeleton, radius: float) -> Scaffold:

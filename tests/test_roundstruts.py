@@ -1,0 +1,84 @@
+"""Struts with 8 and 16 sides: round, of the radius asked for, and whole where they cross."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from scaffold_cad.errors import OptionError
+from scaffold_cad.intersections import self_intersections
+from scaffold_cad.lattice import tile
+from scaffold_cad.manifolds import manifold_triangles
+from scaffold_cad.roundstruts import circumradius
+from scaffold_cad.scaffold import build_scaffold
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.solid import solidified, to_solid
+from scaffold_cad.thicken import thicken
+from tests.meshes import CUBE
+
+TRIPOD = Skeleton([[0, 0, 0], [20, 0, 0], [0, 20, 0], [0, 0, 20]], [[0, 1], [0, 2], [0, 3]], 1.0)
+CROSS = Skeleton([[-9, 0, 0], [9, 0, 0], [0, -9, 0.5], [0, 9, 0.5]], [[0, 1], [2, 3]], 1.0)
+
+
+@pytest.mark.parametrize("sides", [8, 16])
+def test_section_in_mid_strut_has_the_area_of_the_circle(sides: int) -> None:
+    frame = thicken(TRIPOD, 1.25, sides=sides)
+    # The solid between two planes across the strut along x, far from its ends.
+    slab = frame.trim_by_plane([1, 0, 0], 9.0).trim_by_plane([-1, 0, 0], -11.0)
+    radius = np.sqrt(slab.volume() / 2.0 / np.pi)
+    assert radius == pytest.approx(1.25, rel=0.01)
+
+
+@pytest.mark.parametrize("sides", [8, 16])
+def test_corners_in_mid_strut_stand_within_two_percent_of_a_circle(sides: int) -> None:
+    vertices = manifold_triangles(thicken(TRIPOD, 1.25, sides=sides)).vertices
+    middle = vertices[(vertices[:, 0] > 8) & (vertices[:, 0] < 16)]
+    distance = np.linalg.norm(middle[:, 1:], axis=1)
+    np.testing.assert_allclose(distance, 1.25 * circumradius(sides), rtol=0.02)
+
+
+@pytest.mark.parametrize("sides", [8, 16])
+def test_lattice_is_one_surface_without_any_union(sides: int) -> None:
+    lattice = tile("bcc", 10.0, 2, radius=0.5)
+    result = solidified(build_scaffold(lattice, collars=True), sides=sides)
+    assert len(result.united_edges) == 0
+    assert result.manifold.genus() == lattice.loop_count
+    assert len(self_intersections(manifold_triangles(result.manifold))) == 0
+
+
+def test_struts_that_cross_are_united_and_no_others() -> None:
+    apart = [[0, 0, 30], [9, 0, 30]]
+    skeleton = Skeleton([*CROSS.nodes.tolist(), *apart], [[0, 1], [2, 3], [4, 5]], 1.0)
+    result = solidified(build_scaffold(skeleton), sides=8)
+    assert result.united_edges.tolist() == [0, 1]
+    assert len(result.manifold.decompose()) == 2
+    assert len(self_intersections(manifold_triangles(result.manifold))) == 0
+
+
+def test_all_struts_may_be_united() -> None:
+    solid = thicken(CROSS, 1.0, sides=8)
+    one = np.pi * 18 + 4 / 3 * np.pi
+    assert one < solid.volume() < 2 * one
+    assert len(solid.decompose()) == 1
+
+
+def test_struts_left_out_keep_their_radius() -> None:
+    skeleton = Skeleton([[0, 0, 0], [30, 0, 0], [15, -9, 0.5], [15, 9, 0.5]], CROSS.edges, 1.0)
+    solid = thicken(skeleton, 1.0, sides=16)
+    slab = solid.trim_by_plane([1, 0, 0], 4.0).trim_by_plane([-1, 0, 0], -6.0)
+    assert slab.volume() == pytest.approx(2 * np.pi, rel=0.01)
+
+
+def test_edges_of_a_mesh_become_round_struts() -> None:
+    assert thicken(CUBE, 0.1, sides=8).genus() == 12 - 8 + 1
+
+
+@pytest.mark.parametrize("sides", [3, 6, 32])
+def test_other_numbers_of_sides_are_refused(sides: int) -> None:
+    with pytest.raises(OptionError, match=rf"struts have {sides} sides; need 4, 8 or 16"):
+        thicken(TRIPOD, 1.0, sides=sides)
+
+
+def test_a_bare_mesh_has_no_struts_to_round() -> None:
+    with pytest.raises(OptionError, match=r"a bare mesh has no struts to give 8 sides"):
+        to_solid(CUBE, sides=8)
