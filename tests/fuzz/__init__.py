@@ -1,0 +1,5 @@
+"""What strangers' files and unlikely skeletons do: run by hand, and in small by the tests.
+
+`python -m tests.fuzz --minutes 10` reads mutated files; `python -m tests.fuzz.geometry` builds
+degenerate skeletons; `python -m tests.fuzz.kill` ends programs while they write.
+"""

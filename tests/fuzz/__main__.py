@@ -1,0 +1,99 @@
+"""`python -m tests.fuzz --minutes 10`: mutated files of every format are read."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import resource
+import sys
+import time
+import traceback
+from collections import Counter
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from hypothesis import HealthCheck, Phase, given, seed, settings
+from hypothesis import strategies as st
+
+from tests.fuzz.mutation import mutated
+from tests.fuzz.reading import LONGEST, outcome
+from tests.fuzz.samples import SAMPLES
+
+BATCH = 200
+"""Files a sample and a round."""
+
+MEMORY = 3 * 2**30
+"""Address space of the process, bytes: about 2 GB of it is libraries."""
+
+
+def main() -> int:
+    """Read mutated files until the time is over; return 1 if any was not read or refused well."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--minutes", type=float, default=10.0)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--only", default="", help="part of the samples' names")
+    parser.add_argument("--keep", type=Path, help="folder for the files that failed")
+    options = parser.parse_args()
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    logging.disable(logging.WARNING)
+    stop = time.monotonic() + 60 * options.minutes
+    counts: Counter[str] = Counter()
+    faults: dict[str, str] = {}
+    with TemporaryDirectory() as folder:
+        round_number = options.seed
+        while time.monotonic() < stop:
+            for name, content in SAMPLES.items():
+                if options.only in name and time.monotonic() < stop:
+                    _read_some(Path(folder), name, content, round_number, counts, faults, options)
+            round_number += 1
+    print(", ".join(f"{count} {what}" for what, count in sorted(counts.items())))
+    for place, name in faults.items():
+        print(f"{name}: {place}")
+    return 1 if faults else 0
+
+
+def _read_some(
+    folder: Path,
+    name: str,
+    content: bytes,
+    round_number: int,
+    counts: Counter[str],
+    faults: dict[str, str],
+    options: argparse.Namespace,
+) -> None:
+    """Read a batch of mutations of a sample; count what came of them, one fault a place."""
+
+    @seed(round_number)
+    @settings(
+        max_examples=BATCH,
+        deadline=None,
+        database=None,
+        phases=[Phase.generate],
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(st.data())
+    def read(data: st.DataObject) -> None:
+        path = folder / name
+        path.write_bytes(data.draw(mutated(content)))
+        try:
+            found = outcome(path)
+        except Exception as error:
+            place = traceback.extract_tb(error.__traceback__)[-1]
+            fault = f"{type(error).__name__}: {error} in {place.filename}:{place.lineno}"[:300]
+            counts["failed"] += 1
+        else:
+            counts["read" if found.edges else "refused"] += 1
+            fault = "slow" if found.seconds > LONGEST else ""
+            if not fault and str(path) not in found.message and found.message:
+                fault = f"no file in: {found.message[:200]}"
+        if fault and fault not in faults:
+            faults[fault] = name
+            if options.keep:
+                options.keep.mkdir(exist_ok=True)
+                (options.keep / f"{len(faults)}-{name}").write_bytes(path.read_bytes())
+
+    read()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
