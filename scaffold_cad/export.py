@@ -4,7 +4,7 @@
 .step .stp              solids, mm; a face named after its skeleton edge; build123d shapes too
 .brep                   OCCT's own format, mm
 .stl                    binary, 32-bit coordinates, mm
-.3mf                    one mesh object, 32-bit coordinates, mm
+.3mf                    one mesh object, 32-bit coordinates, mm; a skeleton as a beam lattice
 .obj .ply               quads stay quads, 64-bit coordinates, mm; OBJ also a skeleton, as lines
 .glb                    metres and y up, as glTF asks
 .json                   a skeleton, as `read_skeleton` reads it
@@ -38,7 +38,7 @@ from scaffold_cad.writers.ply import write_ply
 from scaffold_cad.writers.step import write_step
 from scaffold_cad.writers.stl import write_stl
 from scaffold_cad.writers.swc import write_swc
-from scaffold_cad.writers.threemf import write_3mf
+from scaffold_cad.writers.threemf import write_3mf, write_3mf_beams
 
 BREP_SUFFIXES = (".step", ".stp", ".brep")
 """Suffixes of the formats that hold B-reps."""
@@ -80,7 +80,7 @@ def write(what: Any, path: str | PathLike[str], *, write_pcurves: bool = False) 
     what : a Scaffold, a QuadMesh or a BezierMesh for any format but JSON; a TriangleMesh, a
         manifold3d Manifold or a trimesh Trimesh for mesh formats; a build123d shape, which mesh
         formats get within 0.01 mm; a Skeleton for JSON,
-        OBJ (as lines, without radii) and SWC (without loops)
+        3MF (as a beam lattice), OBJ (as lines, without radii) and SWC (without loops)
     path : of the file; its suffix names the format
     write_pcurves : whether a STEP file also holds each edge in the parameters of its faces, for
         programs that ask for it: twice the size, and OCCT takes longer to write and to read it
@@ -154,6 +154,9 @@ def _write_stl(content: Content, path: Path) -> None:
 
 @register_writer(".3mf")
 def _write_3mf(content: Content, path: Path) -> None:
+    if isinstance(content.what, Skeleton):
+        write_3mf_beams(content.what, path)
+        return
     write_3mf(_triangles(content.what).single_precision(), path)
 
 
