@@ -15,7 +15,7 @@ import numpy as np
 
 from scaffold_cad.arrays import Bools, Floats, Ints, UnitVectors, read_only
 from scaffold_cad.partition.blocks import blocks
-from scaffold_cad.vectors import normalize
+from scaffold_cad.vectors import dot, normalize
 
 TIE_BREAK = 1e-11
 """How far directions are moved to choose the diagonals of facets with 4 or more corners.
@@ -47,13 +47,14 @@ class Triangulations:
     @property
     def tails(self) -> Ints:
         """Direction that each half-edge leaves, shape (M, 6 N − 12)."""
-        stars, triangles = self.triangles.shape[:2]
-        return self.triangles.reshape(stars, 3 * triangles)
+        stars, triangles, corners = self.triangles.shape
+        return self.triangles.reshape(stars, triangles * corners)
 
     @property
     def heads(self) -> Ints:
         """Direction that each half-edge reaches, shape (M, 6 N − 12)."""
-        return np.roll(self.triangles, -1, axis=2).reshape(self.tails.shape)
+        heads: Ints = np.roll(self.triangles, -1, axis=2).reshape(self.tails.shape)
+        return heads
 
     @cached_property
     def twins(self) -> Ints:
@@ -74,26 +75,21 @@ def triangulations(stars: UnitVectors) -> tuple[Triangulations, Ints]:
     count, valency = stars.shape[:2]
     chosen = _triples(valency)
     triangles = np.empty((count, 2 * valency - 4, 3), dtype=np.intp)
-    centers = np.empty((count, 2 * valency - 4, 3))
     found = np.zeros(count, dtype=np.bool_)
     # Powers of e satisfy no linear relation: no four of the moved directions stay coplanar.
     moves = TIE_BREAK * (1000 * np.exp(np.arange(3 * valency) / 21) % 1.0).reshape(valency, 3)
     for part in blocks(count, len(chosen) * valency, BLOCK):
-        block = np.arange(part.start, part.stop)
-        above, below, normals = _supports(stars[block] + moves, chosen)
-        complete = (above | below).sum(axis=1) == 2 * valency - 4
-        block = block[complete]
-        facet = np.nonzero((above | below)[complete])[1].reshape(-1, 2 * valency - 4)
-        rows_ = np.arange(len(block))[:, None]
-        flipped = above[complete][rows_, facet]
-        triples = chosen[facet]
-        triangles[block] = np.where(flipped[..., None], triples[..., ::-1], triples)
-        outward = normals[complete][rows_, facet]
-        centers[block] = normalize(np.where(flipped[..., None], -outward, outward))
-        found[block] = True
+        above, below = _supports(stars[part] + moves, chosen)
+        complete = np.flatnonzero((above | below).sum(axis=1) == 2 * valency - 4)
+        facets = np.nonzero((above | below)[complete])[1].reshape(-1, 2 * valency - 4)
+        inward = above[complete[:, None], facets]
+        triples = chosen[facets]
+        triangles[part.start + complete] = np.where(inward[..., None], triples[..., ::-1], triples)
+        found[part.start + complete] = True
     kept = np.flatnonzero(found)
     kept = kept[_is_sphere(triangles[kept], valency)]
-    return Triangulations(triangles[kept], centers[kept]), kept
+    a, b, c = (stars[kept[:, None], triangles[kept, :, k]] for k in range(3))
+    return Triangulations(triangles[kept], normalize(np.cross(b - a, c - a))), kept
 
 
 @lru_cache(maxsize=8)
@@ -102,15 +98,16 @@ def _triples(valency: int) -> Ints:
     return np.array(list(combinations(range(valency), 3)), dtype=np.intp)
 
 
-def _supports(points: Floats, triples: Ints) -> tuple[Bools, Bools, Floats]:
-    """Return which triples have all other points above or below, (M, T), and normals (M, T, 3)."""
+def _supports(points: Floats, triples: Ints) -> tuple[Bools, Bools]:
+    """Return which triples have no other point below their plane, and which none above, (M, T)."""
     i, j, k = (points[:, triples[:, c]] for c in range(3))
     normals = np.cross(j - i, k - i)
     # Heights are taken from a corner of the triple: near it they do not cancel.
-    heights = normals @ np.swapaxes(points, 1, 2) - (normals * i).sum(axis=2)[..., None]
-    place = np.arange(len(triples))[:, None]
-    heights[:, place, triples] = 0.0
-    return (heights >= 0).all(axis=2), (heights <= 0).all(axis=2), normals
+    heights = normals @ np.swapaxes(points, 1, 2) - dot(normals, i)[..., None]
+    heights[:, np.arange(len(triples))[:, None], triples] = 0.0
+    none_below: Bools = (heights >= 0).all(axis=2)
+    none_above: Bools = (heights <= 0).all(axis=2)
+    return none_below, none_above
 
 
 def _is_sphere(triangles: Ints, valency: int) -> Bools:

@@ -30,12 +30,12 @@ MANY_ARCS, MOST_BURDEN = 0.003, 0.05
 """What arcs beyond four at a vertex cost of the score, by the square, and at most."""
 WANTED = 1000.0
 """Gain of taking an edge that must be taken."""
-LONG_ARC = 2.5
-"""Voronoi arcs longer than this, in reaches, bring no more gain."""
+LONG_ARC = 3.0
+"""What the gain of Voronoi arcs levels off at, in reaches."""
 TINY_ARC = 0.1
 """Voronoi arcs shorter than this, in reaches, are hardly there: their ends should merge."""
-WIDE_GAP = 1.5
-"""Gaps between two caps wider than this, in reaches, bring no more loss."""
+WIDE_GAP = 1.8
+"""What the loss of gaps between two caps levels off at, in reaches."""
 
 
 @dataclass(frozen=True)
@@ -219,11 +219,20 @@ def _gains(
     left = meshes.centers[row, half_edges // 3]
     right = meshes.centers[row, _taken(meshes.twins, half_edges) // 3]
     near, far = reach[row, tails], reach[row, heads]
-    arc = np.minimum(angle_between(left, right) / np.sqrt(near * far), LONG_ARC)
+    arc = _levelled(angle_between(left, right) / np.sqrt(near * far), LONG_ARC)
     apart = angle_between(stars[row, tails], stars[row, heads])
-    gap = np.minimum(apart / (near + far) - 1, WIDE_GAP)
+    gap = _levelled(apart / (near + far) - 1, WIDE_GAP)
     merging = np.maximum(1 - arc / TINY_ARC, 0)
     return 1 + 0.82 * arc - 1.4 * gap - 0.8 * merging, -1 + 0.37 * arc - 0.51 * gap
+
+
+def _levelled(values: Floats, limit: float) -> Floats:
+    """Return values that tend to `limit`, but so that no two different ones become equal.
+
+    Equal gains would leave it to the order of the directions which edge is taken.
+    """
+    levelled: Floats = values / np.sqrt(1 + (values / limit) ** 2)
+    return levelled
 
 
 def edges_of(meshes: Triangulations) -> Ints:

@@ -15,8 +15,9 @@ import numpy as np
 from scaffold_cad.arrays import Floats, Ints
 from scaffold_cad.partition.multigraph import EDGES_EACH
 
-PENALTY = 1.5
-"""Gain lost by the square of the edges missing at, or too many for, a direction."""
+PENALTIES, PHASE = (1.0, 2.0, 4.0, 6.0), 40
+"""Gain lost by the square of the edges missing at, or too many for, a direction: in turn, for
+so many steps each. A low one lets the search wander, a high one brings it to an end."""
 OF_FOUR = np.array([[2, 1, 1], [1, 2, 1], [1, 1, 2], [0, 2, 2], [2, 0, 2], [2, 2, 0]])
 """How often each of the three pairs of opposite edges among four directions can be taken."""
 TENURE = (1, 1, 2, 8, 3, 1, 14, 5, 2)
@@ -90,7 +91,8 @@ class _TabuSearch:
     def change(self, step: int) -> None:
         """Take or drop one edge of each star."""
         missing = self.missing.reshape(-1)
-        relief = 2 * PENALTY * (missing[self.flat_ends[..., 0]] + missing[self.flat_ends[..., 1]])
+        penalty = PENALTIES[step // PHASE % len(PENALTIES)]
+        relief = 2 * penalty * (missing[self.flat_ends[..., 0]] + missing[self.flat_ends[..., 1]])
         more, less = self.more + relief, self.less - relief
         value = np.maximum(more, less)
         value[self.free_from > step] = -np.inf

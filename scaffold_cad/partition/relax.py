@@ -240,8 +240,9 @@ def _newton_step(
     steepest = matrix[:, unknown, unknown].max(axis=1)
     matrix[:, unknown, unknown] += (damping + 1e-10 * steepest)[:, None]
     step = np.linalg.solve(matrix, slope[:, :, None])[..., 0]
-    step *= (NEWTON_STEP / np.maximum(np.abs(step).max(axis=1), NEWTON_STEP))[:, None]
     along = step.reshape(-1, 2).T
+    longest = np.sqrt((along * along).sum(axis=0)).reshape(rows, count).max(axis=1)
+    along *= np.repeat(NEWTON_STEP / np.maximum(longest, NEWTON_STEP), count)
     return _unit(vertices + along[0] * tangents[0] + along[1] * tangents[1])
 
 
