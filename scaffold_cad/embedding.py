@@ -5,8 +5,8 @@ inside of the scaffold. No two faces meet outside shared edges if
 
 - each tube leaves each of its nodes within its own cone, the part of space that the spherical
   quad around its direction cuts out (at a joint or an extremity: within its own half-space),
-- no sleeve crosses itself: it is star-shaped around a point of its axis, or else found whole by
-  the exact test of its few triangles,
+- no sleeve crosses itself, and its axis is inside: it is star-shaped around a point of its axis,
+  or else found whole by the exact test of its few triangles,
 - tubes that share no node keep apart.
 
 A strut that breaks a condition is left out, and the quads that it leaves open at its branch
@@ -56,7 +56,7 @@ class Embedding:
     within_cone: Bools
     """Whether each strut leaves each of its two nodes within its own cone, shape (m, 2)."""
     uncrossed: Bools
-    """Whether no sleeve of each strut crosses itself, shape (m,)."""
+    """Whether no sleeve of each strut crosses itself or its axis, shape (m,)."""
     conflicts: Edges
     """Pairs of struts without a common node that could not be shown to keep apart, (k, 2)."""
     kept: Bools
@@ -161,7 +161,7 @@ def _in_front(planes: Floats, points: Points) -> Bools:
 
 
 def _uncrossed(scaffold: Scaffold) -> Bools:
-    """Return whether each sleeve, closed towards its nodes, does not cross itself, (m',).
+    """Return whether each sleeve, closed towards its nodes, holds its axis and is whole, (m',).
 
     Nearly all are star-shaped around a point of their axis: their triangles are all seen from one
     side and together cover the sphere of directions once.
@@ -176,7 +176,11 @@ def _uncrossed(scaffold: Scaffold) -> Bools:
             shell = _closed_sleeves(scaffold, part, sides[part])  # (k, 16, 3, 3)
             fine[part] = _seen_once(shell - centre[:, None, None, :])
     for part in _chunks(np.flatnonzero(~fine)):
-        fine[part] = _whole(_closed_sleeves(scaffold, part, sides[part]))
+        shell = _closed_sleeves(scaffold, part, sides[part])
+        fine[part] = _whole(shell)
+        for fraction in STAR_CENTRES:
+            centre = (1 - fraction) * start[part] + fraction * end[part]
+            fine[part] &= _solid_angle(shell - centre[:, None, None, :]) > 2 * np.pi
     return fine
 
 
@@ -212,13 +216,23 @@ def _closed_sleeves(scaffold: Scaffold, sleeves: Ints, sides: Ints) -> Points:
 def _seen_once(triangles: Points) -> Bools:
     """Return whether closed surfaces (k, t, 3, 3) are seen from 0, all of them and only once."""
     a, b, c = (triangles[:, :, corner] for corner in range(3))
-    volume = triple(a, b, c)  # (k, t)
+    product = length(a) * length(b) * length(c)
+    positive = (triple(a, b, c) > MARGIN * product).all(axis=1)
+    return np.asarray(positive & (np.abs(_solid_angle(triangles) - 4 * np.pi) < 1e-3))
+
+
+def _solid_angle(triangles: Points) -> Floats:
+    """Return the solid angle of surfaces (k, t, 3, 3) seen from 0, (k,).
+
+    References
+    ----------
+    van Oosterom, Strackee, The solid angle of a plane triangle, 1983.
+    """
+    a, b, c = (triangles[:, :, corner] for corner in range(3))
     la, lb, lc = length(a), length(b), length(c)
-    product = la * lb * lc
-    cosine = product + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb
-    solid_angle = 2.0 * np.arctan2(volume, cosine).sum(axis=1)
-    positive = (volume > MARGIN * product).all(axis=1)
-    return np.asarray(positive & (np.abs(solid_angle - 4 * np.pi) < 1e-3))
+    cosine = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb
+    angle: Floats = 2.0 * np.arctan2(triple(a, b, c), cosine).sum(axis=1)
+    return angle
 
 
 @dataclass(frozen=True, eq=False)

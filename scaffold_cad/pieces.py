@@ -18,7 +18,7 @@ from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.sleeves import fitted_angle
 from scaffold_cad.thinning import kept_samples
-from scaffold_cad.trianglemesh import TriangleMesh
+from scaffold_cad.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.vectors import any_perpendicular, dot, length, normalize, rotate
 
 PLASTIC = 1.32471795724474602596
@@ -242,11 +242,3 @@ def _square(x: UnitVectors, axis: UnitVectors) -> Points:
     """Return four corners at distance 1 from 0 across `axis`, the first along `x`, (k, 4, 3)."""
     y = np.cross(axis, x)
     return np.stack([x, y, -x, -y], axis=1)
-
-
-def compacted(vertices: Points, triangles: Triangles) -> TriangleMesh:
-    """Return the triangles with only the vertices that they use."""
-    used = np.zeros(len(vertices), dtype=np.bool_)
-    used[triangles] = True
-    rank = np.cumsum(used) - 1
-    return TriangleMesh(vertices[used], rank[triangles])

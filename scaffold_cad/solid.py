@@ -11,6 +11,7 @@ import numpy as np
 
 from scaffold_cad import manifolds
 from scaffold_cad.arrays import Ints
+from scaffold_cad.collapse import without_short_edges
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.intersections import self_intersections
 from scaffold_cad.pieces import solid_pieces
@@ -131,10 +132,11 @@ def _clean_union(
     # Edges that 32-bit coordinates cannot hold would be written with two ends at one place.
     least = SINGLE_PRECISION * float(np.abs(scaffold.mesh.vertices).max())
     for wobble in WOBBLES:
-        manifold, voids = manifolds.without_voids(united(wobble).simplify(least))
-        fault = _fault(manifolds.manifold_triangles(manifold))
+        filled, voids = manifolds.without_voids(united(wobble))
+        surface = without_short_edges(manifolds.manifold_triangles(filled), least)
+        fault = _fault(surface)
         if fault is None:
-            return Solidified(manifold, edges, voids)
+            return Solidified(manifolds.to_manifold(surface), edges, voids)
         _log.debug("with a wobble of %g the union %s", wobble, fault)
     raise MeshError(
         f"the union of {len(edges)} overlapping struts {fault}; need a clean surface "

@@ -15,7 +15,7 @@ from scaffold_cad.arrays import Floats, Ints, Points, UnitVectors
 from scaffold_cad.errors import OptionError
 from scaffold_cad.partition import partition_spheres
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.vectors import dot, length
+from scaffold_cad.vectors import dot, length, normalize
 
 Fit: TypeAlias = Literal["enclose", "paper"]
 """How large a branch point's sphere is: so that no strut is cut thin at it, or as given."""
@@ -36,6 +36,9 @@ APOTHEM: dict[Section, float] = {
 
 SHARED_REACH = 0.45
 """Part of an edge that an enlarged sphere may take where both ends are branch points."""
+
+MOST_SAG = 2.0
+"""Most that a vertex is put further out because a side is a chord instead of an arc."""
 
 FREE_REACH = 0.8
 """Part of an edge that an enlarged sphere may take where the other end is none."""
@@ -142,7 +145,9 @@ def _enclosing_radius(skeleton: Skeleton, stars: Stars, radius: Floats, apothem:
         along = dot(corner, np.broadcast_to(axis, corner.shape))  # (k, 4)
         across = corner - along[:, :, None] * axis
         distance = _distance_to_side(across, np.roll(across, -1, axis=1))  # (k, 4)
-        wanted = apothem * skeleton.radii[tails[part]][:, None] / np.maximum(distance, 1e-9)
+        # The chord of a long arc passes close to the axis however far out its ends are.
+        bound = np.maximum(distance, _distance_to_plane(corner, axis) / MOST_SAG)
+        wanted = apothem * skeleton.radii[tails[part]][:, None] / np.maximum(bound, 1e-9)
         np.maximum.at(need, rows, wanted)
         np.maximum.at(need, np.roll(rows, -1, axis=1), wanted)
         limit = np.divide(
@@ -159,6 +164,12 @@ def _distance_to_side(a: Floats, b: Floats) -> Floats:
     squared = np.maximum(dot(span, span), np.finfo(np.float64).tiny)
     nearest = np.clip(-dot(a, span) / squared, 0.0, 1.0)
     return length(a + nearest[..., None] * span)
+
+
+def _distance_to_plane(corner: UnitVectors, axis: UnitVectors) -> Floats:
+    """Return the distance of the tip of `axis` (k, 1, 3) to the planes of the arcs, (k, 4)."""
+    normal = normalize(np.cross(corner, np.roll(corner, -1, axis=1)))
+    return np.abs(dot(normal, np.broadcast_to(axis, normal.shape)))
 
 
 def edge_reach(skeleton: Skeleton) -> Floats:

@@ -31,6 +31,21 @@ class TriangleMesh:
         """Volume inside the triangles, mm³: > 0 for a closed mesh with outward triangles."""
         return float(cone_volumes(self.vertices, self.triangles).sum())
 
+    def single_precision(self) -> TriangleMesh:
+        """Return the mesh as formats with 32-bit coordinates hold it, with nothing degenerate.
+
+        Where rounding makes the corners of a triangle coincide, vertices at one place become one
+        and the triangles without three corners go.
+        """
+        rounded = self.vertices.astype(np.float32)
+        corners = rounded[self.triangles]  # (t, 3, 3)
+        if not (corners == np.roll(corners, 1, axis=1)).all(axis=2).any():
+            return self
+        places, place = np.unique(rounded + np.float32(0), axis=0, return_inverse=True)
+        triangles = place.reshape(-1)[self.triangles]
+        proper = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
+        return TriangleMesh(places.astype(np.float64), triangles[proper])
+
     def check_closed(self) -> None:
         """Raise unless each triangle side is met by one other that runs the opposite way.
 
@@ -52,6 +67,14 @@ class TriangleMesh:
         if len(lonely):
             a, b = divmod(int(lonely[0]), len(self.vertices))
             raise MeshError(f"no triangle runs along the edge from vertex {b} to {a}; need one")
+
+
+def compacted(vertices: Points, triangles: Triangles) -> TriangleMesh:
+    """Return the triangles with only the vertices that they use."""
+    used = np.zeros(len(vertices), dtype=np.bool_)
+    used[triangles] = True
+    rank = np.cumsum(used) - 1
+    return TriangleMesh(vertices[used], rank[triangles])
 
 
 def cone_volumes(vertices: Points, triangles: Triangles) -> Floats:

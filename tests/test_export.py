@@ -153,8 +153,24 @@ def test_stl_normals_are_those_of_the_triangles(tmp_path: Path) -> None:
 
 
 def test_stl_triangles_without_area_have_no_normal(tmp_path: Path) -> None:
-    write(TriangleMesh(np.zeros((3, 3)), [[0, 1, 2]]), tmp_path / "dot.stl")
-    assert np.frombuffer((tmp_path / "dot.stl").read_bytes()[84:96], "<f4").tolist() == [0, 0, 0]
+    write(TriangleMesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]]), tmp_path / "line.stl")
+    assert np.frombuffer((tmp_path / "line.stl").read_bytes()[84:96], "<f4").tolist() == [0, 0, 0]
+
+
+def test_triangles_that_rounding_makes_degenerate_are_not_written(tmp_path: Path) -> None:
+    # A tetrahedron with one corner cut off, 1e-9 mm from it: less than 32 bits can tell apart.
+    tiny = 1e-9
+    corners = [[0, 0, 1], [0, 2, 1], [2, 0, 1], [1, 1, 3], [1, 1 + tiny, 3], [1 + tiny, 1, 3]]
+    mesh = TriangleMesh(
+        corners,
+        [[0, 1, 2], [3, 5, 4], [0, 2, 5], [0, 5, 3], [1, 4, 5], [1, 5, 2], [0, 3, 4], [0, 4, 1]],
+    )
+    mesh.check_closed()
+    for name in ("cut.stl", "cut.3mf"):
+        write(mesh, tmp_path / name)
+        read = trimesh.load(tmp_path / name, force="mesh")
+        assert read.is_watertight
+        assert len(read.faces) == 4
 
 
 def test_glb_files_are_in_metres_and_y_up(tmp_path: Path) -> None:

@@ -1,0 +1,56 @@
+"""Short edges of triangle meshes, such as unions leave, drawn together to points."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scaffold_cad.arrays import Edges, Triangles
+from scaffold_cad.trianglemesh import TriangleMesh, compacted
+from scaffold_cad.vectors import length
+
+
+def without_short_edges(mesh: TriangleMesh, shortest: float) -> TriangleMesh:
+    """Return a closed mesh with its edges shorter than `shortest` (mm) drawn together.
+
+    An edge stays where drawing it together would pinch the surface: where a vertex beside both of
+    its ends belongs to neither of its two triangles. The lower end of an edge keeps its place.
+    """
+    while True:
+        edges = _short_edges(mesh, shortest)
+        chosen = _independent(mesh.triangles, edges)
+        if len(chosen) == 0:
+            return mesh
+        target = np.arange(len(mesh.vertices))
+        target[chosen[:, 1]] = chosen[:, 0]
+        triangles = target[mesh.triangles]
+        proper = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
+        mesh = compacted(mesh.vertices, triangles[proper])
+
+
+def _short_edges(mesh: TriangleMesh, shortest: float) -> Edges:
+    """Return the edges shorter than `shortest`, lower vertex first, the shortest first, (k, 2)."""
+    ends = np.stack([mesh.triangles, np.roll(mesh.triangles, -1, axis=1)], axis=2).reshape(-1, 2)
+    ends = ends[ends[:, 0] < ends[:, 1]]  # each edge once: its other triangle runs back along it
+    spans = length(mesh.vertices[ends[:, 1]] - mesh.vertices[ends[:, 0]])
+    short = np.flatnonzero(spans < shortest)
+    return ends[short[np.argsort(spans[short], kind="stable")]]
+
+
+def _independent(triangles: Triangles, edges: Edges) -> Edges:
+    """Return those of `edges` that may be drawn together at once, (k, 2)."""
+    touched: set[int] = set()
+    chosen = []
+    ends = set(edges.reshape(-1).tolist())
+    near = np.flatnonzero(np.isin(triangles, edges).any(axis=1))
+    neighbors: dict[int, set[int]] = {vertex: set() for vertex in ends}
+    for row in triangles[near].tolist():
+        for vertex in row:
+            if vertex in neighbors:
+                neighbors[vertex] |= set(row)
+    for a, b in edges.tolist():
+        around = neighbors[a] | neighbors[b]
+        # Two common neighbours besides the ends themselves: the link condition.
+        if len(neighbors[a] & neighbors[b]) == 4 and not around & touched:
+            touched |= around
+            chosen.append((a, b))
+    return np.asarray(chosen, dtype=np.intp).reshape(-1, 2)

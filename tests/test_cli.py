@@ -1,0 +1,228 @@
+"""The command line: exit codes, one clear line for bad input, and products that hold."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import trimesh
+
+from scaffold_cad import __version__
+from scaffold_cad.cli import main
+from scaffold_cad.io import read_skeleton, skeleton_to_json
+from tests import skeletons as named
+from tests.real_files import RADII
+from tests.test_embedding import CROSSING
+
+MESHES = (".stl", ".3mf", ".obj", ".ply", ".glb")
+
+
+@pytest.fixture
+def figure(tmp_path: Path) -> str:
+    """Return the path of a file with the stick figure."""
+    path = tmp_path / "figure.json"
+    path.write_text(skeleton_to_json(named.STICK_FIGURE))
+    return str(path)
+
+
+@pytest.mark.parametrize("suffix", MESHES)
+def test_build_writes_a_watertight_solid(figure: str, tmp_path: Path, suffix: str) -> None:
+    out = tmp_path / f"figure{suffix}"
+    assert main(["build", figure, "-o", str(out)]) == 0
+    mesh = trimesh.load(out, force="mesh", process=True)
+    assert mesh.is_watertight
+    assert mesh.is_winding_consistent
+    assert mesh.volume > 0
+
+
+def test_build_writes_a_valid_step_solid(figure: str, tmp_path: Path) -> None:
+    build123d = pytest.importorskip("build123d")
+    out = tmp_path / "figure.step"
+    assert main(["build", figure, "-o", str(out)]) == 0
+    solids = build123d.import_step(str(out)).solids()
+    assert len(solids) == 1
+    assert solids[0].is_valid
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".step"])
+def test_frames_have_more_faces_than_their_scaffold(
+    figure: str, tmp_path: Path, suffix: str
+) -> None:
+    scaffold, frame = tmp_path / f"scaffold{suffix}", tmp_path / f"frame{suffix}"
+    assert main(["build", figure, "-o", str(scaffold)]) == 0
+    command = ["build", figure, "-o", str(frame), "--as", "frame", "--strut-radius", "0.05"]
+    assert main(command) == 0
+    assert frame.stat().st_size > 5 * scaffold.stat().st_size
+
+
+def test_a_shell_keeps_the_quads(figure: str, tmp_path: Path) -> None:
+    out = tmp_path / "shell.obj"
+    assert main(["build", figure, "-o", str(out), "--as", "shell"]) == 0
+    quads = [line for line in out.read_text().splitlines() if line.startswith("f ")]
+    edges, tips = len(named.STICK_FIGURE.edges), len(named.STICK_FIGURE.extremities)
+    assert len(quads) == 4 * edges + tips
+
+
+def test_overlaps_are_said_and_united(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    source, out = tmp_path / "crossing.json", tmp_path / "crossing.stl"
+    source.write_text(skeleton_to_json(CROSSING))
+    assert main(["build", str(source), "-o", str(out)]) == 0
+    assert "2 of 3 struts overlap others or their nodes and were united" in capsys.readouterr().err
+    assert trimesh.load(out).is_watertight
+
+
+def test_a_frame_tells_the_radius_that_it_took(
+    figure: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["build", figure, "-o", str(tmp_path / "f.stl"), "--as", "frame"]) == 0
+    assert "the frame's struts have radius" in capsys.readouterr().err
+
+
+def test_quiet_says_nothing(
+    figure: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["build", figure, "-o", str(tmp_path / "f.stl"), "--quiet"]) == 0
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err == ""
+
+
+def test_simplify_drops_joints(
+    shared_data: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = str(shared_data / "nrn_ordering.swc")
+    out = tmp_path / "neuron.stl"
+    assert main(["build", source, "-o", str(out), "--simplify", "0.5"]) == 0
+    assert "simplified from 3782 to" in capsys.readouterr().err
+    assert trimesh.load(out).is_watertight
+
+
+def test_info_counts(figure: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["info", figure]) == 0
+    rows = dict(
+        line.split("  ", 1) for line in capsys.readouterr().out.splitlines() if "  " in line
+    )
+    rows = {name.strip(): value.strip() for name, value in rows.items()}
+    skeleton = named.STICK_FIGURE
+    assert rows["nodes"] == str(len(skeleton.nodes))
+    assert rows["edges"] == str(len(skeleton.edges))
+    assert rows["components"] == str(skeleton.component_count)
+    assert rows["loops"] == str(skeleton.loop_count)
+    assert rows["joints"] == str(len(skeleton.joints))
+    assert rows["extremities"] == str(len(skeleton.extremities))
+    assert rows["branch points"].startswith(f"{len(skeleton.branch_points)} (")
+    assert rows["repairs"] == "nothing"
+
+
+def test_info_needs_no_radii(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    source = tmp_path / "lines.obj"
+    source.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nl 1 2 3\nl 3 2\n")
+    assert main(["info", str(source)]) == 0
+    out = capsys.readouterr().out
+    assert "none in the file: build needs --radius" in out
+    assert "1 duplicate edges" in out
+
+
+BAD_INPUT = [
+    (["build", "missing.swc", "-o", "x.stl"], "missing.swc cannot be read: No such file"),
+    (["info", "missing.swc"], "missing.swc cannot be read: No such file"),
+    (["build", "FIGURE", "-o", "x.dwg"], "cannot write x.dwg: its suffix is '.dwg'; need .3mf"),
+    (["build", "FIGURE", "-o", "nowhere/x.stl"], "there is no folder nowhere"),
+    (["build", "FIGURE", "-o", "x.stl", "--radius", "-1"], "radius is -1 mm; need > 0"),
+    (["build", "FIGURE", "-o", "x.stl", "--simplify", "-1"], "tolerance is -1 mm; need >= 0"),
+    (
+        ["build", "FIGURE", "-o", "x.stl", "--as", "frame", "--strut-radius", "0"],
+        "strut radius is 0 mm; need > 0",
+    ),
+]
+
+
+@pytest.mark.parametrize(("arguments", "message"), BAD_INPUT)
+def test_bad_input_is_one_clear_line_and_leaves_no_file(
+    figure: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    arguments: list[str],
+    message: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    before = set(tmp_path.iterdir())
+    assert main([figure if a == "FIGURE" else a for a in arguments]) == 2
+    error = capsys.readouterr().err.strip().splitlines()
+    assert message in error[-1]
+    assert not any("Traceback" in line for line in error)
+    assert set(tmp_path.iterdir()) == before
+
+
+def test_unknown_choices_exit_with_two(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main(["build", "a.swc", "-o", "a.stl", "--as", "cloud"])
+    assert stop.value.code == 2
+    assert "invalid choice: 'cloud'" in capsys.readouterr().err
+
+
+def test_strict_refuses_what_needs_repair(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = tmp_path / "lines.obj"
+    source.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nl 1 2 3\nl 3 2\n")
+    command = ["build", str(source), "-o", str(tmp_path / "x.stl"), "--radius", "0.1"]
+    assert main([*command, "--strict"]) == 2
+    assert "need each edge once" in capsys.readouterr().err
+    assert main(command) == 0
+    assert "was repaired: 1 duplicate edges" in capsys.readouterr().err
+
+
+def test_interrupted_work_exits_with_130(figure: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupt(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("scaffold_cad.cli.source.read_skeleton", interrupt)
+    assert main(["build", figure, "-o", "x.stl"]) == 130
+
+
+def run(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "scaffold_cad.cli", *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_version_and_help() -> None:
+    assert run("--version").stdout.strip() == f"scaffold-cad {__version__}"
+    assert "build" in run("--help").stdout
+    assert run().returncode == 2
+
+
+def test_meshes_are_written_without_build123d(figure: str, tmp_path: Path) -> None:
+    program = (
+        "import sys; from scaffold_cad.cli import main; "
+        f"code = main(['build', {figure!r}, '-o', {str(tmp_path / 'x.stl')!r}]); "
+        "print(code, sorted({'build123d', 'OCP'} & set(sys.modules)))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == "0 []"
+
+
+@pytest.mark.parametrize("name", RADII)
+def test_real_files_become_watertight(shared_data: Path, tmp_path: Path, name: str) -> None:
+    out = tmp_path / "out.stl"
+    command = ["build", str(shared_data / name), "-o", str(out)]
+    if RADII[name] is not None:
+        assert main(command) == 2
+        command += ["--radius", str(RADII[name])]
+    assert main(command) == 0
+    mesh = trimesh.load(out)
+    assert mesh.is_watertight
+    assert mesh.is_winding_consistent
+    assert mesh.volume > 0
+    skeleton = read_skeleton(shared_data / name, RADII[name])
+    assert (mesh.bounds[0] <= skeleton.nodes.min(axis=0) + 1e-6).all()
+    assert (mesh.bounds[1] >= skeleton.nodes.max(axis=0) - 1e-6).all()
