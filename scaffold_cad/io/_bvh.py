@@ -30,9 +30,10 @@ def read_bvh(path: Path) -> RawSkeleton:
     rows = read_rows(path)
     parents, offsets = _hierarchy(path, rows)
     nodes = np.asarray(offsets)
-    for node, parent in enumerate(parents):  # parents come before their children
-        if parent >= 0:
-            nodes[node] += nodes[parent]
+    with np.errstate(over="ignore", invalid="ignore"):  # such places are refused below
+        for node, parent in enumerate(parents):  # parents come before their children
+            if parent >= 0:
+                nodes[node] += nodes[parent]
     child = np.flatnonzero(np.asarray(parents) >= 0)
     return RawSkeleton(nodes, np.stack([np.asarray(parents)[child], child], axis=1))
 

@@ -13,7 +13,7 @@ from scaffold_cad.arrays import Points
 from scaffold_cad.backends import need
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._formats import register_reader
-from scaffold_cad.io._raw import RawSkeleton, joined_polylines
+from scaffold_cad.io._raw import LARGEST_COORDINATE, RawSkeleton, joined_polylines
 from scaffold_cad.io._text import check_size
 
 CURVES = ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE")
@@ -99,8 +99,8 @@ def _points(entity: Any) -> Points:
 
     curve = make_path(entity)
     corners = np.array([tuple(point) for point in curve.control_vertices()]).reshape(-1, 3)
-    if not np.isfinite(corners).all():
-        raise ValueError(f"{entity.dxftype()} has a coordinate that is not finite")
+    if not (np.abs(corners) <= LARGEST_COORDINATE).all():
+        raise ValueError(f"a {entity.dxftype()} reaches beyond {LARGEST_COORDINATE:g} mm")
     size = float(np.linalg.norm(np.ptp(corners, axis=0))) if len(corners) else 0.0
     if not (curve.has_curves and size > 0):
         return corners

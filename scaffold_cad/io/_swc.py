@@ -11,6 +11,7 @@ from scaffold_cad.errors import FormatError
 from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import (
+    LARGEST_WHOLE,
     Row,
     first_words,
     float_columns,
@@ -20,7 +21,6 @@ from scaffold_cad.io._text import (
 )
 
 _NEED = "a sample: number, type, x, y, z, radius, parent"
-_LARGEST_NUMBER = 2.0**53  # beyond it float64 has no longer every whole number
 
 
 def _recognises(head: bytes) -> bool:
@@ -50,7 +50,7 @@ def read_swc(path: Path) -> RawSkeleton:
 def _edges(path: Path, rows: list[Row], number: Floats, parent: Floats) -> Edges:
     """Return the node pairs parent and child, in order of the children, shape (m, 2)."""
     for column in (number, parent):
-        whole = (np.abs(column) < _LARGEST_NUMBER) & (column == np.round(column))
+        whole = (np.abs(column) < LARGEST_WHOLE) & (column == np.round(column))
         _refuse(path, rows, ~whole, "{} is not the number of a sample", column, "a whole number")
     order = np.argsort(number, kind="stable")
     ordered = number[order]

@@ -18,6 +18,10 @@ LARGEST_FILE = 2**30
 """Most bytes that are read from a file or an archive's part: 20 million struts and more."""
 
 
+LARGEST_WHOLE = 2.0**53
+"""Beyond it float64 has no longer every whole number."""
+
+
 def read_text(path: Path) -> str:
     """Return the text of a file, its line ends made one; what is not UTF-8 becomes U+FFFD.
 
@@ -124,6 +128,21 @@ def whole_number(path: Path, line: int, word: str, need: str) -> int:
         return int(word)
     except ValueError:
         raise line_error(path, line, f"{word!r} is not a whole number", need) from None
+
+
+def as_indices(path: Path, values: Floats) -> Ints:
+    """Return numbers that were read as floats as indices, in or out of range.
+
+    Raises
+    ------
+    FormatError
+        If one is no whole number that a float64 holds exactly.
+    """
+    whole = (np.abs(values) < LARGEST_WHOLE) & (values == np.round(values))
+    bad = np.flatnonzero(~whole)
+    if len(bad):
+        raise FormatError(f"{path} has the index {values[bad[0]]:g}; need a whole number")
+    return values.astype(np.intp)
 
 
 def index_columns(

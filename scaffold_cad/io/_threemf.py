@@ -28,6 +28,12 @@ from scaffold_cad.io._threemf_model import (
 DEEPEST = 64
 """How deep components may be nested; more is a circle."""
 
+SMALL_PART = 2**24
+"""Bytes of a part that is taken however well it is packed."""
+
+MOST_PACKED = 100
+"""How many times its packed size a larger part may have: lattices have 5 to 40 times."""
+
 MOST_BEAMS = 2 * 10**7
 """How many beams components may multiply to."""
 
@@ -126,6 +132,12 @@ class _Package:
         if info.file_size > LARGEST_FILE:
             raise FormatError(
                 f"{self._path} has {info.file_size} bytes in {part}; need at most {LARGEST_FILE}"
+            )
+        growth = info.file_size // max(info.compress_size, 1)
+        if info.file_size > SMALL_PART and growth > MOST_PACKED:
+            raise FormatError(
+                f"{self._path} unpacks {info.filename} to {growth} times its size; "
+                f"need at most {MOST_PACKED}"
             )
         with self._archive.open(info) as stream:
             yield stream

@@ -36,30 +36,37 @@ def is_radii(name: str) -> bool:
     return name.strip().lower() in RADII
 
 
-def skeleton_of(path: Path, points: Floats, lines: Lines, radii: Floats | None) -> RawSkeleton:
-    """Return polylines as a graph.
+def checked(path: Path, lines: Lines, count: int) -> Lines:
+    """Return `lines` if they end in order and pass through points 0..count-1.
 
     Raises
     ------
     FormatError
-        If a polyline ends before it begins, or names a point that isn't there.
+        If they do not.
     """
     total, ends = len(lines.connectivity), lines.ends
-    if len(ends) and (np.diff(ends, prepend=0).min() < 0 or ends[-1] != total):
-        raise FormatError(f"{path} has lines that end out of order; need ends up to {total}")
-    ahead = np.ones(total, dtype=np.bool_)
-    ahead[ends[np.diff(ends, prepend=0) > 0] - 1] = False
+    if np.diff(ends, prepend=0).min(initial=0) < 0 or ends[-1:].sum() != total:
+        raise FormatError(f"{path} has cells that end out of order; need ends up to {total}")
+    bad = np.flatnonzero((lines.connectivity < 0) | (lines.connectivity >= count))
+    if len(bad):
+        found = f"{path} has a line through point {lines.connectivity[bad[0]]}"
+        raise FormatError(f"{found}; need 0 to {count - 1}")
+    return lines
+
+
+def skeleton_of(points: Floats, lines: Lines, radii: Floats | None) -> RawSkeleton:
+    """Return polylines, which were checked, as a graph."""
+    ahead = np.ones(len(lines.connectivity), dtype=np.bool_)
+    ahead[lines.ends[np.diff(lines.ends, prepend=0) > 0] - 1] = False
     starts = np.flatnonzero(ahead)
     edges = np.stack([lines.connectivity[starts], lines.connectivity[starts + 1]], axis=1)
     return RawSkeleton(points, edges, radii)
 
 
-def line_cells(path: Path, lines: Lines, types: Ints) -> Lines:
-    """Return the cells that are lines."""
-    if len(types) != len(lines.ends):
-        raise FormatError(f"{path} has {len(types)} types of {len(lines.ends)} cells; need as many")
-    counts = np.diff(lines.ends, prepend=0)
-    if (counts < 0).any() or counts.sum() != len(lines.connectivity):
-        raise FormatError(f"{path} has cells that end out of order; need ends in order")
+def line_cells(path: Path, cells: Lines, types: Ints) -> Lines:
+    """Return those of `cells`, which were checked, that are lines."""
+    if len(types) != len(cells.ends):
+        raise FormatError(f"{path} has {len(types)} types of {len(cells.ends)} cells; need as many")
+    counts = np.diff(cells.ends, prepend=0)
     kept = np.isin(types, LINE_CELLS)
-    return Lines(lines.connectivity[np.repeat(kept, counts)], np.cumsum(counts[kept]))
+    return Lines(cells.connectivity[np.repeat(kept, counts)], np.cumsum(counts[kept]))

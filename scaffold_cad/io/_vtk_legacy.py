@@ -10,8 +10,8 @@ from scaffold_cad.arrays import Floats, Ints
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._raw import RawSkeleton
-from scaffold_cad.io._text import LARGEST_FILE, check_size
-from scaffold_cad.io._vtk import Lines, is_radii, line_cells, skeleton_of
+from scaffold_cad.io._text import LARGEST_FILE, as_indices, check_size
+from scaffold_cad.io._vtk import Lines, checked, is_radii, line_cells, skeleton_of
 
 _TYPES = {
     "unsigned_char": "u1",
@@ -76,12 +76,13 @@ class _LegacyFile:
         if "CELLS" in self._cells:
             if self._types is None:
                 raise FormatError(f"{self._path} has no CELL_TYPES; need them")
-            lines = line_cells(self._path, self._cells["CELLS"], self._types)
+            cells = checked(self._path, self._cells["CELLS"], len(self._points))
+            lines = line_cells(self._path, cells, self._types)
         elif "LINES" in self._cells:
-            lines = self._cells["LINES"]
+            lines = checked(self._path, self._cells["LINES"], len(self._points))
         else:
             raise FormatError(f"{self._path} has no LINES; need them")
-        return skeleton_of(self._path, self._points, lines, self._radii)
+        return skeleton_of(self._points, lines, self._radii)
 
     def _section(self, words: list[str]) -> None:
         keyword = words[0].upper()
@@ -94,7 +95,7 @@ class _LegacyFile:
         elif keyword in _CELLS:
             self._cells[keyword] = self._lines(self._count(words, 1), self._count(words, 2))
         elif keyword == "CELL_TYPES":
-            self._types = self._numbers(self._count(words, 1), "int").astype(np.intp)
+            self._types = self._indices(self._count(words, 1), "int")
         elif keyword in ("POINT_DATA", "CELL_DATA"):
             self._values_of = (keyword, self._count(words, 1))
         elif keyword == "FIELD":
@@ -111,16 +112,18 @@ class _LegacyFile:
         words = self._line().split()
         if words[:1] != ["OFFSETS"]:
             self._at = at
-            return self._counted_lines(first, self._numbers(second, "int").astype(np.intp))
-        offsets = self._numbers(first, self._word(words, 1)).astype(np.intp)
+            return self._counted_lines(first, self._indices(second, "int"))
+        offsets = self._indices(first, self._word(words, 1))
         words = self._line().split()
         if words[:1] != ["CONNECTIVITY"]:
             raise self._error(words, "CONNECTIVITY after OFFSETS")
-        connectivity = self._numbers(second, self._word(words, 1)).astype(np.intp)
+        connectivity = self._indices(second, self._word(words, 1))
         return Lines(connectivity, offsets[1:])
 
     def _counted_lines(self, count: int, values: Ints) -> Lines:
         """Return cells of which each begins with the number of its points."""
+        if count > len(values):
+            raise FormatError(f"{self._path} has {len(values)} numbers of {count} cells; need more")
         heads = np.zeros(count, dtype=np.intp)
         at = 0
         for cell in range(count):
@@ -188,6 +191,9 @@ class _LegacyFile:
             return np.array(words[:count], dtype=np.float64)
         except ValueError as error:
             raise FormatError(f"{self._path}: {error}; need {count} numbers") from None
+
+    def _indices(self, count: int, kind: str) -> Ints:
+        return as_indices(self._path, self._numbers(count, kind).astype(np.float64))
 
     def _binary_numbers(self, count: int, kind: str) -> Floats:
         if kind.lower() not in _TYPES:

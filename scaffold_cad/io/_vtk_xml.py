@@ -15,8 +15,8 @@ from scaffold_cad.arrays import Floats, Ints
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._raw import RawSkeleton
-from scaffold_cad.io._text import LARGEST_FILE, check_size
-from scaffold_cad.io._vtk import Lines, is_radii, line_cells, skeleton_of
+from scaffold_cad.io._text import LARGEST_FILE, as_indices, check_size
+from scaffold_cad.io._vtk import Lines, checked, is_radii, line_cells, skeleton_of
 from scaffold_cad.io._xml import xml_root
 
 _TYPES = {
@@ -64,7 +64,6 @@ def read_vtk_xml(path: Path) -> RawSkeleton:
     )
     radii = [piece.radii for piece in pieces if piece.radii is not None]
     return skeleton_of(
-        path,
         np.concatenate([piece.points for piece in pieces]),
         lines,
         np.concatenate(radii) if len(radii) == len(pieces) else None,
@@ -110,14 +109,16 @@ class _XmlFile:
 
     def piece(self, piece: Element) -> _Piece:
         """Return what a piece holds."""
-        points = self._array(self._element(piece, "Points/DataArray"))
+        points = self._array(self._element(piece, "Points/DataArray")).astype(np.float64)
         if len(points) % 3:
             raise FormatError(f"{self._path} has {len(points)} coordinates; need 3 a point")
+        points = points.reshape(-1, 3)
         cells = "Lines" if self.root.get("type") == "PolyData" else "Cells"
         lines = Lines(
             self._indices(self._element(piece, f"{cells}/DataArray[@Name='connectivity']")),
             self._indices(self._element(piece, f"{cells}/DataArray[@Name='offsets']")),
         )
+        lines = checked(self._path, lines, len(points))
         if cells == "Cells":
             types = self._indices(self._element(piece, "Cells/DataArray[@Name='types']"))
             lines = line_cells(self._path, lines, types)
@@ -125,7 +126,6 @@ class _XmlFile:
         for array in piece.findall("PointData/DataArray"):
             if is_radii(array.get("Name", "")):
                 radii = self._array(array).astype(np.float64)
-        points = points.astype(np.float64).reshape(-1, 3)
         count = piece.get("NumberOfPoints", "")
         if count.strip() != str(len(points)):
             raise FormatError(f"{self._path} has {len(points)} points; need {count[:80]}")
@@ -140,10 +140,7 @@ class _XmlFile:
         return found
 
     def _indices(self, array: Element) -> Ints:
-        values = self._array(array)
-        if len(values) and not np.abs(values.astype(np.float64)).max() < 2.0**53:
-            raise FormatError(f"{self._path} has an index beyond 2^53; need one of a point")
-        return values.astype(np.intp)
+        return as_indices(self._path, self._array(array).astype(np.float64))
 
     def _array(self, array: Element) -> Floats:
         """Return the numbers of an array, flat."""

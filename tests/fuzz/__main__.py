@@ -8,6 +8,7 @@ import resource
 import sys
 import time
 import traceback
+import warnings
 from collections import Counter
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -36,6 +37,7 @@ def main() -> int:
     options = parser.parse_args()
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     logging.disable(logging.WARNING)
+    warnings.simplefilter("error")
     stop = time.monotonic() + 60 * options.minutes
     counts: Counter[str] = Counter()
     faults: dict[str, str] = {}

@@ -1,0 +1,217 @@
+"""PLY, text or binary: edges, or the edges of faces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from scaffold_cad.arrays import Floats, Ints
+from scaffold_cad.errors import FormatError
+from scaffold_cad.io._formats import register_reader
+from scaffold_cad.io._mesh import Faces, skeleton_of_mesh
+from scaffold_cad.io._raw import RawSkeleton
+from scaffold_cad.io._text import LARGEST_FILE, as_indices, check_size
+
+_TYPES = {
+    "char": "i1",
+    "uchar": "u1",
+    "short": "i2",
+    "ushort": "u2",
+    "int": "i4",
+    "uint": "u4",
+    "float": "f4",
+    "double": "f8",
+    "int8": "i1",
+    "uint8": "u1",
+    "int16": "i2",
+    "uint16": "u2",
+    "int32": "i4",
+    "uint32": "u4",
+    "float32": "f4",
+    "float64": "f8",
+}
+
+_ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+
+_LARGEST_HEADER = 2**16  # bytes
+
+_INDICES = ("vertex_indices", "vertex_index")
+
+
+@dataclass
+class _Element:
+    """What the header tells of an element: its count, and a name and types a property."""
+
+    name: str
+    count: int
+    properties: list[tuple[str, str, str]] = field(default_factory=list)
+    """Name, type of a list's length or "", and type of its values."""
+
+    @property
+    def has_list(self) -> bool:
+        return any(length for _, length, _ in self.properties)
+
+
+@dataclass(frozen=True, eq=False)
+class _Table:
+    """The values of an element: a column a property; of a list, its values and their numbers."""
+
+    columns: dict[str, Floats]
+    sizes: dict[str, Ints]
+
+
+def _recognises(head: bytes) -> bool:
+    return head[:3] == b"ply" and head[3:4].isspace()
+
+
+@register_reader("PLY", ".ply", recognises=_recognises)
+def read_ply(path: Path) -> RawSkeleton:
+    """Read the elements ``edge`` of a PLY file, or the edges of its faces where it has none.
+
+    Of faces, edges between triangles in a plane are left out. A property ``radius`` of vertices
+    is their radius in mm.
+    """
+    check_size(path, LARGEST_FILE)
+    data = path.read_bytes()
+    order, elements, at = _header(path, data)
+    body = data[at:]
+    tables = _text_tables(path, body, elements) if not order else {}
+    if order:
+        tables = _binary_tables(path, body, elements, order)
+    vertex = _table(path, tables, "vertex", ("x", "y", "z"))
+    points = np.stack([vertex.columns[axis] for axis in "xyz"], axis=1)
+    if "edge" in tables:
+        edge = _table(path, tables, "edge", ("vertex1", "vertex2"))
+        ends = [as_indices(path, edge.columns[name]) for name in ("vertex1", "vertex2")]
+        return RawSkeleton(points, np.stack(ends, axis=1), vertex.columns.get("radius"))
+    face = _table(path, tables, "face", ())
+    name = next((name for name in _INDICES if name in face.sizes), None)
+    if name is None or not len(face.sizes[name]) or face.sizes[name].min() < 3:
+        raise FormatError(f"{path} has no faces of 3 vertices or more; need edges or such faces")
+    return skeleton_of_mesh(points, Faces(as_indices(path, face.columns[name]), face.sizes[name]))
+
+
+def _header(path: Path, data: bytes) -> tuple[str, list[_Element], int]:
+    """Return the byte order, "" for text; the elements; and where they begin."""
+    stop = data.find(b"end_header", 0, _LARGEST_HEADER)
+    begin = data.find(b"\n", stop) + 1
+    if data[:3] != b"ply" or stop < 0 or begin == 0:
+        raise FormatError(f"{path} has no PLY header, or no end of it; need both")
+    order: str | None = None
+    elements: list[_Element] = []
+    for line in data[:stop].decode("ascii", errors="replace").splitlines()[1:]:
+        words = line.split()
+        kinds = words[2:-1] if words[1:2] == ["list"] else words[1:-1]
+        if words[:1] == ["format"] and len(words) > 1:
+            order = _ORDERS.get(words[1])
+        elif words[:1] == ["element"] and len(words) == 3 and words[2].isdecimal():
+            elements.append(_Element(words[1], int(words[2][:18])))
+        elif words[:1] == ["property"] and elements and kinds and set(kinds) <= set(_TYPES):
+            length = kinds[0] if len(kinds) == 2 else ""
+            elements[-1].properties.append((words[-1], length, kinds[-1]))
+        elif words and words[0] not in ("comment", "obj_info"):
+            raise FormatError(f"{path} has {line[:80]!r} in its header; need what PLY has")
+    if order is None or not all(element.properties for element in elements):
+        raise FormatError(f"{path} has no format that is known, or an element without property")
+    return order, elements, begin
+
+
+def _table(path: Path, tables: dict[str, _Table], name: str, needed: tuple[str, ...]) -> _Table:
+    found = tables.get(name)
+    if found is None or not set(needed) <= set(found.columns) - set(found.sizes):
+        raise FormatError(f"{path} has no element {name!r} with {', '.join(needed)}; need it")
+    return found
+
+
+def _text_tables(path: Path, body: bytes, elements: list[_Element]) -> dict[str, _Table]:
+    words = body.split()
+    try:
+        values = np.array(words, dtype=np.float64)
+    except ValueError as error:
+        raise FormatError(f"{path}: {error}; need numbers after the header") from None
+    tables, at = {}, 0
+    for element in elements:
+        width = len(element.properties)
+        if not element.has_list:
+            stop = at + width * element.count
+            _refuse_end(path, stop, len(values), element)
+            rows = values[at:stop].reshape(-1, width)
+            names = [name for name, _, _ in element.properties]
+            tables[element.name] = _Table(dict(zip(names, rows.T, strict=True)), {})
+            at = stop
+            continue
+        parts = _Parts(element)
+        for _ in range(element.count):
+            for name, length, _ in element.properties:
+                _refuse_end(path, at + 1, len(values), element)
+                size = 1
+                if length:
+                    size, at = _size(path, values[at], element), at + 1
+                _refuse_end(path, at + size, len(values), element)
+                parts.add(name, values[at : at + size])
+                at += size
+        tables[element.name] = parts.table()
+    return tables
+
+
+def _binary_tables(
+    path: Path, body: bytes, elements: list[_Element], order: str
+) -> dict[str, _Table]:
+    tables, at = {}, 0
+    for element in elements:
+        if not element.has_list:
+            row = np.dtype([(name, order + _TYPES[kind]) for name, _, kind in element.properties])
+            stop = at + row.itemsize * element.count
+            _refuse_end(path, stop, len(body), element)
+            table = np.frombuffer(body[at:stop], dtype=row)
+            columns = {name: table[name].astype(np.float64) for name, _, _ in element.properties}
+            tables[element.name] = _Table(columns, {})
+            at = stop
+            continue
+        parts = _Parts(element)
+        for _ in range(element.count):
+            for name, length, kind in element.properties:
+                size = 1
+                if length:
+                    counts = np.dtype(order + _TYPES[length])
+                    _refuse_end(path, at + counts.itemsize, len(body), element)
+                    size = _size(path, np.frombuffer(body, counts, 1, at)[0], element)
+                    at += counts.itemsize
+                values = np.dtype(order + _TYPES[kind])
+                _refuse_end(path, at + size * values.itemsize, len(body), element)
+                parts.add(name, np.frombuffer(body, values, size, at))
+                at += size * values.itemsize
+        tables[element.name] = parts.table()
+    return tables
+
+
+class _Parts:
+    """The values of an element that has lists, gathered row by row."""
+
+    def __init__(self, element: _Element) -> None:
+        self._lists = [name for name, length, _ in element.properties if length]
+        self._values: dict[str, list[Floats]] = {name: [] for name, _, _ in element.properties}
+
+    def add(self, name: str, values: Floats) -> None:
+        self._values[name].append(values)
+
+    def table(self) -> _Table:
+        columns = {
+            name: np.concatenate([np.zeros(0), *parts]) for name, parts in self._values.items()
+        }
+        sizes = {name: np.array([*map(len, self._values[name])], np.intp) for name in self._lists}
+        return _Table(columns, sizes)
+
+
+def _size(path: Path, value: float, element: _Element) -> int:
+    """Return the number of values in a list."""
+    if not 0 <= value < 2**31 or value != int(value):
+        raise FormatError(f"{path} has a list of {value:g} values in {element.name!r}; need 0, ...")
+    return int(value)
+
+
+def _refuse_end(path: Path, stop: int, total: int, element: _Element) -> None:
+    if stop > total:
+        raise FormatError(f"{path} ends within {element.count} elements {element.name!r}; need all")
