@@ -89,7 +89,10 @@ def self_intersections(
         raise OptionError(f"tolerance is {tolerance:g} mm; need >= 0")
     if limit is not None and limit < 1:
         raise OptionError(f"limit is {limit} pairs; need at least 1")
-    faces = _faces(TriangleMesh(mesh.vertices, mesh.triangles), weld)
+    checked = TriangleMesh(mesh.vertices, mesh.triangles)
+    _check_size(checked)
+    order = _order_in_space(checked)
+    faces = _faces(checked, order, weld)
     found = [np.zeros((0, 2), dtype=np.intp)]
     count = 0
     for block in _meeting_pairs(faces, tolerance):
@@ -97,22 +100,23 @@ def self_intersections(
         count += len(block)
         if limit is not None and count >= limit:
             break
-    pairs = np.concatenate(found)[:limit]
+    pairs = np.sort(order[np.concatenate(found)[:limit]], axis=1)
     return pairs[np.lexsort(pairs.T[::-1])]
 
 
 @dataclass(frozen=True, eq=False)
 class _Faces:
-    """Triangles one by one, with what the sieves need."""
+    """The triangles in their order in space, with what the sieves need of each."""
 
     corners: Floats
     """Positions, shape (t, 3, 3), mm."""
     labels: Ints
-    """What tells corners apart: the number of the position or of the vertex, shape (3, t)."""
-    repeats: Bools
-    """Whether an earlier corner of the triangle has the same label, shape (3, t)."""
-    label_count: Ints
-    """Number of distinct labels, shape (t,)."""
+    """What tells corners apart: the number of the position or of the vertex, shape (3, t).
+
+    A corner that repeats an earlier one of its triangle has a label < 0 that no other has.
+    """
+    corner_count: Ints
+    """Number of corners that repeat no other, shape (t,)."""
     normals: Floats
     """Cross product of two edges, shape (t, 3), mm²."""
     reach: Floats
@@ -131,27 +135,40 @@ class _Faces:
         return self.corner(rows, number) - self.corner(rows, (number + 2) % 3)
 
 
-def _faces(mesh: TriangleMesh, weld: bool) -> _Faces:
+def _check_size(mesh: TriangleMesh) -> None:
     far = np.flatnonzero((np.abs(mesh.vertices) > LARGEST_COORDINATE).any(axis=1))
     if len(far):
         place = mesh.vertices[far[0]].tolist()
         raise MeshError(f"vertex {far[0]} is at {place} mm; need at most {LARGEST_COORDINATE:g}")
-    corners = mesh.vertices[mesh.triangles]
+
+
+def _order_in_space(mesh: TriangleMesh) -> Ints:
+    """Return an order of the triangles in which neighbours in space are near each other, (t,).
+
+    It makes boxes far up in the tree small, and keeps what is looked up together in the cache.
+    """
+    low, high = _on_grid(*_boxes(mesh.vertices[mesh.triangles]))
+    return np.argsort(_sorting_keys(low, high), kind="stable")
+
+
+def _faces(mesh: TriangleMesh, order: Ints, weld: bool) -> _Faces:
+    triangles = mesh.triangles[order]
+    corners = mesh.vertices[triangles]
     numbers = _position_numbers(mesh.vertices) if weld else np.arange(len(mesh.vertices))
-    labels = numbers[mesh.triangles.T]
+    labels = np.ascontiguousarray(numbers[triangles].T)  # or each look-up would copy it all
     repeats = np.zeros(labels.shape, dtype=np.bool_)
     repeats[1] = labels[1] == labels[0]
     repeats[2] = (labels[2] == labels[0]) | (labels[2] == labels[1])
+    labels[repeats] = -1 - np.flatnonzero(repeats)
     edges = np.roll(corners, -1, axis=1) - corners  # (t, 3, 3)
     along = normalize(edges)
     return _Faces(
         corners=corners,
         labels=labels,
-        repeats=repeats,
-        label_count=3 - repeats.sum(axis=0),
+        corner_count=3 - repeats.sum(axis=0),
         normals=np.cross(edges[:, 0], edges[:, 1]),
         reach=np.abs(edges).max(axis=(1, 2)),
-        centers=corners.mean(axis=1),
+        centers=(corners[:, 0] + corners[:, 1] + corners[:, 2]) / 3.0,
         bisectors=along - np.roll(along, 1, axis=1),
     )
 
@@ -172,8 +189,10 @@ def _picked(rows_of_three: Floats, rows: Ints, number: Ints | int) -> Floats:
 
 def _meeting_pairs(faces: _Faces, tolerance: float | None) -> Iterator[Edges]:
     """Yield blocks of the pairs of triangles that meet where they may not, shape (k, 2)."""
-    for i, j in _overlapping_boxes(faces.corners.min(axis=1), faces.corners.max(axis=1)):
+    for i, j in _overlapping_boxes(*_boxes(faces.corners)):
         i, j, same = _left_open(faces, i, j)
+        if len(i) == 0:
+            continue
         if tolerance is not None:
             deep = _depth(faces, i, j) > tolerance
             i, j, same = i[deep], j[deep], same[deep]
@@ -191,8 +210,10 @@ def _meeting_pairs(faces: _Faces, tolerance: float | None) -> Iterator[Edges]:
 # First sieve: boxes that overlap
 # ---------------------------------------------------------------------------------------------
 
+_OnGrid: TypeAlias = NDArray[np.int64]
+"""Coordinates on the grid, shape (3, n), each of 20 bits."""
 _Packed: TypeAlias = NDArray[np.int64]
-"""Three coordinates on the grid in each number: 20 bits for each, below a spare one."""
+"""Three coordinates on the grid in each number, with a spare bit above each, shape (n,)."""
 
 _GRID_BITS = 20
 _FIELD_BITS = _GRID_BITS + 1
@@ -208,27 +229,25 @@ class _BoxTree:
     nowhere below the start of box j: one subtraction compares three coordinates.
     """
 
-    order: Ints
-    """Triangle in each leaf, shape (t,); the leaves after them are empty."""
     lows: list[_Packed]
     highs: list[_Packed]
     """Bounds of the boxes of each level, the root's first, shapes (1,), (2,), (4,), ..."""
 
 
+def _boxes(corners: Floats) -> tuple[Points, Points]:
+    """Return the lowest and highest coordinates of triangles (t, 3, 3), shapes (t, 3)."""
+    a, b, c = (corners[:, k] for k in range(3))
+    return np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+
+
 def _box_tree(low: Points, high: Points) -> _BoxTree:
-    origin = low.min(axis=0, initial=np.inf)
-    extent = (high - origin).max(initial=1e-300)
-    lower, upper = (
-        ((bound - origin) / extent * (2**_GRID_BITS - 1)).astype(np.int64).T
-        for bound in (low, high)
-    )
-    order = np.argsort(_sorting_keys(lower, upper), kind="stable")
-    depth = max(len(order) - 1, 0).bit_length()
+    """Return the tree whose first leaves are the given boxes (n, 3); the other leaves are empty."""
+    count = len(low)
+    depth = max(count - 1, 0).bit_length()
     lows = np.full((3, 2**depth), 2**_GRID_BITS - 1, dtype=np.int64)
     highs = np.zeros((3, 2**depth), dtype=np.int64)
-    lows[:, : len(order)] = lower[:, order]
-    highs[:, : len(order)] = upper[:, order]
-    tree = _BoxTree(order, [_packed(lows)], [_packed(highs) | _SPARE_BITS])
+    lows[:, :count], highs[:, :count] = _on_grid(low, high)
+    tree = _BoxTree([_packed(lows)], [_packed(highs) | _SPARE_BITS])
     for _ in range(depth):
         lows = np.minimum(lows[:, 0::2], lows[:, 1::2])
         highs = np.maximum(highs[:, 0::2], highs[:, 1::2])
@@ -237,15 +256,22 @@ def _box_tree(low: Points, high: Points) -> _BoxTree:
     return tree
 
 
-def _packed(bounds: NDArray[np.int64]) -> _Packed:
-    """Return the columns of `bounds` (3, n) packed, shape (n,)."""
+def _on_grid(low: Points, high: Points) -> tuple[_OnGrid, _OnGrid]:
+    """Return the bounds of boxes (n, 3) rounded down to the grid, shapes (3, n)."""
+    origin = low.min(axis=0, initial=np.inf)
+    step = (high - origin).max(initial=1e-300) / (2**_GRID_BITS - 1)
+    lower, upper = (np.floor((bound - origin) / step).astype(np.int64).T for bound in (low, high))
+    return lower, upper
+
+
+def _packed(bounds: _OnGrid) -> _Packed:
     x, y, z = bounds
     packed: _Packed = x | (y << _FIELD_BITS) | (z << (2 * _FIELD_BITS))
     return packed
 
 
-def _sorting_keys(low: NDArray[np.int64], high: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return keys that sort boxes (3, n) by size, then along a Morton curve, shape (n,).
+def _sorting_keys(low: _OnGrid, high: _OnGrid) -> NDArray[np.int64]:
+    """Return keys that sort boxes by size, then along a Morton curve, shape (n,).
 
     A large box among small ones would enlarge every box above it in the tree.
     """
@@ -273,8 +299,8 @@ def _spread(values: NDArray[np.int64]) -> NDArray[np.int64]:
 def _overlapping_boxes(low: Points, high: Points) -> Iterator[tuple[Ints, Ints]]:
     """Yield blocks of pairs i < j of boxes (n, 3) that overlap or nearly so, each pair once.
 
-    A block of pairs of one level of the tree gives a block of the next, and the latest goes
-    first: only a few blocks a level ever wait.
+    Boxes that follow each other should be near each other. A block of pairs of one level of the
+    tree gives a block of the next, and the latest goes first: only a few blocks a level ever wait.
     """
     tree = _box_tree(low, high)
     root = np.zeros(1, dtype=np.intp)
@@ -282,15 +308,13 @@ def _overlapping_boxes(low: Points, high: Points) -> Iterator[tuple[Ints, Ints]]
     while waiting:
         level, i, j = waiting.pop()
         if level == len(tree.lows) - 1:
-            proper = (i != j) & (j < len(tree.order))
-            i, j = tree.order[i[proper]], tree.order[j[proper]]
-            yield np.minimum(i, j), np.maximum(i, j)
+            proper = (i < j) & (j < len(low))
+            yield i[proper], j[proper]
         elif len(i) > BOX_PAIRS_AT_ONCE:
             middle = len(i) // 2
             waiting += [(level, i[:middle], j[:middle]), (level, i[middle:], j[middle:])]
         else:
-            i, j = _meeting_children(tree, level + 1, i, j)
-            waiting.append((level + 1, i, j))
+            waiting.append((level + 1, *_meeting_children(tree, level + 1, i, j)))
 
 
 def _meeting_children(tree: _BoxTree, level: int, i: Ints, j: Ints) -> tuple[Ints, Ints]:
@@ -356,12 +380,11 @@ def _by_shared_corners(faces: _Faces, i: Ints, j: Ints) -> tuple[Ints, _Pairs]:
     """
     labels_i, labels_j = (np.take(faces.labels, rows, axis=1) for rows in (i, j))
     equal = labels_i[:, None] == labels_j  # (3, 3, k)
-    in_j = equal.any(axis=1) & ~np.take(faces.repeats, i, axis=1)
-    in_i = equal.any(axis=0) & ~np.take(faces.repeats, j, axis=1)
+    in_j, in_i = equal.any(axis=1), equal.any(axis=0)  # (3, k)
     shared = in_j.sum(axis=0)
     odd_i, odd_j = in_j ^ (shared == 2), in_i ^ (shared == 2)
     pairs = _Pairs(i, j, odd_i[1] + 2 * odd_i[2], odd_j[1] + 2 * odd_j[2])
-    fewest = np.minimum(faces.label_count[i], faces.label_count[j])
+    fewest = np.minimum(faces.corner_count[i], faces.corner_count[j])
     return np.where((shared == fewest) & (fewest < 3), -1, shared), pairs
 
 
@@ -403,6 +426,8 @@ def _is_apart_at_corner(faces: _Faces, pairs: _Pairs) -> Bools:
     rays, span = rays[rest], span[rest]
     for axis in _cap_middles(normalize(rays)):
         apart[rest] |= _is_acute(axis, rays, span)
+        if apart.all():
+            break
     return apart
 
 
@@ -434,6 +459,8 @@ def _is_apart(faces: _Faces, pairs: _Pairs) -> Bools:
     apart = np.zeros(len(pairs.i), dtype=np.bool_)
     for number in range(_AXIS_COUNT):
         rest = np.flatnonzero(~apart)
+        if len(rest) == 0:
+            break
         i, j = pairs.i[rest], pairs.j[rest]
         axis = _axis(faces, i, j, number)
         span = _largest(faces.corner(j, 0) - faces.corner(i, 0)) + faces.reach[i] + faces.reach[j]
