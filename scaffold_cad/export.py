@@ -31,6 +31,7 @@ from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.shells import check_solid
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.solid import to_solid
 from scaffold_cad.trianglemesh import TriangleMesh
 from scaffold_cad.writers.glb import write_glb
 from scaffold_cad.writers.obj import write_obj, write_obj_lines
@@ -77,7 +78,8 @@ def write(what: Any, path: str | PathLike[str], *, write_pcurves: bool = False) 
 
     Parameters
     ----------
-    what : a Scaffold, a QuadMesh or a BezierMesh for any format but JSON; a TriangleMesh, a
+    what : a Scaffold, a QuadMesh or a BezierMesh for any format but JSON, the overlapping struts
+        of a Scaffold united in mesh formats (`to_solid`); a TriangleMesh, a
         manifold3d Manifold or a trimesh Trimesh for mesh formats; a build123d shape, which mesh
         formats get within 0.01 mm; a Skeleton for JSON,
         3MF (as a beam lattice), OBJ (as lines, without radii) and SWC (without loops)
@@ -239,7 +241,8 @@ def _any_mesh(what: Any) -> QuadMesh | TriangleMesh:
     if isinstance(what, QuadMesh | TriangleMesh):
         return what
     if isinstance(what, Scaffold):
-        return what.mesh
+        # The quads as they are where they are one solid, the union of overlapping struts elsewhere.
+        return what.mesh if what.embedding().certified else manifold_triangles(to_solid(what))
     if _is_instance(what, "manifold3d", "Manifold"):
         return manifold_triangles(what)
     if _is_instance(what, "trimesh", "Trimesh"):

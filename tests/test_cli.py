@@ -69,7 +69,10 @@ def test_overlaps_are_said_and_united(tmp_path: Path, capsys: pytest.CaptureFixt
     source, out = tmp_path / "crossing.json", tmp_path / "crossing.stl"
     source.write_text(skeleton_to_json(CROSSING))
     assert main(["build", str(source), "-o", str(out)]) == 0
-    assert "2 of 3 struts overlap others or their nodes and were united" in capsys.readouterr().err
+    assert (
+        "2 of 3 struts overlap others or their nodes, edge 0 first; they are united"
+        in capsys.readouterr().err
+    )
     assert trimesh.load(out).is_watertight
 
 

@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
-from scaffold_cad.arrays import Ints
 from scaffold_cad.cli import source
 from scaffold_cad.export import BREP_SUFFIXES, check_writable, write
 from scaffold_cad.scaffold import Scaffold, build_scaffold
-from scaffold_cad.solid import solidified
 from scaffold_cad.stars import Fit, Section
 from scaffold_cad.thicken import frame_scaffold
 
@@ -97,27 +95,25 @@ def _frame_radius(asked: float | None, skeleton: Skeleton) -> float:
 
 
 def _product(scaffold: Scaffold, options: argparse.Namespace) -> Any:
-    """Return what to write: the quads while they are one solid, else their union's triangles."""
+    """Return what to write; a scaffold in a mesh format gets its overlapping struts united."""
     cad = options.output.suffix.lower() in BREP_SUFFIXES
+    shell = options.product == "shell"
     left_out = scaffold.embedding().left_out
-    if len(left_out) == 0 or cad or options.product == "shell":
-        if len(left_out):
-            _log.warning(
-                "%s overlap others or their nodes, edge %d first: the surface may cross itself "
-                "there; use --simplify or a smaller radius, or a mesh format, which is united",
-                _count_of(left_out, scaffold),
-                left_out[0],
-            )
-        if cad and options.product == "shell":
-            # Imported here: only CAD shells need build123d.
-            from scaffold_cad.brep import to_brep
-
-            return to_brep(scaffold.mesh, "shell")
+    if len(left_out):
+        _log.warning(
+            "%d of %d struts overlap others or their nodes, edge %d first%s",
+            len(left_out),
+            len(scaffold.skeleton.edges),
+            left_out[0],
+            ": the surface may cross itself there; --simplify, a smaller radius or a mesh helps"
+            if cad or shell
+            else "; they are united",
+        )
+    if not shell:
         return scaffold
-    solid = solidified(scaffold)
-    _log.warning("%s overlap others or their nodes and were united", _count_of(left_out, scaffold))
-    return solid.manifold
+    if not cad:
+        return scaffold.mesh
+    # Imported here: only CAD shells need build123d.
+    from scaffold_cad.brep import to_brep
 
-
-def _count_of(edges: Ints, scaffold: Scaffold) -> str:
-    return f"{len(edges)} of {len(scaffold.skeleton.edges)} struts"
+    return to_brep(scaffold.mesh, "shell")
