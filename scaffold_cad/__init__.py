@@ -26,6 +26,7 @@ from scaffold_cad.lattice import (
 )
 from scaffold_cad.manifolds import to_trimesh
 from scaffold_cad.partition import Partition, partition_sphere, partition_spheres
+from scaffold_cad.parts import lattice_part
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton, check_skeleton
@@ -47,6 +48,7 @@ __all__ = [
     "check_skeleton",
     "delaunay_foam",
     "fill",
+    "lattice_part",
     "mapped",
     "partition_sphere",
     "partition_spheres",

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
     from trimesh import Trimesh
 
+BALL_SEGMENTS = 12
+"""Sides of the great circles of the ball that an eroded wall is as thick as."""
+
 
 def to_manifold(mesh: QuadMesh | TriangleMesh) -> Manifold:
     """Return `mesh` as a manifold3d solid, its coordinates in double precision.
@@ -101,6 +104,14 @@ def union(surfaces: Sequence[TriangleMesh], hulls: Sequence[Points]) -> Manifold
     parts = [to_manifold(surface) for surface in surfaces]
     parts += [manifold3d.Manifold.hull_points(points) for points in hulls]
     return manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add)
+
+
+def eroded(manifold: Manifold, thickness: float) -> Manifold:
+    """Return what lies at least `thickness` inside the surface, about; for any shape, but slow."""
+    import manifold3d
+
+    ball = manifold3d.Manifold.sphere(thickness, BALL_SEGMENTS)
+    return manifold.minkowski_difference(ball)
 
 
 def without_voids(manifold: Manifold) -> tuple[Manifold, list[float]]:

@@ -1,0 +1,59 @@
+"""Closed surfaces moved inwards, for walls of even thickness."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scaffold_cad.arrays import Floats, Points
+from scaffold_cad.intersections import self_intersections
+from scaffold_cad.trianglemesh import TriangleMesh
+from scaffold_cad.vectors import angle_between, dot, normalize
+
+FLAT = 1e-5
+"""Least eigenvalue, relative to the largest, at which the planes at a vertex fix a direction."""
+
+UNEVEN = 0.2
+"""Most that the wall at a triangle may be off the thickness asked for, as a fraction of it."""
+
+
+def inset(mesh: TriangleMesh, thickness: float) -> TriangleMesh | None:
+    """Return a closed surface inside `mesh` that leaves a wall, or None if none was found.
+
+    Each vertex goes to where the planes of its triangles meet when moved inwards, so that flat
+    faces stay flat and their wall is exact. That fails where the surface is more tightly curved
+    than the wall is thick, or the body too thin for it.
+
+    Parameters
+    ----------
+    mesh : closed, counter-clockwise seen from outside
+    thickness : of the wall, mm
+    """
+    corners = mesh.vertices[mesh.triangles]
+    normals = normalize(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+    steps = _steps(mesh, corners, normals)
+    off = dot(steps[mesh.triangles], np.broadcast_to(normals[:, None], corners.shape)) + 1.0
+    has_area = normals.any(axis=1)
+    if np.abs(off[has_area]).max(initial=0.0) > UNEVEN:
+        return None
+    inner = TriangleMesh(mesh.vertices + thickness * steps, mesh.triangles)
+    wall = TriangleMesh(
+        np.concatenate([mesh.vertices, inner.vertices]),
+        np.concatenate([mesh.triangles, inner.triangles[:, ::-1] + len(mesh.vertices)]),
+    )
+    # A surface turned inside out by the move has a volume of its own sign, or crosses the other.
+    whole = inner.signed_volume > 0 and len(self_intersections(wall, limit=1)) == 0
+    return inner if whole else None
+
+
+def _steps(mesh: TriangleMesh, corners: Points, normals: Floats) -> Floats:
+    """Return how each vertex moves for a wall of thickness 1, shape (v, 3)."""
+    ahead = normalize(np.roll(corners, -1, axis=1) - corners)
+    angles = np.pi - angle_between(ahead, np.roll(ahead, 1, axis=1))  # (t, 3), at each corner
+    planes = normals[:, None, :, None] * normals[:, None, None, :]  # (t, 1, 3, 3)
+    count = len(mesh.vertices)
+    matrices, sums = np.zeros((count, 3, 3)), np.zeros((count, 3))
+    np.add.at(matrices, mesh.triangles, angles[:, :, None, None] * planes)
+    np.add.at(sums, mesh.triangles, angles[:, :, None] * normals[:, None])
+    inverses = np.linalg.pinv(matrices, rcond=FLAT, hermitian=True)
+    steps: Floats = -np.einsum("vij,vj->vi", inverses, sums)
+    return steps

@@ -1,0 +1,152 @@
+"""Parts filled with a lattice, with or without a closed skin around it."""
+
+from __future__ import annotations
+
+import logging
+import sys
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scaffold_cad import brep, manifolds
+from scaffold_cad.errors import MeshError, OptionError, SkeletonError
+from scaffold_cad.insets import inset
+from scaffold_cad.intersections import self_intersections
+from scaffold_cad.lattice import UnitCell, fill
+from scaffold_cad.lattice.filling import HasTriangles, as_region
+from scaffold_cad.lattice.regions import Region
+from scaffold_cad.lattice.struts import Radius, Struts
+from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.scaffold import build_scaffold
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.solid import to_solid
+from scaffold_cad.trianglemesh import TriangleMesh
+
+if TYPE_CHECKING:
+    from build123d import Shape
+    from manifold3d import Manifold
+
+Body: TypeAlias = "Shape | QuadMesh | TriangleMesh | HasTriangles"
+"""A build123d solid, or a closed triangle mesh of any library."""
+
+NUDGES = (0.0, 1e-3, -1e-3, 3e-3, -3e-3)
+"""How far the lattice is moved, in turn, until the part does not cross itself; in cell sizes.
+Faces of struts that lie in faces of the part are hard to unite. The first that works is taken."""
+
+NUDGE_DIRECTION = np.array([0.6, 0.5, 0.62])
+"""Where the lattice is moved: along no face of a cell."""
+
+LEAST_EDGE = 2.0**-22
+"""Length below which edges are shrunk to a point, in greatest coordinates: 32-bit formats would."""
+
+_log = logging.getLogger(__name__)
+
+
+def lattice_part(
+    body: Body,
+    cell: str | UnitCell,
+    size: ArrayLike,
+    radius: Radius,
+    *,
+    skin: float | None = None,
+    sides: int = 4,
+) -> Manifold:
+    """Return `body` with a lattice for its inside: one watertight solid.
+
+    Struts are cut where they leave the body. With a skin the part is closed: what is left between
+    the struts is a void, and powder or resin in it needs a hole to get out.
+
+    Parameters
+    ----------
+    body : a build123d solid, or a closed triangle mesh, anything with arrays `vertices` and
+        `faces` or `triangles`, counter-clockwise seen from outside
+    cell : a unit cell or its name, see `cells`
+    size : of one cell, mm: three numbers, or one for a cell that is not distorted
+    radius : of the struts, mm; one number, or a function of positions (n, 3) that returns (n,)
+    skin : thickness of the closed wall at the body's surface, mm; none by default
+    sides : of the struts, 4, 8 or 16
+
+    Raises
+    ------
+    OptionError
+        If an argument is out of its range.
+    MeshError
+        If the body is not closed, or the part crosses itself wherever the lattice is put.
+    SkeletonError
+        If no strut is in the body.
+    """
+    if skin is not None and not 0 < skin < np.inf:
+        raise OptionError(f"skin is {skin:g} mm; need > 0, or none")
+    surface = _surface(body)
+    region = as_region(surface)
+    outer = manifolds.to_manifold(surface)
+    inner = outer if skin is None else _inside(surface, outer, skin)
+    least = LEAST_EDGE * float(np.abs(surface.vertices).max())
+    fault = ""
+    for nudge in NUDGES:
+        struts = _struts_touching(region, cell, size, radius, nudge, skin is not None)
+        lattice = to_solid(build_scaffold(struts, collars=True), sides=sides)
+        part = lattice ^ outer if skin is None else outer - (inner - lattice)
+        part = part.simplify(least)
+        mesh = manifolds.manifold_triangles(part)
+        crossings = len(self_intersections(mesh))
+        if crossings == 0:
+            return part
+        fault = f"crosses itself in {crossings} places"
+        _log.debug("with the lattice moved by %g cells the part %s", nudge, fault)
+    raise MeshError(f"the part {fault}; need 0 (try another cell size or radius)")
+
+
+def _inside(surface: TriangleMesh, outer: Manifold, skin: float) -> Manifold:
+    """Return what is inside the skin."""
+    inner = inset(surface, skin)
+    solid = manifolds.eroded(outer, skin) if inner is None else manifolds.to_manifold(inner)
+    if solid.is_empty():
+        raise OptionError(f"skin is {skin:g} mm, which fills the body; need less")
+    return solid
+
+
+def _surface(body: Any) -> TriangleMesh:
+    """Return the triangles of a body."""
+    build123d = sys.modules.get("build123d")
+    if build123d is not None and isinstance(body, build123d.Shape):
+        return brep.tessellated(body)
+    triangles = getattr(body, "triangles" if isinstance(body, QuadMesh) else "faces", None)
+    if triangles is None:
+        triangles = getattr(body, "triangles", None)
+    if triangles is None or not hasattr(body, "vertices"):
+        raise OptionError(
+            f"the body is a {type(body).__name__}; need a build123d solid or a triangle mesh"
+        )
+    return TriangleMesh(body.vertices, triangles)
+
+
+def _struts_touching(
+    region: Region,
+    cell: str | UnitCell,
+    size: ArrayLike,
+    radius: Radius,
+    nudge: float,
+    through: bool,
+) -> Skeleton:
+    """Return the struts of an endless lattice that have an end in the region, not yet cut.
+
+    Parameters
+    ----------
+    nudge : how far the lattice is moved, in cell sizes
+    through : whether struts stay of which only the middle is in the region: they hang on the skin
+    """
+    low, high = region.bounds
+    origin = low + nudge * float(np.min(size)) * NUDGE_DIRECTION
+    whole = fill(region.bounds, cell, size, radius, origin=origin)
+    struts = Struts(whole.nodes, whole.edges)
+    touching = np.asarray(region.contains(whole.nodes)[whole.edges].any(axis=1))
+    if through:
+        touching[region.crossings(struts)[0]] = True
+    if not touching.any():
+        raise SkeletonError(
+            f"no strut of the lattice is in the body from {low.tolist()} to {high.tolist()} mm; "
+            "need one (smaller cells?)"
+        )
+    return struts.kept(touching).skeleton(radius)

@@ -1,0 +1,122 @@
+"""Parts with a lattice inside: within the body, with a wall as thick as asked, and whole."""
+
+from __future__ import annotations
+
+import build123d as bd
+import numpy as np
+import pytest
+import trimesh
+
+from scaffold_cad.errors import MeshError, OptionError, SkeletonError
+from scaffold_cad.insets import inset
+from scaffold_cad.intersections import self_intersections
+from scaffold_cad.lattice.meshregion import MeshRegion
+from scaffold_cad.manifolds import manifold_triangles, to_manifold
+from scaffold_cad.parts import lattice_part
+from scaffold_cad.trianglemesh import TriangleMesh
+from tests.meshes import CUBE
+
+BOX = trimesh.creation.box((30.0, 20.0, 10.0))
+BALL = trimesh.creation.icosphere(3, 15.0)
+
+
+def as_mesh(mesh: trimesh.Trimesh) -> TriangleMesh:
+    return TriangleMesh(mesh.vertices, mesh.faces)
+
+
+@pytest.mark.parametrize("body", [BOX, BALL, bd.Solid.make_cylinder(10.0, 16.0)])
+def test_part_with_a_skin_is_the_body_with_voids(body: object) -> None:
+    part = lattice_part(body, "bcc", 6.0, 0.5, skin=1.0)
+    solid = body.volume  # type: ignore[attr-defined]
+    assert 0.2 * solid < part.volume() < 0.9 * solid
+    assert len(self_intersections(manifold_triangles(part))) == 0
+    shells = sorted(shell.volume() for shell in part.decompose())
+    assert shells[-1] == pytest.approx(solid, rel=0.01)  # nothing pierces the skin
+    assert all(volume < 0 for volume in shells[:-1])
+
+
+def test_wall_is_as_thick_as_asked() -> None:
+    part = lattice_part(BOX, "bcc", 6.0, 0.5, skin=1.5)
+    vertices = manifold_triangles(part).vertices
+    depth = (BOX.extents / 2 - np.abs(vertices)).min(axis=1)
+    on_surface = depth < 1e-6
+    assert on_surface.sum() == 8
+    assert depth[~on_surface].min() == pytest.approx(1.5, abs=1e-6)
+
+
+def test_part_without_a_skin_is_the_lattice_cut_at_the_surface() -> None:
+    part = lattice_part(BALL, "octet", 8.0, 0.6)
+    vertices = manifold_triangles(part).vertices
+    assert np.linalg.norm(vertices, axis=1).max() <= 15.0 + 1e-6
+    assert part.volume() < 0.5 * BALL.volume
+    assert len(part.decompose()) == 1
+
+
+def test_struts_may_be_round() -> None:
+    part = lattice_part(BOX, "bcc", 9.0, 0.8, skin=1.0, sides=8)
+    assert len(self_intersections(manifold_triangles(part))) == 0
+
+
+def test_bodies_that_turn_too_sharply_get_a_skin_too() -> None:
+    needle = trimesh.creation.cone(radius=8.0, height=24.0, sections=24)
+    part = lattice_part(needle, "bcc", 5.0, 0.4, skin=1.0)
+    assert part.volume() < needle.volume
+    assert len(self_intersections(manifold_triangles(part))) == 0
+
+
+def test_inset_of_a_box_is_a_smaller_box() -> None:
+    inner = inset(as_mesh(BOX), 2.0)
+    assert inner is not None
+    assert inner.signed_volume == pytest.approx(26 * 16 * 6)
+
+
+def test_inset_keeps_the_wall_beside_edges_that_point_inwards() -> None:
+    arm = bd.Box(30, 10, 10, align=bd.Align.MIN)
+    corner = arm + bd.Box(10, 10, 30, align=bd.Align.MIN)
+    part = lattice_part(corner, "sc", 7.0, 0.5, skin=1.0)
+    points = np.random.default_rng(3).random((4000, 3)) * [30.0, 10.0, 30.0]
+    void = MeshRegion(manifold_triangles(part))
+    body_depth = np.maximum(
+        np.minimum.reduce([points[:, 0], 30 - points[:, 0], points[:, 2], 10 - points[:, 2]]),
+        np.minimum.reduce([points[:, 0], 10 - points[:, 0], points[:, 2], 30 - points[:, 2]]),
+    )
+    sides = np.minimum(points[:, 1], 10 - points[:, 1])
+    wall = (np.minimum(body_depth, sides) > 0) & (np.minimum(body_depth, sides) < 0.99)
+    wall &= ~((points[:, 0] < 11) & (points[:, 2] < 11))  # within, both arms are the body
+    assert wall.sum() > 100
+    assert void.contains(points[wall]).all()
+
+
+def test_no_inset_is_found_where_the_body_is_too_thin() -> None:
+    assert inset(as_mesh(BOX), 6.0) is None
+
+
+def test_a_skin_that_fills_the_body_is_refused() -> None:
+    with pytest.raises(OptionError, match=r"skin is 6 mm, which fills the body; need less"):
+        lattice_part(BOX, "bcc", 6.0, 0.5, skin=6.0)
+
+
+@pytest.mark.parametrize("skin", [0.0, -1.0, np.nan])
+def test_a_skin_without_thickness_is_refused(skin: float) -> None:
+    with pytest.raises(OptionError, match=r"skin is .* mm; need > 0, or none"):
+        lattice_part(BOX, "bcc", 6.0, 0.5, skin=skin)
+
+
+def test_what_is_no_body_is_refused() -> None:
+    with pytest.raises(OptionError, match=r"the body is a str; need a build123d solid"):
+        lattice_part("bracket", "bcc", 6.0, 0.5)
+
+
+def test_an_open_mesh_is_refused() -> None:
+    mesh = as_mesh(BOX)
+    with pytest.raises(MeshError, match=r"no triangle runs along the edge"):
+        lattice_part(TriangleMesh(mesh.vertices, mesh.triangles[1:]), "bcc", 6.0, 0.5)
+
+
+def test_a_body_between_the_nodes_has_no_struts_in_it() -> None:
+    with pytest.raises(SkeletonError, match=r"no strut of the lattice is in the body"):
+        lattice_part(BALL, "bcc", [400.0, 400.0, 400.0], 0.5)
+
+
+def test_quad_meshes_are_bodies() -> None:
+    assert to_manifold(CUBE).volume() > lattice_part(CUBE, "bcc", 0.5, 0.03, skin=0.1).volume()
