@@ -16,6 +16,7 @@ from scaffold_cad.printability.direction import (
     direction_findings,
     standing_size,
 )
+from scaffold_cad.printability.drainage import drainage_finding
 from scaffold_cad.printability.lattice import lattice_findings
 from scaffold_cad.printability.part import part_findings
 from scaffold_cad.printability.processes import USUAL_MATERIAL, Process, process_named
@@ -78,9 +79,10 @@ def check_printability(
     if skeleton is not None and len(skeleton.edges):
         findings += lattice_findings(skeleton, process)
     findings += direction_findings(surface, facets, upwards, process, skeleton, supports)
+    findings.append(drainage_finding(surface, process))
     findings += part_findings(
         surface,
-        standing_size(mesh.vertices, upwards),
+        standing_size(mesh.vertices, upwards, process.build_volume),
         process,
         USUAL_MATERIAL.get(process.name, "pla") if material is None else material,
     )

@@ -142,19 +142,25 @@ def _spiral(count: int) -> UnitVectors:
     return np.stack([flat * np.cos(turn), flat * np.sin(turn), z], axis=1)
 
 
-def standing_size(vertices: Points, direction: UnitVectors) -> tuple[float, float, float]:
-    """Return width, depth and height of a part turned about `direction` to need little room."""
+def standing_size(
+    vertices: Points, direction: UnitVectors, room: tuple[float, float, float]
+) -> tuple[float, float, float]:
+    """Return width, depth and height of a part as it stands on the plate.
+
+    It is turned about `direction`, in steps of 5°, no farther than it must be to fit into the
+    width and depth of `room`; if it never fits, as it comes nearest to that.
+    """
     side = any_perpendicular(direction)
-    other = np.cross(direction, side)
-    across, along = vertices @ side, vertices @ other
+    flat = np.stack([vertices @ side, vertices @ np.cross(direction, side)])  # (2, v)
+    least, most = sorted(room[:2])
     sizes = []
-    for turn in np.radians(np.arange(0, 90, 5)):
-        cosine, sine = math.cos(turn), math.sin(turn)
-        width = float(np.ptp(cosine * across + sine * along))
-        depth = float(np.ptp(cosine * along - sine * across))
-        sizes.append((max(width, depth), min(width, depth)))
-    # The first of equals: unturned.
-    width, depth = min(sizes, key=lambda size: (round(size[0], 6), round(size[1], 6)))
+    for turn in np.radians(np.arange(0, 180, 5)):
+        axes = np.array([[math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]])
+        width, depth = np.ptp(axes @ flat, axis=1).tolist()
+        short, long = sorted((width, depth))
+        sizes.append((max(short / least, long / most, 1.0), width, depth))
+    # The first of equals is turned least.
+    _, width, depth = min(sizes, key=lambda size: size[0])
     return width, depth, float(np.ptp(vertices @ direction))
 
 

@@ -14,9 +14,8 @@ from scaffold_cad.topology import component_labels
 from scaffold_cad.trianglemesh import TriangleMesh, cone_volumes
 from scaffold_cad.vectors import length
 
-FLATNESS = 1e-12
-"""Height of a triangle over its longest side below which it has no area: rounding of float64
-with room to spare."""
+SINGLE_STEP = 2.0**-22
+"""Largest error of a height by the rounding of 32-bit coordinates, parts of the largest of them."""
 
 
 def welded(mesh: TriangleMesh) -> TriangleMesh:
@@ -53,11 +52,12 @@ class Connectivity:
 
     @cached_property
     def flat(self) -> Ints:
-        """Triangles without area."""
+        """Triangles without area, or so flat that mesh files of 32-bit coordinates lose it."""
         sides = np.roll(self.corners, -1, axis=1) - self.corners
         longest = length(sides).max(axis=1)
         doubled = length(np.cross(sides[:, 0], sides[:, 1]))
-        return np.flatnonzero(self.repeats_corner | (doubled <= FLATNESS * longest**2))
+        height = SINGLE_STEP * np.abs(self.mesh.vertices).max()
+        return np.flatnonzero(self.repeats_corner | (doubled <= height * longest))
 
     @cached_property
     def triangles(self) -> Ints:

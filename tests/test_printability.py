@@ -1,0 +1,561 @@
+"""Printability: what is found in surfaces, struts, directions and parts, and how it is told."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from scaffold_cad import QuadMesh, TriangleMesh, build_scaffold, tile, to_solid, write
+from scaffold_cad.cli import main
+from scaffold_cad.errors import FormatError, MeshError, OptionError
+from scaffold_cad.printability import (
+    MATERIALS,
+    PROCESSES,
+    Process,
+    Report,
+    assert_printable,
+    check_printability,
+    read_triangles,
+)
+from scaffold_cad.printability.direction import floating_groups
+from scaffold_cad.printability.lattice import narrow_gaps
+from scaffold_cad.printability.nesting import winding_numbers
+from scaffold_cad.printability.page import page
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.writers.stl import write_stl
+from tests.meshes import CUBE, INSIDE_OUT_CUBE, OPEN_CUBE, TORUS, TWO_CUBES
+from tests.skeletons import ELBOW, JACK, K4, NAMED, STRUT, TWO_STRUTS, star
+from tests.validation.printability import (
+    FAULTS,
+    POWDER,
+    alarms,
+    faulty_solid,
+    good_solid,
+    is_named,
+    through_stl,
+)
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+FDM = PROCESSES["fdm"]
+SLS = PROCESSES["sls"]
+
+
+def triangles_of(mesh: QuadMesh) -> TriangleMesh:
+    return TriangleMesh(mesh.vertices, mesh.triangles)
+
+
+def box(width: float, depth: float, height: float, floor: float = 0.0) -> TriangleMesh:
+    size = np.array([width, depth, height]) / 2
+    mesh = CUBE.moved(CUBE.vertices * size + [0, 0, floor + height / 2])
+    return triangles_of(mesh)
+
+
+def joined(*meshes: TriangleMesh) -> TriangleMesh:
+    first = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes])
+    return TriangleMesh(
+        np.concatenate([mesh.vertices for mesh in meshes]),
+        np.concatenate([mesh.triangles + k for mesh, k in zip(meshes, first, strict=False)]),
+    )
+
+
+HOLLOW = joined(
+    box(10, 10, 10), TriangleMesh(box(2, 3, 4, 3).vertices, box(2, 3, 4).triangles[:, ::-1])
+)
+"""A box of 1000 mm³ around a void of 24 mm³."""
+
+# -- surfaces ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", FAULTS)
+@pytest.mark.parametrize("seed", range(2))
+def test_a_seeded_fault_is_found_by_name(kind: str, seed: int) -> None:
+    report = check_printability(faulty_solid(kind, seed), POWDER)
+    assert is_named(kind, report), report
+    again = check_printability(through_stl(faulty_solid(kind, seed)), POWDER)
+    assert is_named(kind, again), again
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_good_solid_raises_no_alarm(seed: int) -> None:
+    solid = good_solid(np.random.default_rng(1000 + seed))
+    assert alarms(check_printability(solid, POWDER)) == set()
+    assert alarms(check_printability(through_stl(solid), POWDER)) == set()
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_scaffolds_of_named_skeletons_have_one_handle_a_loop(name: str) -> None:
+    report = check_printability(NAMED[name])
+    assert report.printable, report
+    value = report["genus"].value
+    assert value["genus"] == value["loops"] == NAMED[name].loop_count
+
+
+def test_an_open_cube_has_one_hole_of_four_edges_and_its_places() -> None:
+    finding = check_printability(OPEN_CUBE)["watertight"]
+    assert finding.verdict == "failure"
+    assert finding.value == {"open_edges": 4, "holes": 1}
+    middles = {tuple(place) for place in finding.places.tolist()}
+    assert middles == {(-1, 0, 1), (1, 0, 1), (0, -1, 1), (0, 1, 1)}
+
+
+def test_an_inside_out_cube_is_told_from_a_void() -> None:
+    report = check_printability(INSIDE_OUT_CUBE)
+    assert {finding.name for finding in report.failures} == {"orientation", "volume"}
+    assert report["voids"].value["count"] == 0
+
+
+@pytest.mark.parametrize(("process", "verdict"), [("sls", "failure"), ("fdm", "warning")])
+def test_a_void_is_measured_and_keeps_powder_in(process: str, verdict: str) -> None:
+    report = check_printability(HOLLOW, process)
+    finding = report["voids"]
+    assert finding.verdict == verdict
+    assert finding.value["volumes_mm3"] == pytest.approx([24.0])
+    assert report["components"].value == {"count": 1, "shells": 2}
+    assert report["volume"].value["volume_mm3"] == pytest.approx(976.0)
+
+
+def test_a_body_loose_in_a_void_is_a_part_of_its_own() -> None:
+    report = check_printability(joined(HOLLOW, box(0.5, 0.5, 0.5, 5)))
+    assert report["overlapping_shells"].verdict == "ok"
+    assert report["voids"].value["count"] == 1
+    assert report["components"].value["count"] == 2
+
+
+def test_a_body_within_another_is_an_overlap_though_nothing_crosses() -> None:
+    report = check_printability(joined(box(10, 10, 10), box(1, 1, 1, 4)))
+    assert report["overlapping_shells"].value == {"buried_shells": 1}
+    assert report["self_intersections"].verdict == "ok"
+
+
+def test_cubes_that_touch_along_an_edge_fail_once_welded_and_two_apart_are_two_parts() -> None:
+    shifted = TriangleMesh(CUBE.vertices + np.array([2, 2, 0]), CUBE.triangles)
+    report = check_printability(through_stl(joined(triangles_of(CUBE), shifted)))
+    assert report["manifold_edges"].value == {"crowded_edges": 1, "most_triangles": 4}
+    assert check_printability(TWO_CUBES)["components"].value["count"] == 2
+
+
+def test_cubes_that_touch_in_a_corner_are_pinched_there() -> None:
+    shifted = TriangleMesh(CUBE.vertices + np.array([2, 2, 2]), CUBE.triangles)
+    report = check_printability(through_stl(joined(triangles_of(CUBE), shifted)))
+    finding = report["manifold_vertices"]
+    assert finding.verdict == "warning"
+    assert finding.places.tolist() == [[1, 1, 1]]
+    assert report.printable
+
+
+def test_faces_that_only_touch_are_told_from_faces_that_cross() -> None:
+    # The small cube stands on the large one, within its face.
+    touching = check_printability(joined(box(4, 4, 4), box(1, 1, 1, 4)))["self_intersections"]
+    crossing = check_printability(joined(box(4, 4, 4), box(1, 1, 1, 3.5)))["self_intersections"]
+    assert (touching.verdict, crossing.verdict) == ("warning", "failure")
+    assert touching.value["crossing_pairs"] == 0 < touching.value["touching_pairs"]
+
+
+@given(st.tuples(*[st.floats(-3, 3)] * 3).filter(lambda p: all(abs(abs(x) - 1) > 1e-3 for x in p)))
+def test_winding_numbers_tell_inside_from_outside(point: tuple[float, float, float]) -> None:
+    inside = max(abs(x) for x in point) < 1
+    found = winding_numbers(np.array([point]), CUBE.vertices[CUBE.triangles])
+    assert found[0] == pytest.approx(float(inside), abs=1e-9)
+
+
+def test_a_mesh_without_a_proper_triangle_is_refused() -> None:
+    with pytest.raises(MeshError, match="part has no triangle of three vertices"):
+        check_printability(TriangleMesh(CUBE.vertices, np.array([[0, 1, 1]])))
+
+
+def test_what_has_no_surface_is_refused() -> None:
+    with pytest.raises(OptionError, match="a str has no surface; need a Skeleton"):
+        check_printability("cube.stl")
+
+
+def test_solids_of_other_packages_are_checked_as_they_are() -> None:
+    import trimesh
+
+    solid = to_solid(TORUS)
+    loaded = trimesh.Trimesh(TORUS.vertices, TORUS.triangles, process=False)
+    volumes = {
+        check_printability(what)["volume"].value["volume_mm3"] for what in (TORUS, solid, loaded)
+    }
+    assert max(volumes) == pytest.approx(min(volumes), rel=1e-12)
+
+
+# -- struts -----------------------------------------------------------------------------------
+
+
+def test_a_thin_strut_is_named_with_what_the_process_needs() -> None:
+    skeleton = JACK.with_radii([1, 1, 1, 0.155, 1, 1, 1])
+    finding = check_printability(skeleton, "sls")["strut_diameter"]
+    assert finding.verdict == "failure"
+    assert finding.value == {"least_mm": 0.31, "needed_mm": 0.8, "strut": 2, "thin": 1}
+    assert "strut 2 is 0.31 mm, SLS needs 0.8: raise --radius to 0.4" in finding.advice
+
+
+def test_a_strut_of_the_very_limit_is_thick_enough() -> None:
+    assert_printable(STRUT.with_radii(SLS.least_diameter / 2), "sls")
+    with pytest.raises(AssertionError, match=r"strut 0 is 0\.79 mm"):
+        assert_printable(STRUT.with_radii(0.395), "sls")
+
+
+def test_sections_within_the_circle_are_thinner_than_its_radius_says() -> None:
+    scaffold = build_scaffold(STRUT, section="inscribed")
+    value = check_printability(scaffold)["strut_diameter"].value
+    assert value["least_mm"] == pytest.approx(math.sqrt(2.0))
+
+
+def test_slender_struts_are_warned_of() -> None:
+    finding = check_printability(STRUT.with_radii(0.1), replace(SLS, least_diameter=0.1))[
+        "slenderness"
+    ]
+    assert (finding.verdict, finding.value["greatest"]) == ("warning", pytest.approx(50.0))
+
+
+@pytest.mark.parametrize(("apart", "count"), [(2.6, 0), (2.4, 1), (2.0001, 1)])
+def test_the_gap_between_two_struts_is_measured(apart: float, count: int) -> None:
+    nodes = np.array([[0, 0, 0], [10, 0, 0], [5, -5, apart], [5, 5, apart]], dtype=float)
+    gaps = narrow_gaps(Skeleton(nodes, TWO_STRUTS.edges, 1.0), 0.5)
+    assert len(gaps.widths) == count
+    assert gaps.widths == pytest.approx([apart - 2.0] * count)
+    assert gaps.places.tolist() == [[5, 0, apart / 2]] * count
+
+
+def test_the_gap_beside_a_tapered_strut_takes_the_radius_there() -> None:
+    nodes = np.array([[0, 0, 0], [10, 0, 0], [5, -5, 3], [5, 5, 3]], dtype=float)
+    gaps = narrow_gaps(Skeleton(nodes, TWO_STRUTS.edges, [0.5, 1.5, 1, 1]), 1.5)
+    assert gaps.widths == pytest.approx([1.0])
+
+
+@settings(max_examples=30)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_no_gap_is_lost_by_the_search_by_boxes(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    nodes = random.uniform(0, 12, (24, 3))
+    skeleton = Skeleton(nodes, np.arange(24).reshape(-1, 2), random.uniform(0.1, 1.0, 24))
+    gaps = narrow_gaps(skeleton, 1.0)
+    found = {
+        tuple(sorted(pair)) for pair in zip(gaps.first.tolist(), gaps.second.tolist(), strict=True)
+    }
+    share = np.linspace(0, 1, 41)[:, None]
+    for i in range(12):
+        for j in range(i):
+            ends, others = skeleton.edges[[i, j]]
+            p = nodes[ends[0]] + share * (nodes[ends[1]] - nodes[ends[0]])
+            q = nodes[others[0]] + share * (nodes[others[1]] - nodes[others[0]])
+            r = skeleton.radii[ends[0]] + share * np.ptp(skeleton.radii[ends]) * np.sign(
+                skeleton.radii[ends[1]] - skeleton.radii[ends[0]]
+            )
+            s = skeleton.radii[others[0]] + share * np.ptp(skeleton.radii[others]) * np.sign(
+                skeleton.radii[others[1]] - skeleton.radii[others[0]]
+            )
+            distance = np.linalg.norm(p[:, None] - q[None], axis=2)
+            row, column = np.unravel_index(distance.argmin(), distance.shape)
+            width = distance[row, column] - r[row, 0] - s[column, 0]
+            # The samples are farther apart than the nearest points, by a step at most.
+            if width < 0.2:
+                assert (j, i) in found
+
+
+# -- directions -------------------------------------------------------------------------------
+
+
+def test_a_table_hangs_over_but_not_upside_down() -> None:
+    table = to_solid(box(2, 2, 5)) + to_solid(box(10, 10, 1, 5))
+    report = check_printability(table, "fdm")
+    assert report["supports"].value["area_mm2"] == pytest.approx(96.0)
+    assert report["plate_contact"].value["area_mm2"] == pytest.approx(4.0)
+    best = report["best_direction"].value
+    assert best["direction"] == [0, 0, -1]
+    assert best["support_area_mm2"] == 0
+    turned = check_printability(table, "fdm", direction="best")
+    assert turned["supports"].verdict == "ok"
+    assert turned["plate_contact"].value["area_mm2"] == pytest.approx(100.0)
+
+
+@pytest.mark.parametrize(("degrees", "area"), [(44.0, True), (45.0, False), (46.0, False)])
+def test_faces_hang_over_below_the_angle_of_the_process(degrees: float, area: bool) -> None:
+    # A wedge whose lower face rises from the plate at the angle.
+    rise = 10 * math.tan(math.radians(degrees))
+    mesh = box(10, 4, rise)
+    lean = mesh.vertices + np.array([1, 0, 0]) * (10 / rise * mesh.vertices[:, 2:])
+    report = check_printability(TriangleMesh(lean, mesh.triangles), "fdm")
+    assert (report["supports"].value["area_mm2"] > 0) == area
+
+
+def test_without_supports_what_hangs_over_cannot_be_printed() -> None:
+    tee = star([[10, 0, 0], [-10, 0, 0], [0, 0, -10]])
+    assert check_printability(tee, "fdm").printable
+    failed = {finding.name for finding in check_printability(tee, "fdm", supports=False).failures}
+    assert failed == {"strut_overhang", "islands", "supports"}
+    assert_printable(tee, "sls", supports=False)
+
+
+def test_short_level_struts_are_bridges() -> None:
+    gate = Skeleton([[0, 0, 0], [0, 0, 20], [8, 0, 20], [8, 0, 0]], [[0, 1], [1, 2], [2, 3]], 1.0)
+    assert check_printability(gate, "fdm")["strut_overhang"].value["overhanging"] == 0
+    narrow = replace(FDM, longest_bridge=7.0)
+    assert check_printability(gate, narrow)["strut_overhang"].value["overhanging"] == 1
+
+
+def test_a_node_below_all_around_it_begins_in_mid_air() -> None:
+    # A leg to the plate, an arm, and a hand that hangs from it.
+    arm = Skeleton([[0, 0, 0], [0, 0, 20], [10, 0, 20], [10, 0, 12]], [[0, 1], [1, 2], [2, 3]], 1.0)
+    report = check_printability(arm, "fdm")
+    assert report["floating_nodes"].value == {"count": 1, "nodes": [3]}
+    assert report["islands"].value["count"] == 1
+    over = check_printability(arm, "fdm", direction=[0, 0, -1])
+    assert over["floating_nodes"].value["count"] == 0
+    assert check_printability(arm, "sls")["floating_nodes"].verdict == "note"
+
+
+def test_a_level_set_floats_as_one_and_a_held_one_does_not() -> None:
+    heights = np.array([5.0, 5.0, 9.0, 0.0])
+    edges = np.array([[0, 1], [1, 2]])
+    clear = heights > 1
+    group, floating = floating_groups(heights, edges, clear, 1e-9)
+    assert floating.tolist() == [group[0]] == [group[1]]
+    _, held = floating_groups(heights, np.array([[0, 1], [1, 2], [3, 0]]), clear, 1e-9)
+    assert held.tolist() == []
+
+
+def test_the_floor_of_a_hollow_is_no_island() -> None:
+    assert check_printability(HOLLOW, "fdm")["islands"].value["count"] == 0
+
+
+@pytest.mark.parametrize("direction", [[0, 0, 0], [1, 0], [math.nan, 0, 1]])
+def test_a_bad_direction_is_refused(direction: list[float]) -> None:
+    with pytest.raises(OptionError, match="build direction is"):
+        check_printability(CUBE, direction=direction)
+
+
+def jar(opening: float) -> Manifold:
+    """Return a cube of 20 mm with a hollow of 16 mm and a round opening at its top."""
+    hollow = to_solid(box(20, 20, 20)) - to_solid(box(16, 16, 16, 2))
+    drill = type(hollow).cylinder(10, opening / 2, circular_segments=32)
+    return hollow - drill.translate((0, 0, 15))
+
+
+@pytest.mark.parametrize(("opening", "pockets"), [(2.0, 1), (6.0, 0)])
+def test_a_jar_with_a_narrow_opening_keeps_its_powder(opening: float, pockets: int) -> None:
+    report = check_printability(jar(opening), "sls")
+    assert report["voids"].value["count"] == 0
+    finding = report["drainage"]
+    assert finding.value["pockets"] == pockets
+    assert finding.verdict == ("warning" if pockets else "ok")
+    # The centre of a ball of 3.5 mm has a cube of 12.5 mm, give or take a step of the grid.
+    assert finding.value["volume_mm3"] == pytest.approx(pockets * 12.5**3, rel=0.25)
+    assert (np.abs(finding.places - [0, 0, 10]) < 8).all()
+    assert check_printability(jar(opening), "fdm")["drainage"].verdict == "ok"
+
+
+def test_a_solid_block_has_no_pocket_and_a_huge_part_is_not_looked_at() -> None:
+    assert check_printability(box(20, 20, 20), "sls")["drainage"].value["pockets"] == 0
+    assert check_printability(box(160, 160, 290), "sls")["drainage"].value is None
+
+
+# -- parts ------------------------------------------------------------------------------------
+
+
+def test_size_mass_and_density_of_a_box() -> None:
+    report = check_printability(box(20, 10, 5), "lpbf")
+    assert report["build_volume"].value["size_mm"] == pytest.approx([20, 10, 5])
+    assert report["mass"].value["mass_g"] == pytest.approx(4.41)
+    assert report["relative_density"].value["relative_density"] == pytest.approx(1.0)
+    assert report["triangles"].value == {"count": 12, "stl_bytes": 84 + 600}
+    heavy = check_printability(box(20, 10, 5), "lpbf", material="in718")
+    assert heavy["mass"].value["mass_g"] == pytest.approx(MATERIALS["in718"])
+
+
+@pytest.mark.parametrize(
+    ("size", "fits"),
+    [((249, 209, 219), True), ((209, 249, 219), True), ((219, 209, 249), False)],
+)
+def test_a_part_may_be_turned_on_the_plate_only(size: tuple[float, ...], fits: bool) -> None:
+    assert check_printability(box(*size), "fdm").printable == fits
+
+
+def test_a_long_part_is_turned_about_the_vertical_to_fit() -> None:
+    report = check_printability(box(280, 4, 4), "fdm")
+    assert report.printable
+    width, depth, height = report["build_volume"].value["size_mm"]
+    assert (max(width, depth) < 250, min(width, depth) < 210) == (True, True)
+    assert height == pytest.approx(4)
+    assert not check_printability(box(330, 4, 4), "fdm").printable
+
+
+def test_the_printed_volume_of_the_file_is_its_size(tmp_path: Path) -> None:
+    report = check_printability(TORUS)
+    write_stl(report.mesh, tmp_path / "torus.stl")
+    assert (tmp_path / "torus.stl").stat().st_size == report["triangles"].value["stl_bytes"]
+
+
+def test_unknown_names_and_negative_limits_are_refused() -> None:
+    with pytest.raises(OptionError, match="process is 'glue'; need one of fdm, sla, sls, lpbf"):
+        check_printability(CUBE, "glue")
+    with pytest.raises(OptionError, match="material is 'cheese'"):
+        check_printability(CUBE, material="cheese")
+    with pytest.raises(OptionError, match="least_gap of a process is -1; need >= 0"):
+        replace(SLS, least_gap=-1)
+    with pytest.raises(OptionError, match="build_volume of a process is nan"):
+        replace(SLS, build_volume=(1, 2, math.nan))
+
+
+def test_a_process_of_ones_own_is_taken() -> None:
+    own = Process("clay", 5.0, 2.0, 10.0, math.radians(60), 0.0, 0.0, 1.0, (500, 500, 500))
+    report = check_printability(ELBOW, own)
+    assert "CLAY needs 5" in report["strut_diameter"].advice
+    assert report.as_dict()["process"] == "clay"
+
+
+# -- reports ----------------------------------------------------------------------------------
+
+
+def test_a_report_is_a_table_and_json_with_the_same_findings() -> None:
+    report = check_printability(K4, "fdm", name="k4")
+    told = json.loads(report.to_json())
+    assert told["printable"] is True
+    assert list(told["findings"]) == [finding.name for finding in report]
+    table = str(report)
+    assert table.startswith("k4: printable by fdm; look at")
+    for finding in report:
+        assert finding.text in table
+        assert finding.name in report
+        assert report[finding.name] is finding
+    with pytest.raises(KeyError, match="'colour' was not looked at"):
+        report["colour"]
+
+
+def test_the_keys_of_the_json_form_are_what_they_were() -> None:
+    report = check_printability(K4)
+    assert [finding.name for finding in report] == [
+        "watertight",
+        "manifold_edges",
+        "winding",
+        "manifold_vertices",
+        "degenerate_triangles",
+        "orientation",
+        "overlapping_shells",
+        "voids",
+        "components",
+        "self_intersections",
+        "genus",
+        "strut_diameter",
+        "slenderness",
+        "strut_gap",
+        "strut_overhang",
+        "floating_nodes",
+        "islands",
+        "supports",
+        "plate_contact",
+        "best_direction",
+        "drainage",
+        "build_volume",
+        "volume",
+        "mass",
+        "relative_density",
+        "triangles",
+    ]
+
+
+def test_the_page_holds_the_report_and_nothing_from_outside() -> None:
+    report = check_printability(OPEN_CUBE, name="<script>alert(1)</script>")
+    text = page(report)
+    assert "<script>alert" not in text
+    assert "not printable by sls" in text
+    assert "http" not in text
+    model = text.split('type="application/json">')[1].split("</script>")[0]
+    drawn = json.loads(model)
+    failing = {one["name"]: one for one in drawn["placed"]}["watertight"]
+    assert failing["verdict"] == "failure"
+    assert len(failing["places"]) == 3 * 4
+
+
+# -- files and the command line ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".3mf", ".obj", ".ply"])
+def test_files_are_checked_as_what_was_written(suffix: str, tmp_path: Path) -> None:
+    write(build_scaffold(K4), tmp_path / f"k4{suffix}")
+    mesh = read_triangles(tmp_path / f"k4{suffix}")
+    assert mesh is not None
+    report = check_printability(mesh)
+    assert report.printable, report
+    ours = check_printability(K4)
+    assert report["genus"].value["genus"] == 3
+    volume = ours["volume"].value["volume_mm3"]
+    assert report["volume"].value["volume_mm3"] == pytest.approx(volume, rel=1e-6)
+
+
+def test_files_of_lines_or_beams_hold_no_triangles(shared_data: Path) -> None:
+    assert read_triangles(shared_data / "saddle.obj") is None
+    assert read_triangles(shared_data / "pyramid.3mf") is None
+    assert read_triangles(shared_data / "hand.graph") is None
+
+
+def test_bad_mesh_files_are_refused_by_name(tmp_path: Path) -> None:
+    with pytest.raises(FormatError, match=r"absent.stl cannot be read"):
+        read_triangles(tmp_path / "absent.stl")
+    (tmp_path / "bad.3mf").write_bytes(b"no archive")
+    with pytest.raises(FormatError, match=r"bad.3mf cannot be read"):
+        read_triangles(tmp_path / "bad.3mf")
+    (tmp_path / "bad.stl").write_bytes(b"solid nothing\nendsolid\n")
+    with pytest.raises(FormatError, match=r"bad.stl"):
+        read_triangles(tmp_path / "bad.stl")
+
+
+def test_the_command_gives_0_for_printable_1_for_not_and_2_for_bad_input(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(K4, tmp_path / "k4.json")
+    write(OPEN_CUBE, tmp_path / "open.ply")
+    assert main(["check", str(tmp_path / "k4.json")]) == 0
+    assert "printable by sls" in capsys.readouterr().out
+    assert main(["check", str(tmp_path / "k4.json"), "--radius", "0.2"]) == 1
+    assert "raise --radius to 0.4" in capsys.readouterr().out
+    assert main(["check", str(tmp_path / "k4.json"), "--min-diameter", "3"]) == 1
+    assert main(["check", str(tmp_path / "k4.json"), "--build-volume", "5,5,5"]) == 1
+    assert main(["check", str(tmp_path / "open.ply")]) == 1
+    assert main(["check", str(tmp_path / "absent.stl")]) == 2
+    assert "absent.stl" in capsys.readouterr().err
+
+
+def test_the_command_prints_json_and_writes_the_page(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(build_scaffold(K4), tmp_path / "k4.stl")
+    write(K4, tmp_path / "k4.json")
+    arguments = ["--skeleton", str(tmp_path / "k4.json"), "--direction", "best", "--json"]
+    arguments += ["--process", "fdm", "--overhang", "30", "--html", str(tmp_path / "k4.html")]
+    assert main(["check", str(tmp_path / "k4.stl"), *arguments]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["findings"]["genus"]["value"] == {"genus": 3, "loops": 3}
+    assert told["findings"]["strut_diameter"]["value"]["least_mm"] == 2.0
+    assert told["findings"]["strut_overhang"]["value"]["needed_deg"] == pytest.approx(30)
+    assert "k4.stl" in (tmp_path / "k4.html").read_text()
+
+
+def test_a_skeleton_beside_a_skeleton_is_bad_input(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(K4, tmp_path / "k4.json")
+    path = str(tmp_path / "k4.json")
+    assert main(["check", path, "--skeleton", path]) == 2
+    assert "--skeleton is for mesh files" in capsys.readouterr().err
+
+
+def test_a_lattice_is_checked_as_a_whole() -> None:
+    lattice = tile("bcc", 6.0, 2, radius=0.5)
+    report: Report = check_printability(lattice, "lpbf")
+    assert report.printable, report
+    assert report["strut_overhang"].value["least_deg"] == pytest.approx(
+        math.degrees(math.asin(1 / math.sqrt(3)))
+    )
+    assert report["floating_nodes"].value["count"] == 0
