@@ -375,3 +375,12 @@ def test_without_its_package_a_format_says_how_to_get_it(
     with pytest.raises(MissingBackendError, match=f"needs {package}; run: pip install {package}"):
         write(CUBE, tmp_path / f"cube{suffix}")
     assert names_in(tmp_path) == []
+
+
+def test_small_parts_keep_their_shape_in_3mf(tmp_path: Path) -> None:
+    small = CUBE.moved(1e-6 * (CUBE.vertices + 0.123456789))
+    write(small, tmp_path / "small.3mf")
+    read = trimesh.load(tmp_path / "small.3mf", force="mesh", process=False)
+    np.testing.assert_allclose(
+        np.unique(read.vertices, axis=0), np.unique(small.vertices, axis=0), rtol=1e-6
+    )

@@ -102,11 +102,17 @@ def _write(path: Path, points: Points, faces: Triangles, beams: np.ndarray | Non
 
     for number, set_identifier in enumerate((model.SetBuildUUID, body.SetUUID, item.SetUUID)):
         set_identifier(_identifier(digest.digest(), number))
-    path.write_bytes(_package(model))
+    path.write_bytes(_package(model, _decimals(vertices)))
 
 
-def _package(model: Any) -> bytes:
-    """Return the file that holds `model`.
+def _decimals(vertices: np.ndarray) -> int:
+    """Return how many decimals tell 32-bit coordinates apart, those of small parts more than 6."""
+    extent = max(float(np.abs(vertices).max(initial=0.0)), 1e-9)
+    return int(np.clip(7 - np.floor(np.log10(extent)), 6, 16))
+
+
+def _package(model: Any, decimals: int) -> bytes:
+    """Return the file that holds `model`, its coordinates with so many `decimals`.
 
     It is made in memory: on a full disk lib3mf would end the whole process.
     """
@@ -120,7 +126,9 @@ def _package(model: Any) -> bytes:
     def seek(position: int, _: object) -> None:
         file.seek(position)
 
-    model.QueryWriter("3mf").WriteToCallback(WriteCallback(put), SeekCallback(seek), None)
+    writer = model.QueryWriter("3mf")
+    writer.SetDecimalPrecision(decimals)
+    writer.WriteToCallback(WriteCallback(put), SeekCallback(seek), None)
     return file.getvalue()
 
 
