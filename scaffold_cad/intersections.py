@@ -24,7 +24,7 @@ LARGEST_COORDINATE = 1e70
 """Products of four greater lengths would overflow, mm."""
 
 BOX_PAIRS_AT_ONCE = 1 << 16
-"""Pairs of boxes looked at together: some 10 MB, whatever the size of the mesh."""
+"""Pairs of boxes looked at together: it bounds the memory that pairs take."""
 EXACT_PAIRS_AT_ONCE = 1 << 10
 """Pairs tested in whole numbers before a limit is looked at."""
 
@@ -62,8 +62,8 @@ def self_intersections(
     mesh : closed or open, manifold or not
     tolerance : mm, ≥ 0; leave out the pairs that only touch, and those of which one triangle need
         be moved no farther than this for them only to touch. Sheets that a boolean operation
-        left on top of each other may cross by rounding errors. Two triangles in one plane only
-        touch, so that any tolerance leaves them out
+        left on top of each other may cross by rounding errors: 1e-9 leaves these out. Two
+        triangles in one plane only touch, so that any tolerance leaves them out
     weld : whether vertices at the very same position are the same corner, so that parts of a
         mesh may touch along equal vertices and edges. If not, corners are the same only where
         their vertex index is, and parts that touch are pairs
@@ -344,7 +344,7 @@ _UNDERFLOW = 1e-180
 """Bound on what underflow adds to that error, given `LARGEST_COORDINATE`."""
 
 _OTHER_CORNERS = np.array([[1, 2], [2, 0], [0, 1]])
-_AXIS_COUNT = 18
+_AXIS_COUNT = 1 + 2 + 6 + 9  # see `_axis`
 
 
 @dataclass(frozen=True, eq=False)
