@@ -17,6 +17,8 @@ import numpy as np
 from build123d import Compound, Shape, Shell, Solid, Unit
 from build123d import export_brep as write_brep_file
 from build123d import export_step as write_step_file
+from build123d import import_brep as read_brep_file
+from build123d import import_step as read_step_file
 from OCP.BRep import BRep_Builder
 from OCP.Geom import (
     Geom_BezierCurve,
@@ -247,6 +249,17 @@ def tessellate(shape: Shape, distance: float, angle: float) -> tuple[Points, Tri
     points, triangles = shape.tessellate(distance, angle)
     vertices = np.array([(p.X, p.Y, p.Z) for p in points], dtype=np.float64)
     return vertices.reshape(-1, 3), np.array(triangles, dtype=np.intp).reshape(-1, 3)
+
+
+def import_step(path: Path) -> Shape:
+    """Return the shapes of a STEP file, in mm."""
+    with _quiet():
+        return read_step_file(path)
+
+
+def import_brep(path: Path) -> Shape:
+    """Return the shape in a BREP file."""
+    return read_brep_file(path)
 
 
 def export_step(shape: Shape, path: Path, *, write_pcurves: bool) -> bool:

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 
 from scaffold_cad.backends import need
 from scaffold_cad.beziermesh import BezierMesh
-from scaffold_cad.errors import BrepError, OptionError
+from scaffold_cad.errors import BrepError, FormatError, OptionError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.shells import check_oriented, check_solid, quads_of_shells
 from scaffold_cad.topology import component_labels
@@ -124,6 +124,29 @@ def tessellated(shape: Shape) -> TriangleMesh:
     # At a pole or a tip a triangle has two corners in one place.
     proper = (welded != np.roll(welded, 1, axis=1)).all(axis=1)
     return TriangleMesh(points[first], welded[proper])
+
+
+def read_brep(path: Path) -> Shape:
+    """Return the shapes in a STEP or a BREP file, in mm.
+
+    Raises
+    ------
+    FormatError
+        If the file cannot be read or holds no solid.
+    """
+    if not path.is_file():
+        raise FormatError(f"{path} cannot be read: there is no such file")
+    need("build123d", "a STEP or BREP file")
+    from scaffold_cad import _occt
+
+    read = _occt.import_brep if path.suffix.lower() == ".brep" else _occt.import_step
+    try:
+        shape = read(path)
+    except (OSError, RuntimeError, ValueError) as error:
+        raise FormatError(f"{path} cannot be read: {error}") from None
+    if not shape.solids():
+        raise FormatError(f"{path} holds no solid; need one")
+    return shape
 
 
 def export_step(shape: Shape, path: Path, *, write_pcurves: bool = False) -> None:

@@ -15,6 +15,7 @@ from scaffold_cad.insets import inset
 from scaffold_cad.intersections import self_intersections
 from scaffold_cad.lattice import UnitCell, fill
 from scaffold_cad.lattice.filling import HasTriangles, as_region
+from scaffold_cad.lattice.meshregion import welded
 from scaffold_cad.lattice.regions import Region
 from scaffold_cad.lattice.struts import Radius, Struts
 from scaffold_cad.quadmesh import QuadMesh
@@ -119,7 +120,7 @@ def _surface(body: Any) -> TriangleMesh:
         raise OptionError(
             f"the body is a {type(body).__name__}; need a build123d solid or a triangle mesh"
         )
-    return TriangleMesh(body.vertices, triangles)
+    return welded(TriangleMesh(body.vertices, triangles))
 
 
 def _struts_touching(

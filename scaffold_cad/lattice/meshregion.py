@@ -38,7 +38,7 @@ class MeshRegion:
         MeshError
             If the mesh is not closed.
         """
-        mesh = _welded(mesh)
+        mesh = welded(mesh)
         mesh.check_closed()
         self._corners = mesh.vertices[mesh.triangles]  # (t, 3, 3)
         self.bounds = np.stack([self._corners.min(axis=(0, 1)), self._corners.max(axis=(0, 1))])
@@ -158,7 +158,7 @@ def _turn(points: Floats) -> Floats:
     return rotate(rotate(points, z, np.asarray(0.7)), x, np.asarray(1.1))
 
 
-def _welded(mesh: TriangleMesh) -> TriangleMesh:
+def welded(mesh: TriangleMesh) -> TriangleMesh:
     """Return the mesh with one vertex a position, without triangles that so become edges."""
     vertices, number = np.unique(mesh.vertices, axis=0, return_inverse=True)
     triangles = number.reshape(-1)[mesh.triangles]

@@ -1,0 +1,158 @@
+"""`scaffold-cad lattice`: a box or a part filled with a lattice."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from scaffold_cad import brep
+from scaffold_cad.arrays import Floats
+from scaffold_cad.cli.progress import Progress
+from scaffold_cad.errors import FormatError
+from scaffold_cad.export import BREP_SUFFIXES, check_writable, write
+from scaffold_cad.lattice import fill
+from scaffold_cad.parts import lattice_part
+from scaffold_cad.printability import read_triangles
+from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.scaffold import build_scaffold
+from scaffold_cad.solid import to_solid
+from scaffold_cad.trianglemesh import TriangleMesh
+
+if TYPE_CHECKING:
+    from scaffold_cad.skeleton import Skeleton
+
+BOX_QUADS = np.array(
+    [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+)
+"""Faces of a box whose corners are numbered by x, y and z, x fastest."""
+
+SMOOTH_SIDES = 8
+"""Sides of a smooth strut."""
+
+SCAFFOLD_RATE, SOLID_RATE = 30_000.0, 2_000.0
+"""Struts a second, about, that scaffolds and solids are made of."""
+
+_log = logging.getLogger(__name__)
+
+
+def add_parser(
+    commands: argparse._SubParsersAction[argparse.ArgumentParser], common: argparse.ArgumentParser
+) -> None:
+    """Add this command to the command line."""
+    parser = commands.add_parser(
+        "lattice", parents=[common], help="fill a box or a part with a lattice"
+    )
+    parser.add_argument("--cell", required=True, help="unit cell; `scaffold-cad cells` lists them")
+    parser.add_argument(
+        "--size", required=True, type=_size, metavar="A", help="size of a cell, mm: 8 or 8x8x12"
+    )
+    parser.add_argument(
+        "--radius", required=True, type=float, metavar="R", help="radius of the struts, mm"
+    )
+    where = parser.add_mutually_exclusive_group(required=True)
+    where.add_argument("--box", type=_box, metavar="XxYxZ", help="size of a box from 0, mm")
+    where.add_argument(
+        "--inside", type=Path, metavar="PART", help="closed part: .step .brep .stl .3mf .obj .ply"
+    )
+    parser.add_argument(
+        "--skin", type=float, metavar="T", help="thickness of a closed wall around it, mm"
+    )
+    parser.add_argument("--smooth", action="store_true", help="round struts, smooth at the nodes")
+    parser.add_argument(
+        "--beams",
+        action="store_true",
+        help="write no solid but the struts: a 3MF beam lattice, or JSON",
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        required=True,
+        type=Path,
+        metavar="OUT",
+        help="file to write: .3mf .stl .obj .ply .glb, without part and skin also .step .brep",
+    )
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Fill, build and write."""
+    check_writable(options.output)
+    write(_product(options, Progress()), options.output)
+    _log.info("%s written", options.output)
+
+
+def _product(options: argparse.Namespace, progress: Progress) -> Any:
+    """Return what to write."""
+    cad = options.output.suffix.lower() in BREP_SUFFIXES
+    bodied = options.inside is not None or options.skin is not None
+    if cad and (bodied or options.smooth or options.beams):
+        raise FormatError(
+            f"cannot write {options.output}: STEP and BREP files hold lattices of a box only, "
+            "without --skin, --smooth or --beams; need a mesh format"
+        )
+    region = options.box if options.inside is None else _body(options.inside)
+    if options.beams or not bodied:
+        skeleton = fill(region, options.cell, options.size, options.radius)
+        _log.info("%d struts", len(skeleton.edges))
+        return skeleton if options.beams else _solid(skeleton, cad, options.smooth, progress)
+    body = _box_mesh(options.box) if options.inside is None else region
+    cells = np.ptp(body.vertices, axis=0).prod() / np.prod(np.broadcast_to(options.size, 3))
+    with progress.stage("lattice", int(np.ceil(cells)), "cells", SOLID_RATE / 10):
+        return lattice_part(
+            body,
+            options.cell,
+            options.size,
+            options.radius,
+            skin=options.skin,
+            sides=SMOOTH_SIDES if options.smooth else 4,
+        )
+
+
+def _solid(skeleton: Skeleton, cad: bool, smooth: bool, progress: Progress) -> Any:
+    """Return the lattice as quads for CAD, else as a solid."""
+    struts = len(skeleton.edges)
+    with progress.stage("scaffold", struts, "struts", SCAFFOLD_RATE):
+        scaffold = build_scaffold(skeleton, collars=True)
+    if cad:
+        return scaffold
+    with progress.stage("solid", struts, "struts", SOLID_RATE):
+        return to_solid(scaffold, sides=SMOOTH_SIDES if smooth else 4)
+
+
+def _body(path: Path) -> TriangleMesh:
+    """Return the triangles of the part in a file."""
+    if path.suffix.lower() in BREP_SUFFIXES:
+        return brep.tessellated(brep.read_brep(path))
+    mesh = read_triangles(path)
+    if mesh is None:
+        raise FormatError(f"{path} holds no closed part; need .step, .brep, .stl, .3mf, .obj, .ply")
+    return mesh
+
+
+def _box_mesh(box: Floats) -> TriangleMesh:
+    corners = np.stack(np.meshgrid(*box.T[::-1], indexing="ij"), axis=-1).reshape(-1, 3)[:, ::-1]
+    mesh = QuadMesh(corners, BOX_QUADS)
+    return TriangleMesh(mesh.vertices, mesh.triangles)
+
+
+def _size(text: str) -> Floats:
+    """Return one number, or three."""
+    try:
+        numbers = np.array([float(word) for word in text.split("x")])
+    except ValueError:
+        numbers = np.zeros(0)
+    if numbers.shape not in {(1,), (3,)}:
+        raise argparse.ArgumentTypeError(f"{text!r} is no size; need 8 or 8x8x12")
+    return numbers if len(numbers) == 3 else numbers[0]
+
+
+def _box(text: str) -> Floats:
+    """Return the two corners of a box, shape (2, 3)."""
+    size = _size(text)
+    if np.shape(size) != (3,):
+        raise argparse.ArgumentTypeError(f"{text!r} is no box; need three sizes, as 40x40x40")
+    return np.stack([np.zeros(3), size])

@@ -1,0 +1,158 @@
+"""`scaffold-cad lattice` and `scaffold-cad cells`, and the line that tells their progress."""
+
+from __future__ import annotations
+
+import io
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from scaffold_cad.cli import main
+from scaffold_cad.cli.progress import PERIOD, QUIET_TIME, Progress, progress_line
+from scaffold_cad.io import read_skeleton
+from scaffold_cad.lattice import cells, tile
+
+BCC = ["lattice", "--cell", "bcc", "--size", "8", "--radius", "0.6"]
+
+
+def loaded(path: Path) -> trimesh.Trimesh:
+    mesh = trimesh.load(path, force="mesh")
+    assert mesh.is_watertight
+    assert mesh.is_winding_consistent
+    assert mesh.volume > 0
+    return mesh
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".3mf", ".glb"])
+def test_a_box_is_filled(tmp_path: Path, suffix: str) -> None:
+    out = tmp_path / f"box{suffix}"
+    assert main([*BCC, "--box", "16x16x24", "-o", str(out)]) == 0
+    assert loaded(out).euler_number == 2 - 2 * tile("bcc", 8.0, (2, 2, 3), radius=0.6).loop_count
+
+
+def test_smooth_struts_have_more_triangles_and_the_radius(tmp_path: Path) -> None:
+    volumes, sizes = [], []
+    for options in ([], ["--smooth"]):
+        out = tmp_path / "box.stl"
+        assert main([*BCC, "--box", "16x16x16", *options, "-o", str(out)]) == 0
+        mesh = loaded(out)
+        volumes.append(mesh.volume)
+        sizes.append(len(mesh.faces))
+    assert sizes[1] > 3 * sizes[0]
+    # A square around a circle has 4/π of its area.
+    assert volumes[1] == pytest.approx(volumes[0] * np.pi / 4, rel=0.1)
+
+
+def test_beams_are_the_struts_themselves(tmp_path: Path) -> None:
+    out = tmp_path / "beams.3mf"
+    assert main([*BCC, "--box", "16x16x16", "--beams", "-o", str(out)]) == 0
+    assert len(read_skeleton(out, strict=True).edges) == 64
+
+
+def test_a_box_becomes_cad(tmp_path: Path) -> None:
+    build123d = pytest.importorskip("build123d")
+    out = tmp_path / "box.step"
+    assert main([*BCC, "--box", "8x8x8", "-o", str(out)]) == 0
+    (solid,) = build123d.import_step(out).solids()
+    assert solid.is_valid
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".ply"])
+def test_a_mesh_is_filled_under_a_skin(tmp_path: Path, suffix: str) -> None:
+    part, out = tmp_path / f"part{suffix}", tmp_path / "out.stl"
+    trimesh.creation.cylinder(10.0, 20.0).export(part)
+    assert main([*BCC, "--inside", str(part), "--skin", "1.2", "-o", str(out)]) == 0
+    mesh = loaded(out)
+    np.testing.assert_allclose(mesh.extents, [20, 20, 20], rtol=1e-5)
+    assert mesh.volume < 0.8 * np.pi * 100 * 20
+
+
+def test_a_step_part_is_filled(tmp_path: Path) -> None:
+    build123d = pytest.importorskip("build123d")
+    part, out = tmp_path / "part.step", tmp_path / "out.3mf"
+    build123d.export_step(build123d.Box(20, 16, 16), part)
+    assert main([*BCC, "--inside", str(part), "-o", str(out)]) == 0
+    assert loaded(out).volume < 0.3 * 20 * 16 * 16
+
+
+def test_a_box_has_a_skin_too(tmp_path: Path) -> None:
+    out = tmp_path / "out.stl"
+    assert main([*BCC, "--box", "16x16x16", "--skin", "1", "-o", str(out)]) == 0
+    outside = max(part.volume for part in loaded(out).split(only_watertight=True))
+    assert outside == pytest.approx(16**3, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["--box", "8x8x8", "--skin", "1", "-o", "out.step"], "hold lattices of a box only"),
+        (["--box", "8x8x8", "--skin", "9", "-o", "out.stl"], "which fills the body"),
+        (["--inside", "absent.stl", "-o", "out.stl"], "absent.stl cannot be read"),
+        (["--inside", "absent.step", "-o", "out.stl"], "there is no such file"),
+        (["--inside", "part.swc", "-o", "out.stl"], "holds no closed part"),
+        (["--box", "8x8x8", "-o", "out.xyz"], "its suffix is '.xyz'"),
+    ],
+)
+def test_bad_input_is_told_in_one_line(
+    arguments: list[str],
+    complaint: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main([*BCC, *arguments]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert complaint in line
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("text", ["8x8", "eight", "8x8x8x8"])
+def test_sizes_are_one_number_or_three(text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main([*BCC, "--box", text, "-o", "out.stl"])
+    assert "is no" in capsys.readouterr().err
+
+
+def test_an_unknown_cell_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    command = ["lattice", "--cell", "octett", "--size", "8", "--radius", "1", "--box", "8x8x8"]
+    assert main([*command, "-o", str(tmp_path / "out.stl")]) == 2
+    assert "did you mean 'octet'?" in capsys.readouterr().err
+
+
+def test_cells_are_listed_with_valency_and_density(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["cells"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == list(cells())
+    (octet,) = [line for line in lines if line.startswith("octet ")]
+    assert "valency 12" in octet
+    assert "53.31 (r/a)²" in octet
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def test_a_long_stage_shows_a_line_on_a_terminal_and_clears_it() -> None:
+    terminal = Terminal()
+    with Progress(terminal).stage("solid", 100, "struts", usual_rate=10.0):
+        time.sleep(QUIET_TIME + 2 * PERIOD)
+    shown = terminal.getvalue().split("\r\x1b[K")
+    assert shown[1].startswith("solid: 100 struts, 10 a second, ")
+    assert shown[1].endswith("s left")
+    assert shown[-1] == ""
+
+
+def test_nothing_is_shown_of_short_stages_nor_in_a_pipe() -> None:
+    for stream in (Terminal(), io.StringIO()):
+        with Progress(stream).stage("solid", 100, "struts", usual_rate=10.0):
+            pass
+        assert stream.getvalue() == ""
+
+
+def test_a_stage_that_outlasts_the_guess_says_so() -> None:
+    assert progress_line("solid", 100, "struts", 20.0, 10.0).endswith("longer than usual")
