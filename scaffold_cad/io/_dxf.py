@@ -45,13 +45,16 @@ def read_dxf(path: Path) -> RawSkeleton:
     """
     need("ezdxf", "a DXF file")
     check_size(path, LARGEST_DXF)
-    _refuse_cut(path)
+    data = path.read_bytes()
+    _refuse_cut(path, data)
     import ezdxf
     from ezdxf import units
 
     try:
         document = ezdxf.readfile(path)
-        scale = units.conversion_factor(document.units, units.MM) if document.units else 1.0
+        # Where the header has no unit, ezdxf takes metres.
+        unit = document.units if b"$INSUNITS" in data else 0
+        scale = units.conversion_factor(unit, units.MM) if unit else 1.0
         polylines, left_out = _polylines(document)
     # Of the many things that ezdxf raises for damaged files, few are its own errors.
     except (
@@ -71,9 +74,8 @@ def read_dxf(path: Path) -> RawSkeleton:
     return joined_polylines([points * scale for points in polylines])
 
 
-def _refuse_cut(path: Path) -> None:
+def _refuse_cut(path: Path, data: bytes) -> None:
     """Raise unless the file ends as DXF files do: ezdxf reads those that were cut short."""
-    data = path.read_bytes()
     end = b"\0EOF\0" if data.startswith(_BINARY) else b"EOF"
     if not data.rstrip(b" \t\r\n\x1a").endswith(end):
         raise FormatError(f"{path} does not end with EOF: it was cut short; need the whole file")
