@@ -18,8 +18,11 @@ from scaffold_cad.arrays import Ints, Points
 PAIRS_AT_ONCE = 1 << 16
 """Pairs of boxes looked at together: some 10 MB, however many boxes there are."""
 
+OnGrid: TypeAlias = NDArray[np.int64]
+"""Coordinates on the grid, shape (3, n), each of 20 bits."""
+
 Packed: TypeAlias = NDArray[np.int64]
-"""Three coordinates on the grid in each number: 20 bits for each, below a spare one."""
+"""Three coordinates on the grid in each number, with a spare bit above each, shape (n,)."""
 
 GRID_BITS = 20
 FIELD_BITS = GRID_BITS + 1
@@ -34,12 +37,28 @@ def overlapping_boxes(low: Points, high: Points) -> Iterator[tuple[Ints, Ints]]:
 
     Parameters
     ----------
-    low, high : (n, 3) float64, mm; lowest and highest corner of each box, low <= high
+    low, high : (n, 3) float64, mm; lowest and highest corner of each box
 
     Notes
     -----
-    O(n log n) for boxes in general position. A block of pairs of one level of the tree gives a
-    block of the next, and the latest goes first: only a few blocks a level ever wait.
+    O(n log n) for boxes in general position.
+    """
+    order = order_in_space(low, high)
+    for i, j in overlapping_neighbors(low[order], high[order]):
+        first, second = order[i], order[j]
+        yield np.minimum(first, second), np.maximum(first, second)
+
+
+def order_in_space(low: Points, high: Points) -> Ints:
+    """Return an order of boxes (n, 3) in which neighbours in space are near each other, (n,)."""
+    return np.argsort(_sorting_keys(*_on_grid(low, high)), kind="stable")
+
+
+def overlapping_neighbors(low: Points, high: Points) -> Iterator[tuple[Ints, Ints]]:
+    """Do as `overlapping_boxes` for boxes that are in their order in space already.
+
+    A block of pairs of one level of the tree gives a block of the next, and the latest goes
+    first: only a few blocks a level ever wait.
     """
     tree = _box_tree(low, high)
     root = np.zeros(1, dtype=np.intp)
@@ -47,15 +66,13 @@ def overlapping_boxes(low: Points, high: Points) -> Iterator[tuple[Ints, Ints]]:
     while waiting:
         level, i, j = waiting.pop()
         if level == len(tree.lows) - 1:
-            proper = (i != j) & (j < len(tree.order))
-            i, j = tree.order[i[proper]], tree.order[j[proper]]
-            yield np.minimum(i, j), np.maximum(i, j)
+            proper = (i < j) & (j < len(low))
+            yield i[proper], j[proper]
         elif len(i) > PAIRS_AT_ONCE:
             middle = len(i) // 2
             waiting += [(level, i[:middle], j[:middle]), (level, i[middle:], j[middle:])]
         else:
-            i, j = _meeting_children(tree, level + 1, i, j)
-            waiting.append((level + 1, i, j))
+            waiting.append((level + 1, *_meeting_children(tree, level + 1, i, j)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,26 +84,19 @@ class _BoxTree:
     nowhere below the start of box j: one subtraction compares three coordinates.
     """
 
-    order: Ints
-    """Box in each leaf, shape (n,); the leaves after them are empty."""
     lows: list[Packed]
     highs: list[Packed]
     """Bounds of the boxes of each level, the root's first, shapes (1,), (2,), (4,), ..."""
 
 
 def _box_tree(low: Points, high: Points) -> _BoxTree:
-    origin = low.min(axis=0, initial=np.inf)
-    extent = (high - origin).max(initial=1e-300)
-    lower, upper = (
-        ((bound - origin) / extent * (2**GRID_BITS - 1)).astype(np.int64).T for bound in (low, high)
-    )
-    order = np.argsort(_sorting_keys(lower, upper), kind="stable")
-    depth = max(len(order) - 1, 0).bit_length()
+    """Return the tree whose first leaves are the given boxes (n, 3); the other leaves are empty."""
+    count = len(low)
+    depth = max(count - 1, 0).bit_length()
     lows = np.full((3, 2**depth), 2**GRID_BITS - 1, dtype=np.int64)
     highs = np.zeros((3, 2**depth), dtype=np.int64)
-    lows[:, : len(order)] = lower[:, order]
-    highs[:, : len(order)] = upper[:, order]
-    tree = _BoxTree(order, [_packed(lows)], [_packed(highs) | SPARE_BITS])
+    lows[:, :count], highs[:, :count] = _on_grid(low, high)
+    tree = _BoxTree([_packed(lows)], [_packed(highs) | SPARE_BITS])
     for _ in range(depth):
         lows = np.minimum(lows[:, 0::2], lows[:, 1::2])
         highs = np.maximum(highs[:, 0::2], highs[:, 1::2])
@@ -95,14 +105,22 @@ def _box_tree(low: Points, high: Points) -> _BoxTree:
     return tree
 
 
-def _packed(bounds: NDArray[np.int64]) -> Packed:
+def _on_grid(low: Points, high: Points) -> tuple[OnGrid, OnGrid]:
+    """Return the bounds of boxes (n, 3) rounded down to the grid, shapes (3, n)."""
+    origin = low.min(axis=0, initial=np.inf)
+    step = (high - origin).max(initial=1e-300) / (2**GRID_BITS - 1)
+    lower, upper = (np.floor((bound - origin) / step).astype(np.int64).T for bound in (low, high))
+    return lower, upper
+
+
+def _packed(bounds: OnGrid) -> Packed:
     """Return the columns of `bounds` (3, n) packed, shape (n,)."""
     x, y, z = bounds
     packed: Packed = x | (y << FIELD_BITS) | (z << (2 * FIELD_BITS))
     return packed
 
 
-def _sorting_keys(low: NDArray[np.int64], high: NDArray[np.int64]) -> NDArray[np.int64]:
+def _sorting_keys(low: OnGrid, high: OnGrid) -> NDArray[np.int64]:
     """Return keys that sort boxes (3, n) by size, then along a Morton curve, shape (n,).
 
     A large box among small ones would enlarge every box above it in the tree.

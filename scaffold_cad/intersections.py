@@ -1,8 +1,8 @@
 """Where a triangle mesh meets itself: exact, and without any knowledge of how it was made.
 
-Three sieves on pairs of triangles: boxes that overlap, found by walking a tree of them against
-itself; certificates in rounded numbers that two triangles are apart or that they cross; and, for
-the few pairs that rounding leaves open, their intersection in whole numbers.
+Three sieves on pairs of triangles: boxes that overlap; certificates in rounded numbers that two
+triangles are apart or that they cross; and, for the few pairs that rounding leaves open, their
+intersection in whole numbers.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from itertools import combinations
 from typing import Protocol, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from scaffold_cad.arrays import Bools, Edges, Floats, Ints, Points, Triangles
+from scaffold_cad.boxes import order_in_space, overlapping_neighbors
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.trianglemesh import TriangleMesh
 from scaffold_cad.vectors import dot, normalize, triple
@@ -23,8 +23,6 @@ from scaffold_cad.vectors import dot, normalize, triple
 LARGEST_COORDINATE = 1e70
 """Products of four greater lengths would overflow, mm."""
 
-BOX_PAIRS_AT_ONCE = 1 << 16
-"""Pairs of boxes looked at together: it bounds the memory that pairs take."""
 EXACT_PAIRS_AT_ONCE = 1 << 10
 """Pairs tested in whole numbers before a limit is looked at."""
 
@@ -91,7 +89,8 @@ def self_intersections(
         raise OptionError(f"limit is {limit} pairs; need at least 1")
     checked = TriangleMesh(mesh.vertices, mesh.triangles)
     _check_size(checked)
-    order = _order_in_space(checked)
+    # What is looked up together is then together in the cache.
+    order = order_in_space(*_boxes(checked.vertices[checked.triangles]))
     faces = _faces(checked, order, weld)
     found = [np.zeros((0, 2), dtype=np.intp)]
     count = 0
@@ -142,15 +141,6 @@ def _check_size(mesh: TriangleMesh) -> None:
         raise MeshError(f"vertex {far[0]} is at {place} mm; need at most {LARGEST_COORDINATE:g}")
 
 
-def _order_in_space(mesh: TriangleMesh) -> Ints:
-    """Return an order of the triangles in which neighbours in space are near each other, (t,).
-
-    It makes boxes far up in the tree small, and keeps what is looked up together in the cache.
-    """
-    low, high = _on_grid(*_boxes(mesh.vertices[mesh.triangles]))
-    return np.argsort(_sorting_keys(low, high), kind="stable")
-
-
 def _faces(mesh: TriangleMesh, order: Ints, weld: bool) -> _Faces:
     triangles = mesh.triangles[order]
     corners = mesh.vertices[triangles]
@@ -189,7 +179,7 @@ def _picked(rows_of_three: Floats, rows: Ints, number: Ints | int) -> Floats:
 
 def _meeting_pairs(faces: _Faces, tolerance: float | None) -> Iterator[Edges]:
     """Yield blocks of the pairs of triangles that meet where they may not, shape (k, 2)."""
-    for i, j in _overlapping_boxes(*_boxes(faces.corners)):
+    for i, j in overlapping_neighbors(*_boxes(faces.corners)):
         i, j, same = _left_open(faces, i, j)
         if len(i) == 0:
             continue
@@ -206,127 +196,10 @@ def _meeting_pairs(faces: _Faces, tolerance: float | None) -> Iterator[Edges]:
             yield some[np.array(meets)]
 
 
-# ---------------------------------------------------------------------------------------------
-# First sieve: boxes that overlap
-# ---------------------------------------------------------------------------------------------
-
-_OnGrid: TypeAlias = NDArray[np.int64]
-"""Coordinates on the grid, shape (3, n), each of 20 bits."""
-_Packed: TypeAlias = NDArray[np.int64]
-"""Three coordinates on the grid in each number, with a spare bit above each, shape (n,)."""
-
-_GRID_BITS = 20
-_FIELD_BITS = _GRID_BITS + 1
-_SPARE_BITS = sum(1 << (axis * _FIELD_BITS + _GRID_BITS) for axis in range(3))
-
-
-@dataclass(frozen=True, eq=False)
-class _BoxTree:
-    """A complete binary tree of boxes: boxes 2 k and 2 k + 1 of a level lie in box k above.
-
-    Bounds are rounded down to a grid of 2**20 steps, which never parts boxes that meet. With
-    the spare bits set in `highs`, `highs[i] - lows[j]` keeps them all just where box i ends
-    nowhere below the start of box j: one subtraction compares three coordinates.
-    """
-
-    lows: list[_Packed]
-    highs: list[_Packed]
-    """Bounds of the boxes of each level, the root's first, shapes (1,), (2,), (4,), ..."""
-
-
 def _boxes(corners: Floats) -> tuple[Points, Points]:
     """Return the lowest and highest coordinates of triangles (t, 3, 3), shapes (t, 3)."""
     a, b, c = (corners[:, k] for k in range(3))
     return np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
-
-
-def _box_tree(low: Points, high: Points) -> _BoxTree:
-    """Return the tree whose first leaves are the given boxes (n, 3); the other leaves are empty."""
-    count = len(low)
-    depth = max(count - 1, 0).bit_length()
-    lows = np.full((3, 2**depth), 2**_GRID_BITS - 1, dtype=np.int64)
-    highs = np.zeros((3, 2**depth), dtype=np.int64)
-    lows[:, :count], highs[:, :count] = _on_grid(low, high)
-    tree = _BoxTree([_packed(lows)], [_packed(highs) | _SPARE_BITS])
-    for _ in range(depth):
-        lows = np.minimum(lows[:, 0::2], lows[:, 1::2])
-        highs = np.maximum(highs[:, 0::2], highs[:, 1::2])
-        tree.lows.insert(0, _packed(lows))
-        tree.highs.insert(0, _packed(highs) | _SPARE_BITS)
-    return tree
-
-
-def _on_grid(low: Points, high: Points) -> tuple[_OnGrid, _OnGrid]:
-    """Return the bounds of boxes (n, 3) rounded down to the grid, shapes (3, n)."""
-    origin = low.min(axis=0, initial=np.inf)
-    step = (high - origin).max(initial=1e-300) / (2**_GRID_BITS - 1)
-    lower, upper = (np.floor((bound - origin) / step).astype(np.int64).T for bound in (low, high))
-    return lower, upper
-
-
-def _packed(bounds: _OnGrid) -> _Packed:
-    x, y, z = bounds
-    packed: _Packed = x | (y << _FIELD_BITS) | (z << (2 * _FIELD_BITS))
-    return packed
-
-
-def _sorting_keys(low: _OnGrid, high: _OnGrid) -> NDArray[np.int64]:
-    """Return keys that sort boxes by size, then along a Morton curve, shape (n,).
-
-    A large box among small ones would enlarge every box above it in the tree.
-    """
-    _, exponents = np.frexp((high - low).max(axis=0) + 1.0)
-    sizes = (exponents // 2).astype(np.int64)  # by factors of 4
-    keys: NDArray[np.int64] = sizes << (3 * (_GRID_BITS - 1))
-    for axis, middle in enumerate((low + high) >> 2):
-        keys |= _spread(middle) << axis
-    return keys
-
-
-def _spread(values: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return `values` below 2**21 with two zero bits put between their bits."""
-    for shift, mask in (
-        (32, 0x001F00000000FFFF),
-        (16, 0x001F0000FF0000FF),
-        (8, 0x100F00F00F00F00F),
-        (4, 0x10C30C30C30C30C3),
-        (2, 0x1249249249249249),
-    ):
-        values = (values | (values << shift)) & mask
-    return values
-
-
-def _overlapping_boxes(low: Points, high: Points) -> Iterator[tuple[Ints, Ints]]:
-    """Yield blocks of pairs i < j of boxes (n, 3) that overlap or nearly so, each pair once.
-
-    Boxes that follow each other should be near each other. A block of pairs of one level of the
-    tree gives a block of the next, and the latest goes first: only a few blocks a level ever wait.
-    """
-    tree = _box_tree(low, high)
-    root = np.zeros(1, dtype=np.intp)
-    waiting = [(0, root, root)]
-    while waiting:
-        level, i, j = waiting.pop()
-        if level == len(tree.lows) - 1:
-            proper = (i < j) & (j < len(low))
-            yield i[proper], j[proper]
-        elif len(i) > BOX_PAIRS_AT_ONCE:
-            middle = len(i) // 2
-            waiting += [(level, i[:middle], j[:middle]), (level, i[middle:], j[middle:])]
-        else:
-            waiting.append((level + 1, *_meeting_children(tree, level + 1, i, j)))
-
-
-def _meeting_children(tree: _BoxTree, level: int, i: Ints, j: Ints) -> tuple[Ints, Ints]:
-    """Return the pairs of boxes of a level that overlap, below the pairs i <= j above it."""
-    low, high = tree.lows[level], tree.highs[level]
-    i, j = np.repeat(2 * i, 4), np.repeat(2 * j, 4)
-    i[2::4] += 1
-    i[3::4] += 1
-    j[1::2] += 1
-    overlap = (high[i] - low[j]) & (high[j] - low[i]) & _SPARE_BITS == _SPARE_BITS
-    overlap &= i <= j  # the halves of one box meet each other once
-    return i[overlap], j[overlap]
 
 
 # ---------------------------------------------------------------------------------------------
