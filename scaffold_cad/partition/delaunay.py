@@ -12,6 +12,7 @@ from functools import cached_property, lru_cache
 from itertools import combinations
 
 import numpy as np
+from scipy.spatial import ConvexHull, QhullError
 
 from scaffold_cad.arrays import Bools, Floats, Ints, UnitVectors, read_only
 from scaffold_cad.partition.blocks import blocks
@@ -23,6 +24,8 @@ TIE_BREAK = 1e-11
 It lies between the rounding of a hull's facets (1e-15) and the height of the flattest cap that
 three directions 0.01° apart cut off (1e-9). A coplanar star becomes a flat hull of two sides.
 """
+FEW = 32
+"""Up to so many directions, all triples of them are tried as facets."""
 BLOCK = 2_000_000
 """Heights of directions above planes calculated at once, which bounds the memory taken."""
 
@@ -61,7 +64,7 @@ class Triangulations:
         """The half-edge that runs along each one the other way, shape (M, 6 N − 12)."""
         count = self.triangles.shape[1] // 2 + 2
         ahead, back = self.tails * count + self.heads, self.heads * count + self.tails
-        twins = np.empty_like(ahead)
+        twins: Ints = np.empty_like(ahead)
         np.put_along_axis(twins, np.argsort(ahead, axis=1), np.argsort(back, axis=1), axis=1)
         read_only(twins)
         return twins
@@ -72,24 +75,55 @@ def triangulations(stars: UnitVectors) -> tuple[Triangulations, Ints]:
 
     Those so nearly degenerate that rounding decides have none.
     """
-    count, valency = stars.shape[:2]
-    chosen = _triples(valency)
-    triangles = np.empty((count, 2 * valency - 4, 3), dtype=np.intp)
-    found = np.zeros(count, dtype=np.bool_)
+    valency = stars.shape[1]
     # Powers of e satisfy no linear relation: no four of the moved directions stay coplanar.
     moves = TIE_BREAK * (1000 * np.exp(np.arange(3 * valency) / 21) % 1.0).reshape(valency, 3)
-    for part in blocks(count, len(chosen) * valency, BLOCK):
-        above, below = _supports(stars[part] + moves, chosen)
+    facets_of = _facets_of_few if valency <= FEW else _facets_of_many
+    triangles, kept = facets_of(stars + moves)
+    closed = _is_sphere(triangles, valency)
+    triangles, kept = triangles[closed], kept[closed]
+    a, b, c = (stars[kept[:, None], triangles[:, :, k]] for k in range(3))
+    return Triangulations(triangles, normalize(np.cross(b - a, c - a))), kept
+
+
+def _facets_of_few(points: Floats) -> tuple[Ints, Ints]:
+    """Return the facets of the hulls of M times N points, (K, 2 N − 4, 3), and of which, (K,).
+
+    Every triple of points is tried, which suits arrays: all hulls are found at once.
+    """
+    valency = points.shape[1]
+    chosen = _triples(valency)
+    found: list[tuple[Ints, Ints]] = []
+    for part in blocks(len(points), len(chosen) * valency, BLOCK):
+        above, below = _supports(points[part], chosen)
         complete = np.flatnonzero((above | below).sum(axis=1) == 2 * valency - 4)
         facets = np.nonzero((above | below)[complete])[1].reshape(-1, 2 * valency - 4)
         inward = above[complete[:, None], facets]
         triples = chosen[facets]
-        triangles[part.start + complete] = np.where(inward[..., None], triples[..., ::-1], triples)
-        found[part.start + complete] = True
-    kept = np.flatnonzero(found)
-    kept = kept[_is_sphere(triangles[kept], valency)]
-    a, b, c = (stars[kept[:, None], triangles[kept, :, k]] for k in range(3))
-    return Triangulations(triangles[kept], normalize(np.cross(b - a, c - a))), kept
+        triples = np.where(inward[..., None], triples[..., ::-1], triples)
+        found.append((triples, part.start + complete))
+    if not found:
+        return np.empty((0, 2 * valency - 4, 3), dtype=np.intp), np.empty(0, dtype=np.intp)
+    triangles, kept = zip(*found, strict=True)
+    return np.concatenate(triangles), np.concatenate(kept)
+
+
+def _facets_of_many(points: Floats) -> tuple[Ints, Ints]:
+    """Return what `_facets_of_few` does, of one hull after the other."""
+    valency = points.shape[1]
+    triangles = np.zeros((len(points), 2 * valency - 4, 3), dtype=np.intp)
+    kept: list[int] = []
+    for star, own in enumerate(points):
+        try:
+            hull = ConvexHull(own)
+        except QhullError:  # coplanar
+            continue
+        if len(hull.simplices) == 2 * valency - 4:
+            a, b, c = np.moveaxis(own[hull.simplices], 1, 0)
+            inward = dot(np.cross(b - a, c - a), hull.equations[:, :3]) < 0
+            triangles[star] = np.where(inward[:, None], hull.simplices[:, ::-1], hull.simplices)
+            kept.append(star)
+    return triangles[kept], np.array(kept, dtype=np.intp)
 
 
 @lru_cache(maxsize=8)
@@ -103,11 +137,9 @@ def _supports(points: Floats, triples: Ints) -> tuple[Bools, Bools]:
     i, j, k = (points[:, triples[:, c]] for c in range(3))
     normals = np.cross(j - i, k - i)
     # Heights are taken from a corner of the triple: near it they do not cancel.
-    heights = normals @ np.swapaxes(points, 1, 2) - dot(normals, i)[..., None]
+    heights: Floats = normals @ np.swapaxes(points, 1, 2) - dot(normals, i)[..., None]
     heights[:, np.arange(len(triples))[:, None], triples] = 0.0
-    none_below: Bools = (heights >= 0).all(axis=2)
-    none_above: Bools = (heights <= 0).all(axis=2)
-    return none_below, none_above
+    return np.all(heights >= 0, axis=2), np.all(heights <= 0, axis=2)
 
 
 def _is_sphere(triangles: Ints, valency: int) -> Bools:

@@ -47,7 +47,7 @@ class Effort:
     choices: int
     """Number of multigraphs wanted."""
     search: int
-    """Steps of the search for them, for each direction (and as for ten if fewer)."""
+    """Steps of the search for them, for each direction (as for 10 or 40 if fewer or more)."""
     trust: float
     """Factor of the gains: less lets the choices differ more."""
     flow: tuple[tuple[int, int], ...]
@@ -113,7 +113,7 @@ def candidates(
         effort.trust * second - (1 - effort.trust),
         stars.shape[1],
         effort.choices,
-        effort.search * max(stars.shape[1], 10),
+        effort.search * min(max(stars.shape[1], 10), 40),
     )
     good = gains > -np.inf
     if wanted is not None:
