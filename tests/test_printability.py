@@ -161,6 +161,14 @@ def test_faces_that_only_touch_are_told_from_faces_that_cross() -> None:
     assert touching.value["crossing_pairs"] == 0 < touching.value["touching_pairs"]
 
 
+def test_crossing_faces_are_pointed_at_where_they_cross() -> None:
+    report = check_printability(joined(box(4, 4, 4), box(1, 1, 1, 3.5)))
+    places = report["self_intersections"].places
+    assert len(places) > 0
+    assert places[:, 2] == pytest.approx(np.full(len(places), 4.0))
+    assert np.abs(places[:, :2]).max(axis=1) == pytest.approx(np.full(len(places), 0.5))
+
+
 @given(st.tuples(*[st.floats(-3, 3)] * 3).filter(lambda p: all(abs(abs(x) - 1) > 1e-3 for x in p)))
 def test_winding_numbers_tell_inside_from_outside(point: tuple[float, float, float]) -> None:
     inside = max(abs(x) for x in point) < 1

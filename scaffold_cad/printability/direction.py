@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,6 +25,10 @@ LARGEST_FACES = 20
 """Directions that put one of the largest flat parts on the plate are tried too."""
 SAME_AREA = 0.01
 """Support areas that differ by less than this part of the surface are taken as equal."""
+SAME_NORMAL = 1e-4
+"""Step to which normals are rounded to tell which faces face the same way."""
+ROUNDING = 1e-6
+"""Room left for rounding at the limit of what hangs over, in the cosine."""
 LEVEL = 1e-6
 """Difference of heights taken as none, parts of the extent."""
 MOST_PLACES = 1000
@@ -54,18 +59,43 @@ class Facets:
     """Vertex indices, shape (t, 3)."""
     area_vectors: Floats
     """Outward normals as long as the areas, shape (t, 3), mm²."""
-    areas: Floats
-    """Shape (t,), mm²."""
 
     @classmethod
     def of(cls, surface: Connectivity) -> Facets:
         """Return the facets of a surface."""
         corners = surface.corners
         vectors = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
-        return cls(surface.mesh.vertices, surface.mesh.triangles, vectors, length(vectors))
+        return cls(surface.mesh.vertices, surface.mesh.triangles, vectors)
+
+    @cached_property
+    def kinds(self) -> Floats:
+        """Sums of the area vectors that face the same way, shape (k, 3), mm²: few in a lattice."""
+        areas = length(self.area_vectors)
+        proper = areas > 0
+        normals = self.area_vectors[proper] / areas[proper, None]
+        steps = np.round(normals / SAME_NORMAL).astype(np.int64)
+        keys = (steps[:, 0] << 42) + (steps[:, 1] << 21) + steps[:, 2]
+        found, kind = np.unique(keys, return_inverse=True)
+        sums = np.zeros((len(found), 3))
+        np.add.at(sums, kind, self.area_vectors[proper])
+        return sums
+
+    @cached_property
+    def _first_corners(self) -> Ints:
+        return np.ascontiguousarray(self.triangles[:, 0])
+
+    @property
+    def area(self) -> float:
+        """Area of the surface, mm²."""
+        return float(length(self.area_vectors).sum())
+
+    def within(self, low: Bools) -> Ints:
+        """Return the triangles all of whose vertices are `low`, shape (v,)."""
+        rows = np.flatnonzero(low[self._first_corners])
+        return rows[low[self.triangles[rows]].all(axis=1)]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Standing:
     """Facets built in one direction."""
 
@@ -73,10 +103,8 @@ class Standing:
     """Height of the plate along the direction, mm."""
     height: float
     """Of the part, mm."""
-    overhanging: Bools
-    """Whether each triangle needs support, shape (t,)."""
     support_area: float
-    """Area of these seen from below, mm²."""
+    """Area of the triangles that need support, seen from below, mm²."""
     contact_area: float
     """Area of the triangles on the plate, mm²."""
 
@@ -85,21 +113,36 @@ def standing(facets: Facets, direction: UnitVectors, process: Process) -> Standi
     """Return what facets ask for when they are built in a direction."""
     heights = facets.vertices @ direction
     floor = float(heights.min())
-    facing = facets.area_vectors @ direction  # mm², < 0 downwards
-    on_plate = (heights <= floor + process.layer)[facets.triangles].all(axis=1) & (facing < 0)
-    # A facet at an angle a to the plate shows it the share cos a of its area.
-    steep = -math.cos(process.overhang_angle) * facets.areas
-    overhanging = np.zeros(len(facing), dtype=np.bool_)
-    if process.overhang_angle > 0:
-        # Facets at the very limit are steep enough, whatever rounding says.
-        overhanging = (facing < steep - 1e-9 * facets.areas) & ~on_plate
+    on_plate = facets.area_vectors[facets.within(heights <= floor + process.layer)]
+    shown = on_plate @ direction
+    hanging = _hanging(facets.kinds, direction, process)
+    hanging_on_plate = _hanging(on_plate, direction, process)
+    support = facets.kinds[hanging].sum(axis=0) - on_plate[hanging_on_plate].sum(axis=0)
     return Standing(
         floor,
         float(heights.max()) - floor,
-        overhanging,
-        abs(float(facing[overhanging].sum())),
-        abs(float(facing[on_plate].sum())),
+        max(-float(support @ direction), 0.0),
+        abs(float(shown[shown < 0].sum())),
     )
+
+
+def hanging_facets(facets: Facets, direction: UnitVectors, process: Process) -> Ints:
+    """Return the triangles that need support when they are built in a direction."""
+    heights = facets.vertices @ direction
+    hanging = _hanging(facets.area_vectors, direction, process)
+    hanging[facets.within(heights <= heights.min() + process.layer)] = False
+    return np.flatnonzero(hanging)
+
+
+def _hanging(area_vectors: Floats, direction: UnitVectors, process: Process) -> Bools:
+    """Return whether faces are too flat to need no support, wherever they are, shape (t,)."""
+    if process.overhang_angle == 0:
+        return np.zeros(len(area_vectors), dtype=np.bool_)
+    # A face at an angle a to the plate shows it the share cos a of its area; those at the very
+    # limit are steep enough, whatever rounding says.
+    limit = (math.cos(process.overhang_angle) + ROUNDING) * length(area_vectors)
+    hanging: Bools = -(area_vectors @ direction) > limit
+    return hanging
 
 
 def best_direction(facets: Facets, process: Process) -> UnitVectors:
@@ -110,7 +153,7 @@ def best_direction(facets: Facets, process: Process) -> UnitVectors:
     """
     tried = np.concatenate([[[0, 0, 1]], _axes(), _onto_faces(facets), _spiral(CANDIDATES)])
     stands = [standing(facets, direction, process) for direction in tried]
-    step = SAME_AREA * float(facets.areas.sum())
+    step = max(SAME_AREA * facets.area, 1e-300)
     keys = [
         (round(stand.support_area / step), round(stand.height, 3), -round(stand.contact_area, 3))
         for stand in stands
@@ -125,12 +168,9 @@ def _axes() -> UnitVectors:
 
 def _onto_faces(facets: Facets) -> UnitVectors:
     """Return the directions that put the largest flat parts on the plate, shape (k, 3)."""
-    proper = facets.areas > 0
-    normals = facets.area_vectors[proper] / facets.areas[proper, None]
-    kinds, kind = np.unique(np.round(normals, 4), axis=0, return_inverse=True)
-    totals = np.bincount(kind.reshape(-1), facets.areas[proper], minlength=len(kinds))
-    largest = kinds[np.argsort(-totals, kind="stable")[:LARGEST_FACES]]
-    return -largest / length(largest)[:, None]
+    areas = length(facets.kinds)
+    largest = np.argsort(-areas, kind="stable")[:LARGEST_FACES]
+    return -facets.kinds[largest] / areas[largest, None]
 
 
 def _spiral(count: int) -> UnitVectors:
@@ -218,7 +258,7 @@ def direction_findings(
         yield _strut_overhang(skeleton, direction, process, needy)
         yield _floating_nodes(skeleton, direction, process, needy)
     yield _islands(surface, facets, stand.floor, direction, process, needy)
-    yield _supports(facets, stand, process, needy)
+    yield _supports(facets, stand, direction, process, needy)
     yield _plate_contact(stand, process)
     yield _best(facets, stand, direction, process)
 
@@ -317,21 +357,23 @@ def _islands(
     )
 
 
-def _supports(facets: Facets, stand: Standing, process: Process, needy: Verdict) -> Finding:
+def _supports(
+    facets: Facets, stand: Standing, direction: UnitVectors, process: Process, needy: Verdict
+) -> Finding:
     if process.overhang_angle == 0:
         text = f"none: {process.name.upper()} needs no supports"
         return Finding("supports", "build", "ok", {"area_mm2": 0.0, "facets": 0}, text)
-    rows = np.flatnonzero(stand.overhanging)
-    share = stand.support_area / max(float(facets.areas.sum()), 1e-300)
+    rows = hanging_facets(facets, direction, process)
+    angle = math.degrees(process.overhang_angle)
     return Finding(
         "supports",
         "build",
         needy if len(rows) else "ok",
         {"area_mm2": stand.support_area, "facets": len(rows)},
-        f"{stand.support_area:.4g} mm² hang over at less than "
-        f"{math.degrees(process.overhang_angle):g}°, {share:.0%} of the surface"
+        f"{stand.support_area:.4g} mm² hang over at less than {angle:g}°, "
+        f"{stand.support_area / facets.area:.0%} of the surface"
         if len(rows)
-        else f"no face below {math.degrees(process.overhang_angle):g}°",
+        else f"no face below {angle:g}°",
         "let the slicer add supports, or build in the best direction" if len(rows) else "",
         facets.vertices[facets.triangles[rows[:MOST_PLACES]]].mean(axis=1),
     )

@@ -104,15 +104,16 @@ def _touched(surface: Connectivity, low: Points, shape: Ints, step: float) -> Bo
     """Return the cells of the grid that the surface goes through, of `shape`."""
     corners = surface.corners
     sides = length(np.roll(corners, -1, axis=1) - corners).max(axis=1)
-    parts = np.maximum(np.ceil(2.0 * sides / step), 1).astype(np.intp)
+    parts = np.maximum(np.ceil(sides / step), 1).astype(np.intp)
     touched = np.zeros(shape, dtype=np.bool_)
     for count in np.unique(parts):
-        # Barycentric grid of `count` steps a side: half a cell apart or less.
+        # Barycentric grid of `count` steps a side: points a cell apart, of which the ball spans
+        # several, so that it finds no way between them.
         i, j = np.divmod(np.arange((count + 1) ** 2), count + 1)
         weights = np.stack([i, j, count - i - j], axis=1)[i + j <= count] / count
         rows = np.flatnonzero(parts == count)
         for some in np.array_split(rows, 1 + len(rows) * len(weights) // 1_000_000):
-            points = np.einsum("wk,tkx->twx", weights, corners[some]).reshape(-1, 3)
+            points = (weights @ corners[some]).reshape(-1, 3)
             cells = np.round((points - low) / step).astype(np.intp)
             touched[tuple(cells.T)] = True
     return touched

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from scaffold_cad.intersections import self_intersections
+from scaffold_cad.printability.crossings import meeting_places
 from scaffold_cad.printability.nesting import nesting
 from scaffold_cad.printability.processes import Process
 from scaffold_cad.printability.report import Finding, Verdict, counted
@@ -194,7 +195,7 @@ def _crossings(surface: Connectivity) -> Finding:
         {"crossing_pairs": len(deep), "touching_pairs": len(pairs) - len(deep)},
         text,
         advice,
-        surface.corners[shown].mean(axis=(1, 2)),
+        meeting_places(surface.corners[shown[:, 0]], surface.corners[shown[:, 1]]),
     )
 
 
