@@ -107,8 +107,8 @@ def test_standard_output_that_is_full_is_an_error(tmp_path: Path) -> None:
             timeout=60,
             check=False,
         )
-    assert run.returncode != 0
-    assert "No space left" in run.stderr
+    assert run.returncode == 2
+    assert run.stderr.endswith("scaffold-cad: cannot print: No space left on device\n")
 
 
 def test_threads_read_build_and_write_the_same(tmp_path: Path) -> None:

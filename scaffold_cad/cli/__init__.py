@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import logging
+import os
 import sys
 from collections.abc import Sequence
 
@@ -28,8 +29,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _log_to_stderr(logging.ERROR if options.quiet else logging.INFO)
     try:
         code: int | None = options.run(options)
+        sys.stdout.flush()
     except ScaffoldCadError as error:
         print(f"scaffold-cad: {error}", file=sys.stderr)
+        return BAD_INPUT
+    except MemoryError:
+        print("scaffold-cad: out of memory; need a smaller skeleton", file=sys.stderr)
+        return BAD_INPUT
+    except OSError as error:  # of standard output: files raise a FormatError
+        # What is left in its buffer has nowhere to go.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if not isinstance(error, BrokenPipeError):
+            print(f"scaffold-cad: cannot print: {error.strerror or error}", file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt:
         print("scaffold-cad: interrupted", file=sys.stderr)
