@@ -9,7 +9,7 @@ import pytest
 
 from scaffold_cad.io import read_raw, read_skeleton, read_with_repairs
 from scaffold_cad.repair import Repairs
-from scaffold_cad.skeleton import check_skeleton
+from scaffold_cad.skeleton import Skeleton, check_skeleton
 
 SOUND = {
     # name: nodes, edges, loops, largest valency, branch points, joints, extremities, diagonal,
@@ -24,6 +24,9 @@ SOUND = {
     "mina_vase.obj": (84, 116, 33, 4, 49, 1, 34, 191, 6.11),
     "saddle.obj": (32, 40, 9, 4, 16, 0, 16, 15, 2),
     "bear_skel-poly.polylines.txt": (314, 313, 0, 3, 5, 302, 7, 1.74, 0.000996),
+    "C60-buckminsterfullerene.cjson": (60, 90, 31, 3, 60, 0, 0, 11.8, 1.39),
+    "topopt-100_S1_03-14-2019_w_layer.json": (88, 132, 45, 7, 52, 0, 36, 263, 5),
+    "Leica_Disto_S910.dxf": (11, 10, 0, 2, 0, 9, 2, 2.02, 0.036),
 }
 """Those whose graph cleaning does not change, but for welding and removed nodes."""
 
@@ -32,6 +35,7 @@ RADII = {
     "test_morph.swc": (1.5, 6),
     "pyramid.3mf": (1.92, 4.91),
     "Box_Simple.3mf": (10, 15),
+    "topopt-100_S1_03-14-2019_w_layer.json": (1.5, 1.5),
 }
 """Least and largest radius of those that have radii."""
 
@@ -72,6 +76,25 @@ def test_the_fork_at_the_soma_shows_after_repair(shared_data: Path) -> None:
     assert (len(skeleton.nodes), len(skeleton.edges)) == (7, 6)
     assert sorted(skeleton.valency.tolist()) == [1, 1, 1, 1, 2, 3, 3]
     assert set(skeleton.radii.tolist()) == {1.0}
+
+
+def test_bones_that_coincide_at_the_chest_are_welded(shared_data: Path) -> None:
+    path = found(shared_data, "test_mocapbank.bvh")
+    raw = Skeleton(read_raw(path).nodes, read_raw(path).edges, np.array(1.0))
+    assert (len(raw.nodes), len(raw.edges), raw.valency.max()) == (24, 23, 4)
+    assert (len(raw.branch_points), len(raw.joints), len(raw.extremities)) == (2, 17, 5)
+    assert raw.lengths.min() == pytest.approx(9.97, rel=0.001)
+    assert np.linalg.norm(np.ptp(raw.nodes, axis=0)) == pytest.approx(174, rel=0.005)
+    repairs = read_with_repairs(path, 1.0).repairs
+    assert repairs == Repairs(nodes_welded=2, duplicate_edges=2)
+
+
+def test_every_real_file_is_read(shared_data: Path) -> None:
+    paths = [path for path in shared_data.iterdir() if path.suffix != ".md"]
+    for path in paths:
+        radius = None if read_raw(path).radii is not None else 0.01
+        check_skeleton(read_skeleton(path, radius))
+    assert paths
 
 
 @pytest.mark.parametrize(
