@@ -15,7 +15,7 @@ from scaffold_cad.arrays import Floats, Ints, Points, UnitVectors
 from scaffold_cad.errors import OptionError
 from scaffold_cad.partition import partition_spheres
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.vectors import dot, length, normalize
+from scaffold_cad.vectors import dot, length
 
 Fit: TypeAlias = Literal["enclose", "paper"]
 """How large a branch point's sphere is: so that no strut is cut thin at it, or as given."""
@@ -37,8 +37,11 @@ APOTHEM: dict[Section, float] = {
 SHARED_REACH = 0.45
 """Part of an edge that an enlarged sphere may take where both ends are branch points."""
 
-MOST_SAG = 2.0
-"""Most that a vertex is put further out because a side is a chord instead of an arc."""
+MOST_ACROSS = 2.5
+"""Furthest that an enlarged sphere may reach across a strut, in half widths of its section.
+
+Between struts a few degrees apart the sides of quads run through the inside of both: pushing them
+out to the strut's full width would raise spikes and make no strut thicker."""
 
 FREE_REACH = 0.8
 """Part of an edge that an enlarged sphere may take where the other end is none."""
@@ -131,7 +134,7 @@ def _enclosing_radius(skeleton: Skeleton, stars: Stars, radius: Floats, apothem:
 
     The side of a quad keeps a distance `need` from the strut's axis if both its ends lie at least
     `need` / (distance of the side between unit vectors) out: scaling the ends of a side up moves
-    every point of it outwards.
+    every point of it outwards. Neither `edge_reach` nor `MOST_ACROSS` is exceeded for that.
     """
     need = np.zeros(len(stars.vertices))
     room = np.full(len(stars.vertices), np.inf)
@@ -145,14 +148,14 @@ def _enclosing_radius(skeleton: Skeleton, stars: Stars, radius: Floats, apothem:
         along = dot(corner, np.broadcast_to(axis, corner.shape))  # (k, 4)
         across = corner - along[:, :, None] * axis
         distance = _distance_to_side(across, np.roll(across, -1, axis=1))  # (k, 4)
-        # The chord of a long arc passes close to the axis however far out its ends are.
-        bound = np.maximum(distance, _distance_to_plane(corner, axis) / MOST_SAG)
-        wanted = apothem * skeleton.radii[tails[part]][:, None] / np.maximum(bound, 1e-9)
+        size = apothem * skeleton.radii[tails[part]][:, None]  # (k, 1)
+        wanted = size / np.maximum(distance, 1e-9)
         np.maximum.at(need, rows, wanted)
         np.maximum.at(need, np.roll(rows, -1, axis=1), wanted)
         limit = np.divide(
             reach[part][:, None], along, out=np.full_like(along, np.inf), where=along > 1e-9
         )
+        limit = np.minimum(limit, MOST_ACROSS * size / np.maximum(length(across), 1e-9))
         np.minimum.at(room, rows, limit)
     outward: Floats = np.minimum(need, np.maximum(radius, room))
     return outward
@@ -164,12 +167,6 @@ def _distance_to_side(a: Floats, b: Floats) -> Floats:
     squared = np.maximum(dot(span, span), np.finfo(np.float64).tiny)
     nearest = np.clip(-dot(a, span) / squared, 0.0, 1.0)
     return length(a + nearest[..., None] * span)
-
-
-def _distance_to_plane(corner: UnitVectors, axis: UnitVectors) -> Floats:
-    """Return the distance of the tip of `axis` (k, 1, 3) to the planes of the arcs, (k, 4)."""
-    normal = normalize(np.cross(corner, np.roll(corner, -1, axis=1)))
-    return np.abs(dot(normal, np.broadcast_to(axis, normal.shape)))
 
 
 def edge_reach(skeleton: Skeleton) -> Floats:
