@@ -26,8 +26,9 @@ MOST_POCKETS = 100
 def drainage_finding(surface: Connectivity, process: Process) -> Finding:
     """Return the finding on pockets that a ball of the least opening fits in but cannot leave.
 
-    A wide pocket with many narrow windows counts too: powder comes out of it, but slowly. Openings
-    are told to about a third: the grid is no finer.
+    The grid is no finer than that a ball a third larger must fit in, and one a third smaller must
+    be unable to leave. A wide pocket with many narrow windows counts too: powder comes out of it,
+    but slowly.
     """
     if not process.encloses:
         text = f"{process.name.upper()} leaves nothing behind that must come out"
@@ -59,9 +60,15 @@ def drainage_finding(surface: Connectivity, process: Process) -> Finding:
 
 
 def _pockets(surface: Connectivity, low: Points, shape: Ints, step: float) -> tuple[Points, Floats]:
-    """Return a point in each pocket (k, 3), and the volume open to the ball's centre there (k,)."""
-    labels, count = ndimage.label(~_near(_touched(surface, low, shape, step)))
+    """Return a point in each pocket (k, 3), and the volume open to a ball's centre there (k,)."""
+    touched = _touched(surface, low, shape, step)
+    # The surface is up to half a step out of the cells that it touches.
+    reach = (GRID_STEPS - 1) / 2
+    labels, count = ndimage.label(~_near(touched, reach - 1))
     sizes = np.bincount(labels.reshape(-1), minlength=count + 1)
+    wide = np.zeros(count + 1, dtype=np.bool_)
+    wide[labels[~_near(touched, reach + 1)]] = True
+    sizes[~wide] = 0
     sizes[0] = sizes[labels[0, 0, 0]] = 0  # near the surface; outside
     largest = np.argsort(-sizes, kind="stable")[:MOST_POCKETS]
     largest = largest[sizes[largest] > 0]
@@ -80,12 +87,11 @@ def _middle_cell(labels: NDArray[Any], label: int, box: tuple[slice, slice, slic
     return middle
 
 
-def _near(touched: Bools) -> Bools:
-    """Return the cells whose ball would meet a touched one, whose surface is half a step out.
+def _near(touched: Bools, reach: float) -> Bools:
+    """Return the cells less than `reach` steps from a touched one.
 
     The outermost cells must be farther than that from any touched one.
     """
-    reach = (GRID_STEPS - 1) / 2
     steps = np.arange(-int(reach), int(reach) + 1)
     offsets = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), axis=3).reshape(-1, 3)
     offsets = offsets[length(offsets.astype(np.float64)) < reach]
