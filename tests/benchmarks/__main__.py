@@ -1,0 +1,44 @@
+"""How long the usual work takes, beside other packages: `python -m tests.benchmarks [NAME ...]`.
+
+Every piece of work runs in a process of its own, so that its peak of memory is its own; times are
+of the processor. Peers that are not installed, or take longer than `--patience`, are left out.
+With names only the rows that hold one of them are measured; `--no-peers` leaves out all peers.
+"""
+
+from __future__ import annotations
+
+import argparse
+from importlib.util import find_spec
+
+from tests.benchmarks.works import ROWS, measure
+
+
+def main() -> None:
+    """Measure and print a line a row."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("names", nargs="*", help="measure only rows whose name holds one of these")
+    parser.add_argument("--no-peers", action="store_true", help="measure this package only")
+    parser.add_argument("--patience", type=float, default=300.0, help="s, default: 300")
+    options = parser.parse_args()
+    print(f"{'':26}{'time':>9}{'aim':>9}{'peak':>10}   {'peer':12}{'time':>9}{'ratio':>9}")
+    for row in ROWS:
+        if options.names and not any(name in row.name for name in options.names):
+            continue
+        ours = measure(row, row.ours, options.patience)
+        if ours is None:
+            print(f"{row.name:26}   failed, or took longer than {options.patience:g} s")
+            continue
+        line = f"{row.name:26}{ours.seconds:>7.2f} s{row.aim:>7.2f} s{ours.megabytes:>7.0f} MB"
+        if row.peer is not None and not options.no_peers and find_spec(row.package):
+            theirs = measure(row, row.peer, options.patience)
+            line += f"   {row.package:12}"
+            line += (
+                f"{'none':>9}{'':>9}"
+                if theirs is None
+                else f"{theirs.seconds:>7.1f} s{theirs.seconds / ours.seconds:>8.0f}×"
+            )
+        print(line, flush=True)
+
+
+if __name__ == "__main__":
+    main()
