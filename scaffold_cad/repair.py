@@ -273,36 +273,35 @@ def _without_overlaps(nodes: Points, edges: Edges) -> tuple[Edges, int, int]:
     """
     rerouted, repeated = 0, 0
     while True:
-        longer, shorter = _first_overlaps(nodes, edges)
+        longer, shorter = _next_shorter(nodes, edges)
         if len(longer) == 0:
             return edges, rerouted, repeated
         # Every change makes an edge shorter, so that this comes to an end.
         rerouted += len(longer)
+        tails = edges.reshape(-1)
         edges = edges.copy()
         ends = edges.reshape(-1)
         # The longer half-edge leaves the shorter one's head from now on.
-        ends[longer] = ends[shorter ^ 1]
+        ends[longer] = tails[shorter ^ 1]
         edges, _, dropped = _distinct(edges, len(nodes))
         repeated += dropped
 
 
-def _first_overlaps(nodes: Points, edges: Edges) -> tuple[Ints, Ints]:
-    """Return half-edges that overlap a shorter one, at most one of each edge, and the shorter."""
+def _next_shorter(nodes: Points, edges: Edges) -> tuple[Ints, Ints]:
+    """Return the half-edges that overlap a shorter one, and the longest of those shorter ones.
+
+    All may change at once: what one of them no longer covers, the shorter one does, or those
+    that it changes for.
+    """
     pairs = overlapping_half_edges(nodes, edges)  # (k, 2)
-    if len(pairs) == 0:
-        return pairs[:, 0], pairs[:, 1]
     tails = edges.reshape(-1)
     lengths = length(nodes[tails[pairs ^ 1]] - nodes[tails[pairs]])
-    pairs = np.where((lengths[:, :1] >= lengths[:, 1:]), pairs, pairs[:, ::-1])
-    # One change an edge and a pass: neither edge of a pair may change under the other.
-    taken: set[int] = set()
-    chosen = []
-    for longer, shorter in pairs.tolist():
-        if longer >> 1 not in taken and shorter >> 1 not in taken:
-            taken |= {longer >> 1, shorter >> 1}
-            chosen.append((longer, shorter))
-    picked = np.asarray(chosen, dtype=np.intp)
-    return picked[:, 0], picked[:, 1]
+    swapped = lengths[:, 0] < lengths[:, 1]
+    longer = np.where(swapped, pairs[:, 1], pairs[:, 0])
+    shorter = np.where(swapped, pairs[:, 0], pairs[:, 1])
+    order = np.lexsort([shorter, -lengths.min(axis=1, initial=np.inf), longer])
+    longer, first = np.unique(longer[order], return_index=True)
+    return longer, shorter[order][first]
 
 
 def overlapping_half_edges(nodes: Points, edges: Edges) -> Edges:
@@ -335,8 +334,21 @@ def _near_in_rows(directions: UnitVectors) -> tuple[Ints, Ints, Ints]:
 
 
 def _near_in_trees(directions: UnitVectors) -> tuple[Ints, Ints, Ints]:
-    """Return the same as `_near_in_rows`, in less time where rows are long."""
-    pairs = [cKDTree(row).query_pairs(LEAST_ANGLE, output_type="ndarray") for row in directions]
+    """Return some close pairs in each row of `directions`, in less time where rows are long.
+
+    Each direction that has a close one is in a pair; of a bundle of n, n - 1 pairs are given.
+    """
+    pairs = [_near_in_bundles(row) for row in directions]
     rows = np.repeat(np.arange(len(directions)), [len(found) for found in pairs])
     first, second = np.concatenate(pairs).T
     return rows, first, second
+
+
+def _near_in_bundles(directions: UnitVectors) -> Edges:
+    """Return the pairs of directions (n, 3) in one cell of a grid; if none, all close pairs."""
+    cells = np.floor(directions / (LEAST_ANGLE / 2)).astype(np.int64)  # the diagonal is 0.87 of it
+    order = np.lexsort(cells.T)
+    same = (cells[order[1:]] == cells[order[:-1]]).all(axis=1)
+    if same.any():
+        return np.stack([order[:-1][same], order[1:][same]], axis=1)
+    return cKDTree(directions).query_pairs(LEAST_ANGLE, output_type="ndarray")

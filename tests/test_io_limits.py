@@ -9,13 +9,14 @@ import zipfile
 import zlib
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from scaffold_cad.cli import main
 from scaffold_cad.errors import FormatError
-from scaffold_cad.io import _threemf, read_raw, read_skeleton
+from scaffold_cad.io import _threemf, read_raw, read_skeleton, read_with_repairs
 from tests.fuzz.mutation import mutated
 from tests.fuzz.reading import outcome
 from tests.fuzz.samples import RHINO, SAMPLES
@@ -217,3 +218,25 @@ def test_numbers_of_thousands_of_digits_are_refused(tmp_path: Path) -> None:
     content = json.dumps({"node_list": [], "element_list": []}).replace("[]", "9" * 10**5, 1)
     with pytest.raises(FormatError, match="need finite numbers"):
         read_raw(written(tmp_path, "long.json", content))
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-6])
+def test_a_bundle_of_thousands_of_overlapping_edges_becomes_a_path(
+    tmp_path: Path, angle: float
+) -> None:
+    count = 3000
+    rng = np.random.default_rng(0)
+    places = rng.permutation(np.arange(1, count))
+    rows = [f"v {x} {x * angle * rng.uniform(-1, 1)} 0" for x in [0, *places]]
+    rows += [f"l 1 {k}" for k in range(2, count + 1)]
+    cleaning = read_with_repairs(written(tmp_path, "bundle.obj", "\n".join(rows)), 0.01)
+    assert cleaning.skeleton.valency.max() == 2
+    assert len(cleaning.skeleton.edges) == count - 1
+
+
+def test_all_pairs_of_points_on_a_line_become_a_path(tmp_path: Path) -> None:
+    rows = [f"v {k} 0 0" for k in range(60)]
+    rows += [f"l {a} {b}" for a in range(1, 61) for b in range(1, a)]
+    cleaning = read_with_repairs(written(tmp_path, "line.obj", "\n".join(rows)), 0.01)
+    assert cleaning.skeleton.lengths.tolist() == [1.0] * 59
+    assert len(cleaning.skeleton.extremities) == 2
