@@ -11,6 +11,7 @@ from scaffold_cad.arrays import UnitVectors
 from scaffold_cad.errors import OptionError, PartitionError
 from scaffold_cad.partition import Partition, certify, partition_sphere, partition_spheres
 from scaffold_cad.partition.arcs import arc_counts, arcs_of
+from scaffold_cad.partition.star import DistinctStars
 from scaffold_cad.vectors import normalize
 from tests.strategies import stars
 from tests.validation.star_families import FAMILIES, drawn
@@ -163,6 +164,20 @@ def test_repeated_stars_share_their_vertices_in_any_order_of_directions() -> Non
     np.testing.assert_allclose(partitions.vertices, alone.vertices[pick], atol=1e-6)
     np.testing.assert_array_equal(partitions.quads, alone.quads[pick[:, None], order])
     assert certify(partitions.directions, partitions.vertices, partitions.quads).valid.all()
+
+
+def test_stars_grouped_by_mistake_are_partitioned_on_their_own(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def one_group(stars: UnitVectors) -> DistinctStars:
+        everyone = np.zeros(len(stars), dtype=np.intp)
+        return DistinctStars(everyone[:1], everyone, np.tile(np.arange(6), (len(stars), 1)))
+
+    unlike = drawn("uniform", np.random.default_rng(0), 4, 6)
+    monkeypatch.setattr("scaffold_cad.partition.sphere.distinct_stars", one_group)
+    partitions = partition_spheres(unlike)
+    assert certify(partitions.directions, partitions.vertices, partitions.quads).valid.all()
+    assert np.median(partitions.relative_clearance) > 0.9
 
 
 def test_a_star_does_not_depend_on_the_others() -> None:

@@ -17,7 +17,7 @@ from scaffold_cad.arrays import Bools, Floats, Ints, UnitVectors
 from scaffold_cad.partition.arcs import arc_counts
 from scaffold_cad.partition.certificate import certify
 from scaffold_cad.partition.delaunay import Triangulations, triangulations
-from scaffold_cad.partition.lune import lune_partitions
+from scaffold_cad.partition.lune import circle_axes, lune_partitions, lunes_about
 from scaffold_cad.partition.matching import good_matchings
 from scaffold_cad.partition.multigraph import Quadrangulations, quadrangulations
 from scaffold_cad.partition.relax import relaxed
@@ -57,13 +57,14 @@ class Effort:
 FIRST_OF_FOUR = Effort(below=PERFECT, choices=1, search=0, trust=1.0, flow=())
 """Four directions have only six multigraphs, and the best by gain is nearly always perfect."""
 EFFORTS = (
-    Effort(below=PERFECT, choices=8, search=14, trust=1.0, flow=((20, 3), (30, 2))),
-    Effort(below=0.93, choices=48, search=60, trust=0.5, flow=((20, 12), (30, 3))),
-    Effort(below=0.8, choices=160, search=150, trust=0.25, flow=((20, 40), (30, 6))),
+    Effort(below=PERFECT, choices=8, search=14, trust=1.0, flow=((10, 4), (20, 2), (20, 1))),
+    Effort(below=0.9, choices=48, search=60, trust=0.5, flow=((12, 12), (20, 4), (20, 2))),
+    Effort(below=0.7, choices=160, search=150, trust=0.25, flow=((12, 40), (20, 12), (20, 4))),
 )
 LUNES = ((50, 1),)
 """The flow of lunes, which join the contest for the stars that stay poorest."""
 NEWTON = 20
+"""Newton steps of those that come through."""
 
 
 def dual_partitions(stars: UnitVectors) -> tuple[UnitVectors, Ints]:
@@ -76,7 +77,8 @@ def dual_partitions(stars: UnitVectors) -> tuple[UnitVectors, Ints]:
     stars : (M, N, 3) float64, unit vectors, distinct within each star
     """
     if stars.shape[1] == 3:
-        return lune_partitions(stars)  # the only topology, and about the best axis
+        # The only topology; about this axis the arcs are the Voronoi arcs.
+        return lunes_about(circle_axes(stars), stars, nearest_angles(stars) / 2)
     contest = Contest(stars)
     meshes, meshed = triangulations(stars)
     for effort in (FIRST_OF_FOUR, *EFFORTS) if stars.shape[1] == 4 else EFFORTS:

@@ -15,7 +15,6 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.arrays import Floats, Ints, UnitVectors
 from scaffold_cad.errors import PartitionError
-from scaffold_cad.partition.arcs import arcs_of
 from scaffold_cad.partition.delaunay import Triangulations, triangulations
 from scaffold_cad.partition.dual import EFFORTS, Contest, candidates, edges_of
 from scaffold_cad.partition.multigraph import EDGES_EACH
@@ -68,26 +67,20 @@ def guided_partition(star: UnitVectors, pairs: Ints) -> tuple[UnitVectors, Ints]
         If no certified partition with these neighbors is found.
     """
     contest = Contest(star[None])
-    mesh, _ = triangulations(star[None])
+    mesh, found = triangulations(star[None])
+    if len(found) == 0:
+        raise PartitionError("these directions have no triangulation to choose neighbors in")
     mesh = _with_edges(mesh, pairs)
     ends = np.sort(np.stack([mesh.tails, mesh.heads], axis=2)[:, edges_of(mesh)[0]], axis=2)
     wanted = (ends[:, :, None] == pairs).all(axis=3).any(axis=2)  # (1, E)
     for effort in EFFORTS:
         if contest.lowest[0] >= effort.below:
             break
-        found, owners = candidates(mesh, star[None], contest.reach, effort, wanted)
-        contest.enter(found, owners, effort.flow)
+        contest.enter(*candidates(mesh, star[None], contest.reach, effort, wanted), effort.flow)
     if not contest.lowest[0] > 0:
         names = ", ".join(f"{i} and {j}" for i, j in pairs.tolist())
         raise PartitionError(f"no certified partition found with neighbors {names}")
     return contest.best.vertices[0], contest.best.quads[0]
-
-
-def are_neighbors(quads: Ints, pairs: Ints) -> bool:
-    """Return whether each of `pairs` (k, 2) shares an arc in `quads` (N, 4)."""
-    arcs = arcs_of(quads[None])
-    met = np.sort(np.stack([arcs.left[0], arcs.right[0]], axis=1), axis=1)
-    return bool((pairs[:, None] == met).all(axis=2).any(axis=1).all())
 
 
 def _with_edges(mesh: Triangulations, pairs: Ints) -> Triangulations:

@@ -48,7 +48,7 @@ def lunes_about(axes: UnitVectors, stars: UnitVectors, reach: Floats) -> tuple[U
     ----------
     axes : (M, 3) float64, unit vectors
     stars : (M, N, 3) float64, unit vectors
-    reach : (M, N) float64, half the angle to the nearest neighbour, rad
+    reach : (M, N) float64, half the angle to the nearest neighbor, rad
     """
     valency = stars.shape[1]
     east = any_perpendicular(axes)
@@ -87,15 +87,23 @@ def _best_axes(stars: UnitVectors, reach: Floats) -> UnitVectors:
     return chosen
 
 
-def _candidate_axes(stars: UnitVectors) -> UnitVectors:
-    """Return the star's principal axes and others spread evenly around them, (M, K, 3).
+def circle_axes(stars: UnitVectors) -> UnitVectors:
+    """Return the axis of the circle that comes nearest to all directions of each star, (M, 3).
 
-    They turn with the star. The first is the axis of the circle that comes nearest to all
-    directions: for three, or for a coplanar star, it is at the same angle to each, and the
-    meridians bisect their angles.
+    For three directions, or coplanar ones, it is at the same angle to each: the meridians of
+    lunes about it bisect the angles between neighbors, which nothing can better.
     """
     spread = stars - stars.mean(axis=1, keepdims=True)
-    _, circles = np.linalg.eigh(np.einsum("mni,mnj->mij", spread, spread))
+    _, frames = np.linalg.eigh(np.einsum("mni,mnj->mij", spread, spread))
+    axes: UnitVectors = frames[:, :, 0]
+    return axes
+
+
+def _candidate_axes(stars: UnitVectors) -> UnitVectors:
+    """Return the circle's axis, the principal axes, and others spread evenly, (M, K, 3).
+
+    They turn with the star.
+    """
     _, frames = np.linalg.eigh(np.einsum("mni,mnj->mij", stars, stars))
     frames = np.swapaxes(frames, 1, 2)  # rows are the axes, the least first
     # Sides chosen by the star itself, so that they do not depend on the eigenvector's sign.
@@ -105,9 +113,7 @@ def _candidate_axes(stars: UnitVectors) -> UnitVectors:
     angle = np.pi * (3 - np.sqrt(5)) * np.arange(AXES)  # golden spiral
     radius = np.sqrt(1 - height**2)
     spiral = np.stack([height, radius * np.cos(angle), radius * np.sin(angle)], axis=1)
-    return np.concatenate(
-        [np.swapaxes(circles[:, :, :1], 1, 2), frames, normalize(spiral @ frames)], axis=1
-    )
+    return np.concatenate([circle_axes(stars)[:, None], frames, normalize(spiral @ frames)], axis=1)
 
 
 def _longitudes(
@@ -121,7 +127,7 @@ def _longitudes(
 def _meridians(longitude: Floats, weight: Floats) -> tuple[Floats, Floats]:
     """Return how far ahead of each longitude the next meridian runs, and its clearance, (..., N).
 
-    The meridian lies where w_i sin α = w_j sin(gap − α), so that both neighbours have the same
+    The meridian lies where w_i sin α = w_j sin(gap − α), so that both neighbors have the same
     relative clearance from it, unless one of them reaches its best, at π / 2, before that. It is
     less than π from both.
     """

@@ -2,7 +2,7 @@
 
 The sine of the clearance of a direction P from the arc (a, b) is det(a, b, P) / |a × b|, whose
 gradient is closed-form. Divided by the sine of the direction's reach (half the angle to its
-nearest neighbour) it is the arc's *ratio* on that side, at most 1 for the closest pair. A soft
+nearest neighbor) it is the arc's *ratio* on that side, at most 1 for the closest pair. A soft
 minimum of all ratios of a partition, of rising sharpness, is climbed first along its gradient
 and then by Newton steps. Many partitions of one valency are treated at once, as arrays.
 """
@@ -30,10 +30,14 @@ TINY = 1e-24
 FLOW_SHARPNESS = (2.0, 80.0)
 FLOW_STEP = (0.27, 0.046)
 """First and last length of a step along the gradient, in reaches and per √vertex."""
-FLOW_INERTIA = 0.7
+FLOW_INERTIA, FLOW_MEMORY = 0.7, 0.95
+"""What is kept at each step of the last step's course, and of the mean square of gradients."""
 NEWTON_SHARPNESS = (20.0, 3000.0)
 NEWTON_STEP = 0.5
 """Longest Newton step of a vertex, in reaches."""
+DAMPING, LEAST_DAMPING, MOST_DAMPING = 0.03, 1e-4, 1e4
+"""Of the first Newton step, and within which it is divided by 4 where a step gained, else
+multiplied by 6."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +95,7 @@ def relaxed(
     Parameters
     ----------
     directions : (K, N, 3) float64, unit vectors
-    reach : (K, N) float64, half the angle to the nearest neighbour, rad
+    reach : (K, N) float64, half the angle to the nearest neighbor, rad
     quads : (K, N, 4) intp, closed
     vertices : (K, N + 2, 3) float64, where to start; they need not be certified
     flow : number of steps along the gradient
@@ -103,7 +107,8 @@ def relaxed(
     for block in blocks(len(quads), 2 * quads.shape[1], BLOCK):
         problem = _problem(directions[block], reach[block], quads[block])
         flat = np.ascontiguousarray(np.moveaxis(vertices[block], 2, 0)).reshape(3, -1)
-        flat = _climb(problem, flat, np.linspace(*part, flow))
+        if flow:
+            flat = _climb(problem, flat, np.linspace(*part, flow))
         flat, lowest[block] = _newton(problem, flat, newton, sharpness)
         moved[block] = np.moveaxis(flat.reshape(3, problem.rows, -1), 0, 2)
     return moved, lowest
@@ -162,7 +167,6 @@ def _climb(problem: _Problem, vertices: Floats, progress: Floats) -> Floats:
     best, highest = vertices, np.full(problem.rows, -np.inf)
     momentum = np.zeros_like(vertices)
     squares = np.zeros(problem.rows)
-    decay = 0.95
     sharpness = _geometric(FLOW_SHARPNESS, progress)
     longest = _geometric(FLOW_STEP, progress) * np.sqrt(problem.vertices)
     for step in range(len(progress)):
@@ -172,8 +176,9 @@ def _climb(problem: _Problem, vertices: Floats, progress: Floats) -> Floats:
         gradient = _gradient(problem, state, weights) * problem.scale
         momentum = FLOW_INERTIA * momentum + (1 - FLOW_INERTIA) * gradient
         norm = _dot(gradient, gradient).reshape(problem.rows, -1).sum(axis=1)
-        squares = decay * squares + (1 - decay) * norm
-        rate = longest[step] / np.sqrt(squares / (1 - decay ** (step + 1)) + TINY)
+        squares = FLOW_MEMORY * squares + (1 - FLOW_MEMORY) * norm
+        mean_square = squares / (1 - FLOW_MEMORY ** (step + 1))
+        rate = longest[step] / np.sqrt(mean_square + TINY)
         vertices = _unit(vertices + momentum * (problem.scale * np.repeat(rate, problem.vertices)))
     best, _ = _better(problem, best, highest, vertices, _state(problem, vertices).lowest)
     return best
@@ -185,14 +190,15 @@ def _newton(
     """Return the best vertices found by damped Newton steps, (3, K V), and their lowest ratio."""
     state = _state(problem, vertices)
     best, highest = vertices, state.lowest
-    damping = np.full(problem.rows, 0.03)
+    damping = np.full(problem.rows, DAMPING)
     for sharpness in _geometric(ends, np.linspace(0, 1, steps)):
         value, weights = _soft_minimum(state, sharpness)
         tried = _newton_step(problem, vertices, state, weights, sharpness, damping)
         tried_state = _state(problem, tried)
         tried_value, _ = _soft_minimum(tried_state, sharpness)
         gained = tried_value > value
-        damping = np.where(gained, np.maximum(damping / 4, 1e-4), np.minimum(damping * 6, 1e4))
+        damping = np.where(gained, damping / 4, damping * 6)
+        damping = np.clip(damping, LEAST_DAMPING, MOST_DAMPING)
         vertices = np.where(np.repeat(gained, problem.vertices), tried, vertices)
         state = _state(problem, vertices)
         best, highest = _better(problem, best, highest, vertices, state.lowest)
@@ -241,7 +247,7 @@ def _newton_step(
     matrix[:, unknown, unknown] += (damping + 1e-10 * steepest)[:, None]
     step = np.linalg.solve(matrix, slope[:, :, None])[..., 0]
     along = step.reshape(-1, 2).T
-    longest = np.sqrt((along * along).sum(axis=0)).reshape(rows, count).max(axis=1)
+    longest = np.sqrt((along**2).sum(axis=0)).reshape(rows, count).max(axis=1)
     along *= np.repeat(NEWTON_STEP / np.maximum(longest, NEWTON_STEP), count)
     return _unit(vertices + along[0] * tangents[0] + along[1] * tangents[1])
 
@@ -278,10 +284,9 @@ def _gradient(problem: _Problem, state: _State, weights: Floats) -> Floats:
 def _gathered(problem: _Problem, at_starts: Floats, at_ends: Floats) -> Floats:
     """Return the sums at each vertex of values at both ends of the arcs, shape (K, V)."""
     values = np.concatenate([at_starts.reshape(-1), at_ends.reshape(-1)])
-    sums: Floats = np.bincount(problem.both, values, minlength=len(problem.scale)).astype(
-        np.float64
-    )
-    return sums.reshape(problem.rows, problem.vertices)
+    sums = np.bincount(problem.both, values, minlength=len(problem.scale))
+    gathered: Floats = sums.reshape(problem.rows, problem.vertices).astype(np.float64, copy=False)
+    return gathered
 
 
 def _better(

@@ -69,7 +69,7 @@ def pairwise_angles(stars: UnitVectors) -> Floats:
 
 
 def nearest_angles(stars: UnitVectors) -> Floats:
-    """Return the angle from each direction to its nearest neighbour in the star, rad, (M, N)."""
+    """Return the angle from each direction to its nearest neighbor in the star, rad, (M, N)."""
     nearest = np.empty(stars.shape[:2])
     for block in blocks(len(stars), stars.shape[1] ** 2, BLOCK):
         nearest[block] = pairwise_angles(stars[block]).min(axis=2)
@@ -145,8 +145,8 @@ def unique_rows(rows: Ints) -> tuple[Ints, Ints]:
     return np.sort(first), rank[group.reshape(-1)]
 
 
-def check_separated(stars: UnitVectors, names: Ints, order: Ints) -> Floats:
-    """Return the angle from each direction to the nearest, (M, N), unless one is too small.
+def check_separated(stars: UnitVectors, names: Ints, order: Ints) -> None:
+    """Refuse directions that are too close to be kept apart.
 
     Parameters
     ----------
@@ -159,8 +159,7 @@ def check_separated(stars: UnitVectors, names: Ints, order: Ints) -> Floats:
     PartitionError
         If two directions of a star are less than `MIN_ANGLE` apart; they are named.
     """
-    nearest = nearest_angles(stars)
-    close = np.flatnonzero((nearest < MIN_ANGLE).any(axis=1))
+    close = np.flatnonzero((nearest_angles(stars) < MIN_ANGLE).any(axis=1))
     if len(close):
         star = close[np.argmin(names[close])]
         angles = pairwise_angles(stars[star : star + 1])[0]
@@ -170,4 +169,3 @@ def check_separated(stars: UnitVectors, names: Ints, order: Ints) -> Floats:
             f"directions {pair[0]} and {pair[1]} of star {names[star]} are "
             f"{np.degrees(angles[i, j]):.3g}° apart; need at least {np.degrees(MIN_ANGLE):g}°"
         )
-    return nearest
