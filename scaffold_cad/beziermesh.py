@@ -10,13 +10,13 @@ import numpy as np
 from scaffold_cad.arrays import Bools, Floats, Ints, Quads, UnitVectors, as_quads, read_only
 from scaffold_cad.errors import MeshError
 from scaffold_cad.quadmesh import QuadMesh
-from scaffold_cad.vectors import dot, length, normalize, triple
+from scaffold_cad.vectors import length, normalize, triple
 
 GAP_TOLERANCE = 1e-8
 """Distance within which the control points that two patches share must agree, mm."""
 
 FLATNESS_TOLERANCE = 1e-8
-"""Distance within which the corners of a flat quad lie of their plane, mm."""
+"""Distance within which the control points of a flat patch lie of their plane, mm."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,13 +93,13 @@ class BezierMesh:
 
     @cached_property
     def plane_normals(self) -> UnitVectors:
-        """Unit normal of each flat patch of degree 1; zero for all others, shape (f, 3)."""
-        if self.degree > 1:
-            return np.zeros((len(self.quads), 3))
+        """Unit normal of each patch that lies in a plane; zero for all others, shape (f, 3)."""
         a, b, c, d = (self.mesh.vertices[self.quads[:, k]] for k in range(4))
         normals = normalize(np.cross(c - a, d - b))
-        # The four corners are all equally far from their mean plane.
-        height = np.abs(dot(normals, (a + c - b - d) / 4))
+        points = self.control_points.reshape(len(self.quads), -1, 3)
+        # Corners that are not in a plane are all equally far from this one.
+        offsets = points - ((a + b + c + d) / 4)[:, None]
+        height = np.abs(np.einsum("fik,fk->fi", offsets, normals)).max(axis=1, initial=0.0)
         normals[height > FLATNESS_TOLERANCE] = 0.0
         return normals
 

@@ -84,8 +84,10 @@ def test_a_flat_quad_need_not_be_convex() -> None:
     np.testing.assert_allclose(normals[:2], [[0, 0, -1], [0, 0, 1]], atol=1e-15)
 
 
-def test_patches_of_a_higher_degree_are_on_no_plane() -> None:
-    assert not pillow(0.0).plane_normals.any()
+def test_patches_of_a_higher_degree_are_on_their_plane_too() -> None:
+    flat = BezierMesh.bilinear(CUBE).plane_normals
+    np.testing.assert_allclose(pillow(0.0).plane_normals, flat, atol=1e-15)
+    assert not pillow(0.1).plane_normals.any()
 
 
 @pytest.mark.parametrize(

@@ -2,15 +2,21 @@
 
 from scaffold_cad.smooth.catmull_clark import Limit, Subdivision, catmull_clark, limit
 from scaffold_cad.smooth.control import Caps, ControlMesh, control_mesh
+from scaffold_cad.smooth.deviation import Deviation, deviation
 from scaffold_cad.smooth.mesh import smooth_mesh
+from scaffold_cad.smooth.patches import Patches, smooth_patches
 
 __all__ = [
     "Caps",
     "ControlMesh",
+    "Deviation",
     "Limit",
+    "Patches",
     "Subdivision",
     "catmull_clark",
     "control_mesh",
+    "deviation",
     "limit",
     "smooth_mesh",
+    "smooth_patches",
 ]

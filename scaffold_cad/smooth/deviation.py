@@ -1,0 +1,152 @@
+"""How far smooth patches are from what was asked: joins, the limit surface, radii of struts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from scaffold_cad.arrays import Floats, Ints
+from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.scaffold import Scaffold
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.smooth.catmull_clark import Connectivity, catmull_clark, limit
+from scaffold_cad.smooth.patches import Patches
+from scaffold_cad.vectors import angle_between, dot, length, normalize
+
+EDGE_SAMPLES = 33
+"""Points on each edge at which the normals of its two patches are compared."""
+
+PATCH_SAMPLES = 9
+"""Points in each direction at which a patch is looked at."""
+
+LIMIT_LEVELS = 4
+"""Subdivisions after which the limit surface is sampled."""
+
+
+@dataclass(frozen=True, eq=False)
+class Deviation:
+    """How far smooth patches are from what was asked."""
+
+    normal_jump: float
+    """Largest angle between the normals of two patches on an edge that is no crease, rad."""
+    limit_distance: float
+    """Largest distance of a patch from the Catmull-Clark limit surface, mm."""
+    turned: Ints
+    """Patches whose normal turns over; none if all is well."""
+    strut_radii: Floats
+    """Least, mean and greatest radius in the middle of each strut, shape (m, 3), mm."""
+
+
+def deviation(patches: Patches, scaffold: Scaffold) -> Deviation:
+    """Return how far the smooth patches of `scaffold` are from what was asked."""
+    points, _ = patches.sampled(2 * PATCH_SAMPLES - 1)
+    strut = scaffold.edge_of_quad[patches.quad_of_patch]
+    fine = _grid_mesh(points)
+    return Deviation(
+        normal_jump=float(normal_jumps(patches).max(initial=0.0)),
+        limit_distance=float(limit_distances(patches).max(initial=0.0)),
+        turned=turned_patches(patches),
+        strut_radii=strut_radii(
+            fine, np.repeat(strut, len(fine.quads) // len(strut)), scaffold.skeleton
+        ),
+    )
+
+
+def normal_jumps(patches: Patches, samples: int = EDGE_SAMPLES) -> Floats:
+    """Return the largest angle between the normals of the two patches on each edge, (e,), rad.
+
+    Edges around and inside flat caps are left out.
+    """
+    connectivity = Connectivity.of(patches.control.mesh, patches.control.creases)
+    _, normals = patches.sampled(samples)
+    sides = connectivity.sides_of_edge
+    smooth = ~patches.is_flat[sides >> 2].any(axis=1)
+    one, other = (_along_sides(normals, sides[smooth, k]) for k in range(2))
+    jumps: Floats = angle_between(one, other[:, ::-1]).max(axis=1)
+    return jumps
+
+
+def turned_patches(patches: Patches, samples: int = PATCH_SAMPLES) -> Ints:
+    """Return the patches that are folded or inside out.
+
+    Those whose normals at two neighbouring points are more than a right angle apart, or whose
+    normal in the middle points into the limit surface.
+    """
+    _, normals = patches.sampled(samples)
+    least = np.minimum(
+        dot(normals[:, 1:], normals[:, :-1]).min(axis=(1, 2)),
+        dot(normals[:, :, 1:], normals[:, :, :-1]).min(axis=(1, 2)),
+    )
+    fine = catmull_clark(patches.control.mesh, 1, patches.control.creases)
+    middles = len(fine.mesh.vertices) - len(patches.is_flat)
+    outward = limit(fine.mesh, fine.creases).normals[middles:]
+    centre = normals[:, samples // 2, samples // 2]
+    return np.flatnonzero(~patches.is_flat & ((least <= 0) | (dot(centre, outward) <= 0)))
+
+
+def limit_distances(patches: Patches, samples: int = PATCH_SAMPLES) -> Floats:
+    """Return the largest distance of each patch from the Catmull-Clark limit surface, (f,), mm."""
+    control = patches.control
+    fine = catmull_clark(control.mesh, LIMIT_LEVELS, control.creases)
+    surface = limit(fine.mesh, fine.creases)
+    points, _ = patches.sampled(samples)
+    _, nearest = cKDTree(surface.points).query(points.reshape(-1, 3))
+    away = points.reshape(-1, 3) - surface.points[nearest]
+    distance = np.abs(dot(away, surface.normals[nearest])).reshape(len(points), -1)
+    distance[patches.is_flat] = 0.0  # in the plane of their creases
+    largest: Floats = distance.max(axis=1)
+    return largest
+
+
+def strut_radii(mesh: QuadMesh, strut_of_quad: Ints, skeleton: Skeleton) -> Floats:
+    """Return the least, mean and greatest radius in the middle of each strut, (m, 3), mm.
+
+    The section of the surface with the plane across the middle of the strut, measured from its
+    centre; nan for a strut whose surface does not reach there.
+
+    Parameters
+    ----------
+    mesh : a fine mesh of the surface
+    strut_of_quad : (f,) intp, the skeleton edge that each of its quads belongs to
+    """
+    ends = skeleton.nodes[skeleton.edges]
+    axes, middles = normalize(ends[:, 1] - ends[:, 0]), ends.mean(axis=1)
+    strut = np.repeat(strut_of_quad, 4)
+    corners = mesh.vertices[mesh.half_edges]  # (4 f, 2, 3)
+    height = dot(corners - middles[strut][:, None], axes[strut][:, None])
+    across = (height[:, 0] < 0) & (height[:, 1] >= 0)
+    strut, corners, height = strut[across], corners[across], height[across]
+    share = (height[:, 0] / (height[:, 0] - height[:, 1]))[:, None]
+    points = (1 - share) * corners[:, 0] + share * corners[:, 1]
+
+    count = np.bincount(strut, minlength=len(axes))[:, None]
+    sums = [np.bincount(strut, points[:, k], minlength=len(axes)) for k in range(3)]
+    centres = np.stack(sums, axis=1) / np.maximum(count, 1)
+    distance = length(points - centres[strut])
+    radii = np.full((len(axes), 3), np.nan)
+    radii[strut] = [np.inf, 0.0, 0.0]
+    np.minimum.at(radii[:, 0], strut, distance)
+    np.add.at(radii[:, 1], strut, distance)
+    np.maximum.at(radii[:, 2], strut, distance)
+    radii[:, 1] /= np.maximum(count[:, 0], 1)
+    return radii
+
+
+def _along_sides(grids: Floats, sides: Ints) -> Floats:
+    """Return the values of `grids` (f, n, n, 3) along `sides` of their patches, (k, n, 3)."""
+    count = grids.shape[1]
+    places = np.arange(count**2).reshape(count, count)
+    rows = np.stack([places[:, 0], places[-1], places[::-1, -1], places[0, ::-1]])
+    values: Floats = grids.reshape(len(grids), -1, 3)[(sides >> 2)[:, None], rows[sides & 3]]
+    return values
+
+
+def _grid_mesh(points: Floats) -> QuadMesh:
+    """Return the grids (f, n, n, 3) as one mesh, each with vertices of its own."""
+    patches, count = points.shape[:2]
+    place = np.arange(count**2).reshape(count, count)
+    cells = np.stack([place[:-1, :-1], place[1:, :-1], place[1:, 1:], place[:-1, 1:]], axis=2)
+    quads = np.arange(patches)[:, None, None] * count**2 + cells.reshape(-1, 4)
+    return QuadMesh(points.reshape(-1, 3), quads.reshape(-1, 4))

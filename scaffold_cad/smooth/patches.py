@@ -1,0 +1,159 @@
+"""smooth_patches: the smooth solid as G1 Bézier patches, for a B-rep."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from scaffold_cad.arrays import Bools, Floats, Ints, UnitVectors
+from scaffold_cad.beziermesh import BezierMesh
+from scaffold_cad.errors import OptionError
+from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.scaffold import Scaffold
+from scaffold_cad.smooth.bernstein import bernstein, elevation
+from scaffold_cad.smooth.bicubic import bicubic_patches
+from scaffold_cad.smooth.catmull_clark import (
+    NO_CREASES,
+    Connectivity,
+    limit_points,
+    subdivided,
+)
+from scaffold_cad.smooth.control import Caps, ControlMesh, control_mesh
+from scaffold_cad.smooth.controlnet import ControlNet
+from scaffold_cad.smooth.g1 import G1System
+from scaffold_cad.vectors import normalize
+
+DEGREES = (4, 5)
+"""Degrees that leave a surface free enough to be smooth; 4 does on patches that are not long."""
+
+SAMPLE_LEVELS = 3
+"""Subdivisions after which the limit surface is sampled: 9 × 9 points a patch."""
+
+
+@dataclass(frozen=True, eq=False)
+class Patches:
+    """A closed surface of Bézier patches that join with one tangent plane."""
+
+    bezier: BezierMesh
+    """The patches; their quads are those of `control`."""
+    control: ControlMesh
+    """The mesh whose Catmull-Clark limit they follow, and the creases across which they do not
+    join smoothly; one patch a quad."""
+    is_flat: Bools
+    """Whether each patch is a part of a flat cap, shape (f,)."""
+
+    @property
+    def quad_of_patch(self) -> Ints:
+        """Quad of the scaffold, or of the mesh given, that each patch is a part of, shape (f,)."""
+        return self.control.quad_of_quad
+
+    def sampled(self, count: int) -> tuple[Floats, UnitVectors]:
+        """Return points (f, count, count, 3), mm, of an even grid on each patch, and normals there.
+
+        At corners of flat caps where sides meet in a straight angle the normal is not determined.
+        """
+        degree, points = self.bezier.degree, self.bezier.control_points
+        at = np.linspace(0, 1, count)
+        value, slope = bernstein(degree, at), bernstein(degree, at, 1)
+
+        def surface(u: Floats, v: Floats) -> Floats:
+            along_v = np.einsum("bj,fijk->fibk", v, points, optimize=True)
+            return np.asarray(np.einsum("ai,fibk->fabk", u, along_v, optimize=True))
+
+        normals = np.cross(surface(slope, value), surface(value, slope))
+        return surface(value, value), normalize(normals)
+
+
+def smooth_patches(
+    surface: Scaffold | QuadMesh, degree: int = 5, split: int = 0, caps: Caps = "round"
+) -> Patches:
+    """Return the smooth solid around a scaffold as Bézier patches: one a quad, all joins G1.
+
+    Parameters
+    ----------
+    surface : a scaffold, whose struts get the radii of its skeleton; or a closed quad mesh, whose
+        Catmull-Clark limit is followed as it is
+    degree : 5, or 4 with `split`: of the patches in both directions; 5 is fairer
+    split : how often each quad is cut in four first, for patches closer to the limit
+    caps : of a scaffold, see `control_mesh`; a flat cap meets its strut in an edge
+
+    Raises
+    ------
+    MeshError
+        If the mesh is not closed.
+    OptionError
+        If `degree`, `split` or `caps` is out of its range.
+    """
+    if degree not in DEGREES:
+        raise OptionError(f"degree is {degree}; need 4 or 5")
+    if degree < 5 and split < 1:
+        raise OptionError(
+            f"degree is {degree} and split {split}; need split 1 or more, or degree 5"
+        )
+    if isinstance(surface, Scaffold):
+        control = control_mesh(surface, caps)
+    else:
+        control = ControlMesh(surface, NO_CREASES, np.arange(len(surface.quads)))
+    coarse = Connectivity.of(control.mesh, control.creases)
+    is_cap = coarse.is_crease[coarse.edge_of_side].all(axis=1)
+    is_flat = np.repeat(is_cap, 4**split)
+    control, connectivity = _split(control, coarse, split)
+    net = ControlNet(connectivity, degree)
+    system = G1System(net, is_flat)
+
+    patches = bicubic_patches(connectivity, control.mesh.vertices, is_flat)
+    patches = _tensor(elevation(3, degree), patches)
+    near = net.gathered(patches.reshape(len(patches), -1, 3))
+    fitted = _fitted(connectivity, control.mesh, degree)
+    near[system.is_free] = net.gathered(fitted.reshape(len(fitted), -1, 3))[system.is_free]
+    patches = system.solved(near)[net.of_patch].reshape(patches.shape)
+    return Patches(BezierMesh(connectivity.quads, patches), control, is_flat)
+
+
+def _split(
+    control: ControlMesh, coarse: Connectivity, levels: int
+) -> tuple[ControlMesh, Connectivity]:
+    """Return the control mesh with each quad cut in four `levels` times."""
+    if levels == 0:
+        return control, coarse
+    fine, points = subdivided(coarse, control.mesh.vertices, levels)
+    quads = np.repeat(control.quad_of_quad, 4**levels)
+    mesh = QuadMesh(points, fine.quads)
+    return ControlMesh(mesh, fine.edges[fine.is_crease], quads), fine
+
+
+def _fitted(connectivity: Connectivity, mesh: QuadMesh, degree: int) -> Floats:
+    """Return the patches nearest to samples of the limit surface, (f, d + 1, d + 1, 3).
+
+    Each for itself, in the sum of squared distances at equal parameters.
+    """
+    fine, points = subdivided(connectivity, mesh.vertices, SAMPLE_LEVELS)
+    limits = limit_points(fine, points)
+    u, v = _places(SAMPLE_LEVELS)
+    corner = fine.quads.reshape(len(mesh.quads), -1)
+    count = 2**SAMPLE_LEVELS + 1
+    vertex = np.empty((len(mesh.quads), count, count), dtype=np.intp)
+    vertex[:, u, v] = corner
+    at_samples = bernstein(degree, np.linspace(0, 1, count))
+    least_squares = np.asarray(np.linalg.pinv(at_samples), dtype=np.float64)
+    return _tensor(least_squares, limits[vertex])
+
+
+def _places(levels: int) -> tuple[Ints, Ints]:
+    """Return where on a quad's grid the corners of its parts lie, (4^(levels + 1),) each."""
+    size = 2**levels
+    quads = size * np.array([[[0, 0], [1, 0], [1, 1], [0, 1]]])
+    for _ in range(levels):
+        after = (quads + np.roll(quads, -1, axis=1)) // 2
+        middle = np.broadcast_to(quads.sum(axis=1, keepdims=True) // 4, quads.shape)
+        quads = np.stack([quads, after, middle, np.roll(after, 1, axis=1)], axis=2)
+        quads = quads.reshape(-1, 4, 2)
+    return quads[:, :, 0].reshape(-1), quads[:, :, 1].reshape(-1)
+
+
+def _tensor(matrix: Floats, patches: Floats) -> Floats:
+    """Return `matrix` applied along both directions of `patches` (f, k, k, 3)."""
+    along_v = np.einsum("bj,fijk->fibk", matrix, patches, optimize=True)
+    applied: Floats = np.einsum("ai,fibk->fabk", matrix, along_v, optimize=True)
+    return applied
