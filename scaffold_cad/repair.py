@@ -300,8 +300,9 @@ def _next_shorter(nodes: Points, edges: Edges) -> tuple[Ints, Ints]:
     longer = np.where(swapped, pairs[:, 1], pairs[:, 0])
     shorter = np.where(swapped, pairs[:, 0], pairs[:, 1])
     order = np.lexsort([shorter, -lengths.min(axis=1, initial=np.inf), longer])
-    longer, first = np.unique(longer[order], return_index=True)
-    return longer, shorter[order][first]
+    # An edge changes at one end: at both, a bundle would turn round instead of becoming a path.
+    _, first = np.unique(longer[order] >> 1, return_index=True)
+    return longer[order][first], shorter[order][first]
 
 
 def overlapping_half_edges(nodes: Points, edges: Edges) -> Edges:
@@ -312,8 +313,10 @@ def overlapping_half_edges(nodes: Points, edges: Edges) -> Edges:
     found = [np.zeros((0, 2), dtype=np.intp)]
     for n in np.unique(valency[valency > 1]).tolist():
         half_edges = leaving.at_nodes(np.flatnonzero(valency == n), n)  # (k, n)
-        heads = nodes[tails[half_edges ^ 1]]  # (k, n, 3)
-        directions = normalize(heads - nodes[tails[half_edges]])
+        spans = nodes[tails[half_edges ^ 1]] - nodes[tails[half_edges]]  # (k, n, 3)
+        by_length = np.argsort(length(spans), axis=1, kind="stable")
+        half_edges = np.take_along_axis(half_edges, by_length, axis=1)
+        directions = normalize(np.take_along_axis(spans, by_length[:, :, None], axis=1))
         near = _near_in_rows if n <= CROWD else _near_in_trees
         row, first, second = near(directions)
         found.append(np.stack([half_edges[row, first], half_edges[row, second]], axis=1))
@@ -336,7 +339,8 @@ def _near_in_rows(directions: UnitVectors) -> tuple[Ints, Ints, Ints]:
 def _near_in_trees(directions: UnitVectors) -> tuple[Ints, Ints, Ints]:
     """Return some close pairs in each row of `directions`, in less time where rows are long.
 
-    Each direction that has a close one is in a pair; of a bundle of n, n - 1 pairs are given.
+    Each direction that has a close one is in a pair; of a bundle of n, n - 1 pairs are given,
+    of directions that follow each other in the row.
     """
     pairs = [_near_in_bundles(row) for row in directions]
     rows = np.repeat(np.arange(len(directions)), [len(found) for found in pairs])
@@ -346,7 +350,8 @@ def _near_in_trees(directions: UnitVectors) -> tuple[Ints, Ints, Ints]:
 
 def _near_in_bundles(directions: UnitVectors) -> Edges:
     """Return the pairs of directions (n, 3) in one cell of a grid; if none, all close pairs."""
-    cells = np.floor(directions / (LEAST_ANGLE / 2)).astype(np.int64)  # the diagonal is 0.87 of it
+    # The diagonal of a cell is 0.87 of the angle; axes are in the middle of cells.
+    cells = np.round(directions / (LEAST_ANGLE / 2)).astype(np.int64)
     order = np.lexsort(cells.T)
     same = (cells[order[1:]] == cells[order[:-1]]).all(axis=1)
     if same.any():
