@@ -176,6 +176,30 @@ def test_winding_numbers_tell_inside_from_outside(point: tuple[float, float, flo
     assert found[0] == pytest.approx(float(inside), abs=1e-9)
 
 
+@settings(max_examples=50)
+@given(
+    st.lists(st.tuples(*[st.integers(-2, 2)] * 3), min_size=3, max_size=10, unique=True),
+    st.lists(st.tuples(*[st.integers(0, 2**16)] * 3), min_size=1, max_size=20),
+    st.sampled_from(sorted(PROCESSES)),
+)
+def test_any_triangles_get_a_report(
+    points: list[tuple[int, int, int]], rows: list[tuple[int, int, int]], process: str
+) -> None:
+    triangles = np.array(rows) % len(points)
+    if not (triangles != np.roll(triangles, 1, axis=1)).all(axis=1).any():
+        return
+    mesh = TriangleMesh(np.array(points, dtype=float), triangles)
+    report = check_printability(mesh, process, direction="best")
+    told = json.loads(report.to_json())
+    assert told["printable"] == report.printable
+    # What `check_closed` refuses is not printable, whatever else is wrong.
+    try:
+        report.mesh.check_closed()
+    except MeshError:
+        broken = {"watertight", "manifold_edges", "winding", "degenerate_triangles"}
+        assert alarms(report) & broken
+
+
 def test_a_mesh_without_a_proper_triangle_is_refused() -> None:
     with pytest.raises(MeshError, match="part has no triangle of three vertices"):
         check_printability(TriangleMesh(CUBE.vertices, np.array([[0, 1, 1]])))

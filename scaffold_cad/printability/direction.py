@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from scaffold_cad.arrays import Bools, Edges, Floats, Ints, Points, UnitVectors, as_floats
 from scaffold_cad.errors import OptionError
 from scaffold_cad.printability.processes import Process
-from scaffold_cad.printability.report import Finding, Verdict, counted
+from scaffold_cad.printability.report import MOST_PLACES, Finding, Verdict, counted
 from scaffold_cad.printability.topology import Connectivity
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.topology import component_labels
@@ -31,8 +31,6 @@ ROUNDING = 1e-6
 """Room left for rounding at the limit of what hangs over, in the cosine."""
 LEVEL = 1e-6
 """Difference of heights taken as none, parts of the extent."""
-MOST_PLACES = 1000
-"""How many places of one kind a finding holds."""
 
 
 def as_direction(values: ArrayLike) -> UnitVectors:

@@ -10,13 +10,10 @@ import numpy as np
 from scaffold_cad.arrays import Floats, Ints, Points
 from scaffold_cad.boxes import overlapping_boxes
 from scaffold_cad.printability.processes import Process
-from scaffold_cad.printability.report import Finding, counted
+from scaffold_cad.printability.report import MOST_PLACES, Finding, counted
 from scaffold_cad.segments import nearest_on_segments
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.vectors import length
-
-MOST_PLACES = 1000
-"""How many struts of one kind a finding points at."""
 
 
 def lattice_findings(skeleton: Skeleton, process: Process) -> Iterator[Finding]:

@@ -61,7 +61,7 @@ def _read_by_trimesh(path: Path) -> TriangleMesh:
 
     try:
         # `process` would weld close vertices and drop faces.
-        loaded = trimesh.load_scene(path, process=False)
+        loaded = trimesh.load(path, process=False, force="scene")
         meshes = [mesh for mesh in loaded.dump() if isinstance(mesh, trimesh.Trimesh)]
     except OSError:
         raise

@@ -21,6 +21,9 @@ Topic: TypeAlias = Literal["mesh", "lattice", "build", "part"]
 SCHEMA = 1
 """Version of the JSON form; it grows when a key changes its meaning or goes."""
 
+MOST_PLACES = 1000
+"""How many places a finding points at; it counts them all."""
+
 MARKS = {"ok": "ok", "note": "", "warning": "warning", "failure": "FAILURE"}
 
 

@@ -10,11 +10,9 @@ from scaffold_cad.intersections import self_intersections
 from scaffold_cad.printability.crossings import meeting_places
 from scaffold_cad.printability.nesting import nesting
 from scaffold_cad.printability.processes import Process
-from scaffold_cad.printability.report import Finding, Verdict, counted
+from scaffold_cad.printability.report import MOST_PLACES, Finding, Verdict, counted
 from scaffold_cad.printability.topology import Connectivity
 
-MOST_PLACES = 1000
-"""How many places of one kind a finding holds."""
 MOST_CROSSINGS = 100_000
 """How many pairs of triangles that meet are counted before a surface is given up."""
 ROUNDING = 1e-6
