@@ -21,7 +21,7 @@ from scaffold_cad.partition.lune import circle_axes, lune_partitions, lunes_abou
 from scaffold_cad.partition.matching import good_matchings
 from scaffold_cad.partition.multigraph import Quadrangulations, quadrangulations
 from scaffold_cad.partition.relax import relaxed
-from scaffold_cad.partition.star import nearest_angles
+from scaffold_cad.partition.star import nearest_angles, unique_rows
 from scaffold_cad.vectors import angle_between
 
 PERFECT = 0.9999
@@ -45,21 +45,21 @@ class Effort:
     below: float
     """Only stars whose best lowest ratio so far is less get this effort."""
     choices: int
-    """Number of multigraphs wanted."""
+    """Number of multigraphs wanted of each search."""
     search: int
-    """Steps of the search for them, for each direction (as for 10 or 40 if fewer or more)."""
-    trust: float
-    """Factor of the gains: less lets the choices differ more."""
+    """Steps of each search, for each direction (as for 10 or 40 if fewer or more)."""
+    trusts: tuple[float, ...]
+    """A search for each, with the gains times it: less makes for more different choices."""
     flow: tuple[tuple[int, int], ...]
     """Steps along the gradient, and how many of a star's candidates are kept after them."""
 
 
-FIRST_OF_FOUR = Effort(below=PERFECT, choices=1, search=0, trust=1.0, flow=())
+FIRST_OF_FOUR = Effort(PERFECT, 1, search=0, trusts=(1.0,), flow=())
 """Four directions have only six multigraphs, and the best by gain is nearly always perfect."""
 EFFORTS = (
-    Effort(below=PERFECT, choices=8, search=14, trust=1.0, flow=((10, 4), (20, 2), (20, 1))),
-    Effort(below=0.9, choices=48, search=60, trust=0.5, flow=((12, 12), (20, 4), (20, 2))),
-    Effort(below=0.7, choices=160, search=150, trust=0.25, flow=((12, 40), (20, 12), (20, 4))),
+    Effort(PERFECT, 8, search=14, trusts=(1.0,), flow=((10, 4), (20, 2), (20, 1))),
+    Effort(0.9, 24, search=40, trusts=(0.6, 0.3), flow=((12, 12), (20, 4), (20, 2))),
+    Effort(0.7, 40, search=100, trusts=(0.6, 0.4, 0.25, 0.15), flow=((12, 40), (20, 12), (20, 4))),
 )
 LUNES = ((50, 1),)
 """The flow of lunes, which join the contest for the stars that stay poorest."""
@@ -106,25 +106,29 @@ def candidates(
     """
     half_edges = edges_of(meshes)  # (M, E)
     first, second = _gains(meshes, half_edges, stars, reach)
-    if wanted is not None:
-        first = first + WANTED * wanted
     ends = np.stack([_taken(meshes.tails, half_edges), _taken(meshes.heads, half_edges)], axis=2)
+    searches = np.repeat(np.arange(len(stars)), len(effort.trusts))
+    trust = np.tile(effort.trusts, len(stars))[:, None]
+    own = trust * first[searches] + (1 - trust)
     choices, gains = good_matchings(
-        ends,
-        effort.trust * first + (1 - effort.trust),
-        effort.trust * second - (1 - effort.trust),
+        ends[searches],
+        own if wanted is None else own + WANTED * wanted[searches],
+        trust * second[searches] - (1 - trust),
         stars.shape[1],
         effort.choices,
         effort.search * min(max(stars.shape[1], 10), 40),
     )
-    good = gains > -np.inf
+    search, choice = np.nonzero(gains > -np.inf)
+    owners, taken = searches[search], choices[search, choice]
     if wanted is not None:
-        good &= (choices > 0).all(axis=2, where=wanted[:, None])
-    owners, choice = np.nonzero(good)
+        complete = (taken > 0).all(axis=1, where=wanted[owners])
+        owners, taken = owners[complete], taken[complete]
+    unlike, _ = unique_rows(np.column_stack([owners, taken]))
+    owners, taken = owners[unlike], taken[unlike]
+
     multiplicity = np.zeros((len(owners), meshes.tails.shape[1]), dtype=np.intp)
-    rows = np.arange(len(owners))[:, None]
     for side in (half_edges, _taken(meshes.twins, half_edges)):
-        multiplicity[rows, side[owners]] = choices[owners, choice]
+        np.put_along_axis(multiplicity, side[owners], taken, axis=1)
     found, kept = quadrangulations(meshes[owners], stars[owners], multiplicity)
     return found, owners[kept]
 

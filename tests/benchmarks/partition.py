@@ -94,7 +94,7 @@ def foam_stars(random: np.random.Generator, cells: int) -> Stars:
     ends = np.concatenate([edges, edges[:, ::-1]])
     ends = ends[np.argsort(ends[:, 0], kind="stable")]
     starts, first, valency = np.unique(ends[:, 0], return_index=True, return_counts=True)
-    inside = ((foam.vertices > 0) & (foam.vertices < 1)).all(axis=1)
+    inside = np.all((foam.vertices > 0) & (foam.vertices < 1), axis=1)
     rows = ends[first[(valency == 4) & inside[starts]][:, None] + np.arange(4)]
     return np.asarray(foam.vertices[rows[..., 1]] - foam.vertices[rows[..., 0]])
 

@@ -33,7 +33,7 @@ def coplanar(random: Random, count: int, valency: int) -> Stars:
     angles = random.uniform(0, 2 * np.pi, (count, valency, 1))
     x, y = np.moveaxis(uniform(random, count, 2), 1, 0)
     y = _unit(y - (x * y).sum(axis=1, keepdims=True) * x)
-    return np.cos(angles) * x[:, None] + np.sin(angles) * y[:, None]
+    return np.asarray(np.cos(angles) * x[:, None] + np.sin(angles) * y[:, None])
 
 
 def flattened(random: Random, count: int, valency: int) -> Stars:
