@@ -195,8 +195,9 @@ def _whole(shells: Points) -> Bools:
         return_inverse=True,
     )
     mesh = TriangleMesh(points[:, 1:], number.reshape(-1, 3))
-    pairs = self_intersections(mesh, weld=False) // size
-    fine[pairs[pairs[:, 0] == pairs[:, 1], 0]] = False
+    shell = np.repeat(np.arange(count), size)
+    crossing = self_intersections(mesh, weld=False, parts=shell)
+    fine[shell[crossing]] = False
     return np.asarray(fine)
 
 

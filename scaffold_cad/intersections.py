@@ -45,6 +45,7 @@ def self_intersections(
     tolerance: float | None = None,
     weld: bool = True,
     limit: int | None = None,
+    parts: Ints | None = None,
 ) -> Edges:
     """Return the pairs of triangles that meet outside the vertices or the edge that they share.
 
@@ -66,6 +67,7 @@ def self_intersections(
         mesh may touch along equal vertices and edges. If not, corners are the same only where
         their vertex index is, and parts that touch are pairs
     limit : stop after so many pairs, ≥ 1; 1 tells whether there are any
+    parts : (t,) intp; the part that each triangle is of, where only pairs within a part matter
 
     Returns
     -------
@@ -94,7 +96,8 @@ def self_intersections(
     faces = _faces(checked, order, weld)
     found = [np.zeros((0, 2), dtype=np.intp)]
     count = 0
-    for block in _meeting_pairs(faces, tolerance):
+    part = np.zeros(len(order), dtype=np.intp) if parts is None else parts[order]
+    for block in _meeting_pairs(faces, part, tolerance):
         found.append(block)
         count += len(block)
         if limit is not None and count >= limit:
@@ -177,9 +180,11 @@ def _picked(rows_of_three: Floats, rows: Ints, number: Ints | int) -> Floats:
     return np.take(rows_of_three.reshape(-1, 3), 3 * rows + number, axis=0)
 
 
-def _meeting_pairs(faces: _Faces, tolerance: float | None) -> Iterator[Edges]:
+def _meeting_pairs(faces: _Faces, part: Ints, tolerance: float | None) -> Iterator[Edges]:
     """Yield blocks of the pairs of triangles that meet where they may not, shape (k, 2)."""
     for i, j in overlapping_neighbors(*_boxes(faces.corners)):
+        together = part[i] == part[j]
+        i, j = i[together], j[together]
         i, j, same = _left_open(faces, i, j)
         if len(i) == 0:
             continue

@@ -64,7 +64,7 @@ def solid_pieces(scaffold: Scaffold, embedded: Embedding, wobble: float = 0.0) -
     struts = _struts_left_out(scaffold, embedded.kept, wobble)
     return Pieces(
         _kept_surface(scaffold, embedded),
-        [_sphere(scaffold, node) for node in np.flatnonzero(~embedded.kept_nodes).tolist()],
+        _spheres(scaffold, np.flatnonzero(~embedded.kept_nodes)),
         [*_prisms(scaffold, struts), *_hubs(scaffold, struts, embedded.kept)],
     )
 
@@ -119,13 +119,20 @@ def _fans(rings: Ints, first_apex: int) -> Triangles:
     return np.stack([rings, np.roll(rings, -1, axis=1), apex], axis=2).reshape(-1, 3)
 
 
-def _sphere(scaffold: Scaffold, node: int) -> TriangleMesh:
-    """Return the closed surface of the quads around a branch point."""
-    skeleton = scaffold.skeleton
-    half_edges = skeleton.incidence.at_nodes(np.array([node]), int(skeleton.valency[node]))[0]
-    vertices = np.concatenate([scaffold.mesh.vertices, stub_apexes(scaffold, half_edges)])
-    rings = scaffold.stars.corners[half_edges]
-    return compacted(vertices, _fans(rings, len(scaffold.mesh.vertices)))
+def _spheres(scaffold: Scaffold, nodes: Ints) -> list[TriangleMesh]:
+    """Return the closed surface of the quads around each of the branch points `nodes`."""
+    stars, incidence = scaffold.stars, scaffold.skeleton.incidence
+    spheres = []
+    for node in nodes.tolist():
+        half_edges = incidence.half_edges[incidence.offsets[node] : incidence.offsets[node + 1]]
+        # The vertices of a star follow each other, which come first in the mesh.
+        own = slice(*stars.offsets[[node, node + 1]].tolist())
+        vertices = scaffold.mesh.vertices[own]
+        rings = stars.corners[half_edges] - own.start
+        apexes = stub_apexes(scaffold, half_edges)
+        triangles = _fans(rings, len(vertices))
+        spheres.append(TriangleMesh(np.concatenate([vertices, apexes]), triangles))
+    return spheres
 
 
 @dataclass(frozen=True, eq=False)

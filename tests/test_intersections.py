@@ -497,3 +497,13 @@ def test_pymeshlab_finds_the_same_triangles() -> None:
         meshes.compute_selection_by_self_intersections_per_face()
         theirs = np.flatnonzero(meshes.current_mesh().face_selection_array())
         assert np.unique(self_intersections(mesh)).tolist() == theirs.tolist()
+
+
+def test_only_pairs_within_a_part_are_found_if_parts_are_given() -> None:
+    random = np.random.default_rng(7)
+    mesh = TriangleMesh(random.random((90, 3)), np.arange(90).reshape(-1, 3))
+    everything = self_intersections(mesh)
+    parts = random.integers(0, 3, 30)
+    together = parts[everything[:, 0]] == parts[everything[:, 1]]
+    assert 0 < together.sum() < len(together)
+    np.testing.assert_array_equal(self_intersections(mesh, parts=parts), everything[together])
