@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 from scaffold_cad import brep, manifolds
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 from scaffold_cad.insets import inset
-from scaffold_cad.intersections import self_intersections
 from scaffold_cad.lattice import UnitCell, fill
 from scaffold_cad.lattice.filling import HasTriangles, as_region
 from scaffold_cad.lattice.meshregion import welded
@@ -21,7 +20,7 @@ from scaffold_cad.lattice.struts import Radius, Struts
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.solid import to_solid
+from scaffold_cad.solid import clean_surface, to_solid
 from scaffold_cad.trianglemesh import TriangleMesh
 
 if TYPE_CHECKING:
@@ -37,9 +36,6 @@ Faces of struts that lie in faces of the part are hard to unite. The first that 
 
 NUDGE_DIRECTION = np.array([0.6, 0.5, 0.62])
 """Where the lattice is moved: along no face of a cell."""
-
-LEAST_EDGE = 2.0**-22
-"""Length below which edges are shrunk to a point, in greatest coordinates: 32-bit formats would."""
 
 _log = logging.getLogger(__name__)
 
@@ -83,20 +79,17 @@ def lattice_part(
     region = as_region(surface)
     outer = manifolds.to_manifold(surface)
     inner = outer if skin is None else _inside(surface, outer, skin)
-    least = LEAST_EDGE * float(np.abs(surface.vertices).max())
     fault = ""
     for nudge in NUDGES:
         struts = _struts_touching(region, cell, size, radius, nudge, skin is not None)
         lattice = to_solid(build_scaffold(struts, collars=True), sides=sides)
         part = lattice ^ outer if skin is None else outer - (inner - lattice)
-        part = part.simplify(least)
-        mesh = manifolds.manifold_triangles(part)
-        crossings = len(self_intersections(mesh))
-        if crossings == 0:
-            return part
-        fault = f"crosses itself in {crossings} places"
+        try:
+            return manifolds.to_manifold(clean_surface(part))
+        except MeshError as error:
+            fault = str(error)
         _log.debug("with the lattice moved by %g cells the part %s", nudge, fault)
-    raise MeshError(f"the part {fault}; need 0 (try another cell size or radius)")
+    raise MeshError(f"the part {fault}; need a clean surface (try another cell size or radius)")
 
 
 def _inside(surface: TriangleMesh, outer: Manifold, skin: float) -> Manifold:

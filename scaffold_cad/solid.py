@@ -101,7 +101,7 @@ def _square_solid(scaffold: Scaffold) -> Solidified:
         surfaces = [pieces.surface] if len(pieces.surface.triangles) else []
         return manifolds.union([*surfaces, *pieces.spheres], pieces.hulls)
 
-    return _clean_union(united, scaffold, embedded.left_out)
+    return _clean_union(united, embedded.left_out)
 
 
 def _round_solid(scaffold: Scaffold, sides: int) -> Solidified:
@@ -116,12 +116,10 @@ def _round_solid(scaffold: Scaffold, sides: int) -> Solidified:
         hulls = prisms_and_balls(scaffold, surface.left_out, sides, wobble)
         return manifolds.union(surfaces, hulls)
 
-    return _clean_union(united, scaffold, surface.left_out)
+    return _clean_union(united, surface.left_out)
 
 
-def _clean_union(
-    united: Callable[[float], Manifold], scaffold: Scaffold, edges: Ints
-) -> Solidified:
+def _clean_union(united: Callable[[float], Manifold], edges: Ints) -> Solidified:
     """Return the first union without a fault, its voids filled.
 
     Parameters
@@ -129,14 +127,13 @@ def _clean_union(
     united : gives the union for a wobble
     edges : whose struts are united
     """
-    # Edges that 32-bit coordinates cannot hold would be written with two ends at one place.
-    least = SINGLE_PRECISION * float(np.abs(scaffold.mesh.vertices).max())
+    fault = ""
     for wobble in WOBBLES:
         filled, voids = manifolds.without_voids(united(wobble))
-        surface = without_short_edges(manifolds.manifold_triangles(filled), least)
-        fault = _fault(surface)
-        if fault is None:
-            return Solidified(manifolds.to_manifold(surface), edges, voids)
+        try:
+            return Solidified(manifolds.to_manifold(clean_surface(filled)), edges, voids)
+        except MeshError as error:
+            fault = str(error)
         _log.debug("with a wobble of %g the union %s", wobble, fault)
     raise MeshError(
         f"the union of {len(edges)} overlapping struts {fault}; need a clean surface "
@@ -144,13 +141,24 @@ def _clean_union(
     )
 
 
-def _fault(mesh: TriangleMesh) -> str | None:
-    """Return what keeps a closed mesh from being written as a solid, if anything."""
+def clean_surface(manifold: Manifold) -> TriangleMesh:
+    """Return the surface of a union without the edges that 32-bit coordinates cannot hold.
+
+    They would be written with two ends at one place.
+
+    Raises
+    ------
+    MeshError
+        If it crosses itself, or does not stay closed in 32-bit coordinates.
+    """
+    mesh = manifolds.manifold_triangles(manifold)
+    extent = float(np.abs(mesh.vertices).max(initial=0.0))
+    mesh = without_short_edges(mesh, SINGLE_PRECISION * extent)
     crossings = len(self_intersections(mesh))
     if crossings:
-        return f"crosses itself in {crossings} places"
+        raise MeshError(f"crosses itself in {crossings} places")
     try:
         mesh.single_precision().check_closed()
     except MeshError as error:
-        return f"does not stay closed in 32-bit coordinates: {error}"
-    return None
+        raise MeshError(f"does not stay closed in 32-bit coordinates: {error}") from None
+    return mesh
