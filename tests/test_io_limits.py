@@ -240,3 +240,18 @@ def test_all_pairs_of_points_on_a_line_become_a_path(tmp_path: Path) -> None:
     cleaning = read_with_repairs(written(tmp_path, "line.obj", "\n".join(rows)), 0.01)
     assert cleaning.skeleton.lengths.tolist() == [1.0] * 59
     assert len(cleaning.skeleton.extremities) == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "head", "repeated"),
+    [
+        ("again.vtp", b'<VTKFile type="PolyData">', b"<AppendedData "),
+        ("again.vtk", b"# vtk DataFile Version 3.0\na\nASCII\n", b"POINTS 0 float\n"),
+        ("again.gxl", b"", b"<!DOCTYPE"),
+    ],
+)
+def test_a_section_that_is_repeated_endlessly_is_refused(
+    tmp_path: Path, name: str, head: bytes, repeated: bytes
+) -> None:
+    found = outcome(written(tmp_path, name, head + repeated * 10_000))
+    assert name in found.message

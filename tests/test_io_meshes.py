@@ -82,6 +82,19 @@ def test_ply_edges_come_before_faces_and_may_have_radii(tmp_path: Path) -> None:
     assert raw.radii.tolist() == [1, 2, 3]
 
 
+def test_faces_of_any_number_of_corners_in_binary_ply(tmp_path: Path) -> None:
+    head = (
+        b"ply\nformat binary_big_endian 1.0\nelement vertex 5\nproperty float x\n"
+        b"property float y\nproperty float z\nelement face 2\n"
+        b"property list uchar ushort vertex_index\nend_header\n"
+    )
+    points = np.array([[0, 0, 0], [9, 0, 0], [9, 9, 0], [0, 9, 0], [5, 5, 5]], dtype=">f4")
+    faces = b"\4" + np.arange(4, dtype=">u2").tobytes()
+    faces += b"\3" + np.array([0, 1, 4], dtype=">u2").tobytes()
+    raw = read_raw(written(tmp_path, "mixed.ply", head + points.tobytes() + faces))
+    assert len(raw.edges) == 6
+
+
 def test_binary_ply_edges_of_either_order(tmp_path: Path) -> None:
     for order, name in (("<", "binary_little_endian"), (">", "binary_big_endian")):
         head = PLY_EDGES[: PLY_EDGES.index(b"end_header") + 11].replace(b"ascii", name.encode())
@@ -111,6 +124,12 @@ def test_binary_ply_edges_of_either_order(tmp_path: Path) -> None:
         ("a.ply", PLY_EDGES.replace(b"vertex1", b"start"), "has no element 'edge' with vertex1"),
         ("a.ply", PLY_EDGES.replace(b"1 2\n", b"1\n"), "ends within 2 elements 'edge'"),
         ("a.ply", PLY_EDGES.replace(b"1 2\n", b"1 5\n"), r"joins nodes \[1, 5\]; need 0 to 2"),
+        ("a.ply", PLY_EDGES.replace(b"float y", b"float x"), "need another name, type"),
+        (
+            "a.ply",
+            PLY_EDGES.replace(b"int vertex2", b"list float int v"),
+            "need another name, type",
+        ),
         ("a.ply", PLY_EDGES.replace(b"edge 2", b"point 2"), "has no element 'face'"),
     ],
 )

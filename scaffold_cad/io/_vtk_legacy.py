@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +34,8 @@ _TYPES = {
 
 _WIDTHS = {"VECTORS": 3, "NORMALS": 3, "TENSORS": 9, "TENSORS6": 6}
 """Numbers that data of these kinds have for each point."""
+
+_WORD = re.compile(rb"\S+")
 
 _CELLS = ("VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS", "CELLS")
 
@@ -182,13 +186,15 @@ class _LegacyFile:
         if self._binary:
             return self._binary_numbers(count, kind)
         # A number takes two bytes and more: what can't be there is not asked for.
-        words = self._data[self._at :].split(maxsplit=count) if count <= len(self._data) else []
+        here = _WORD.finditer(self._data, self._at) if count <= len(self._data) else iter(())
+        words = list(islice(here, count))
         if len(words) < count:
             raise FormatError(f"{self._path} ends within {count} numbers; need the whole file")
-        rest = words[count] if len(words) > count else b""
-        self._at = len(self._data) - len(rest)
+        if words:
+            self._at = words[-1].end()
+            self._line()
         try:
-            return np.array(words[:count], dtype=np.float64)
+            return np.array([word.group() for word in words], dtype=np.float64)
         except ValueError as error:
             raise FormatError(f"{self._path}: {error}; need {count} numbers") from None
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import binascii
-import re
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,8 +33,6 @@ _TYPES = {
 
 MOST_UNPACKED = 2**28
 """Most bytes that an array may be unpacked to."""
-
-_APPENDED = re.compile(rb"<AppendedData[^>]*>\s*_")
 
 
 def _recognises(head: bytes) -> bool:
@@ -85,14 +82,15 @@ class _XmlFile:
     def __init__(self, path: Path) -> None:
         self._path = path
         data = path.read_bytes()
-        found = _APPENDED.search(data)
         self._appended = b""
-        if found:
+        element = data.find(b"<AppendedData")
+        if element >= 0:
+            start = data.find(b"_", data.find(b">", element))  # the first byte before the data
             stop = data.rfind(b"</AppendedData>")
-            if stop < 0:
+            if not element < start < stop:
                 raise FormatError(f"{path} ends within its appended data; need the whole file")
-            self._appended = data[found.end() : stop]
-            data = data[: found.end() - 1] + data[stop:]
+            self._appended = data[start + 1 : stop]
+            data = data[:start] + data[stop:]
         self.root = xml_root(path, data)
         if self.root.get("type") not in ("PolyData", "UnstructuredGrid"):
             raise FormatError(f"{path} holds {self.root.get('type')}; need PolyData")
