@@ -310,6 +310,7 @@ class Seen:
     manifold: bool
     parts: int
     reversed_facets: int
+    degenerate_facets: int
     volume: float
     """mm³."""
 
@@ -321,6 +322,7 @@ def seen_by_slicer(path: Path) -> Seen:
         "manifold = yes" in text,
         int(_number(text, r"number_of_parts =\s+(\d+)")),
         int(_number(text, r"facets_reversed =\s+(\d+)", 0)),
+        int(_number(text, r"degenerate_facets =\s+(\d+)", 0)),
         _number(text, r"volume = ([-\d.e+]+)"),
     )
 
@@ -332,8 +334,29 @@ def seen_by_admesh(path: Path) -> Seen:
         _number(text, r"Total disconnected facets +: +(\d+)") == 0,
         int(_number(text, r"Number of parts +: +(\d+)")),
         int(_number(text, r"Facets reversed +: +(\d+)")),
+        int(_number(text, r"Degenerate facets +: +(\d+)")),
         _number(text, r"Volume +: +([-\d.e+]+)"),
     )
+
+
+TOOLS: dict[str, Callable[[Path], Seen]] = {SLICER: seen_by_slicer, ADMESH: seen_by_admesh}
+
+
+def faults_seen_by_tools(count: int) -> Iterator[str]:
+    """Yield how many of `count` solids with each kind of fault the tools say anything about."""
+    for kind in FAULTS:
+        noticed: Counter[str] = Counter()
+        for seed in range(count):
+            with tempfile.TemporaryDirectory() as folder:
+                path = Path(folder) / "part.stl"
+                write_stl(faulty_solid(kind, seed), path)
+                for tool, see in TOOLS.items():
+                    if shutil.which(tool) is not None:
+                        seen = see(path)
+                        odd = seen.reversed_facets + seen.degenerate_facets
+                        noticed[tool] += not (seen.manifold and odd == 0 and seen.volume > 0)
+        said = ", ".join(f"{tool} notices {number}" for tool, number in noticed.items())
+        yield f"{kind}: of {count} {said or 'no tool is installed'}"
 
 
 def filament_volume(path: Path, folder: Path) -> float:
@@ -435,7 +458,7 @@ def agreement(report: Report) -> str:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "part.stl"
         write_stl(report.mesh, path)
-        for tool, see in ((SLICER, seen_by_slicer), (ADMESH, seen_by_admesh)):
+        for tool, see in TOOLS.items():
             if shutil.which(tool) is None:
                 said.append(f"{tool} is not installed")
                 continue
@@ -456,6 +479,8 @@ def main() -> None:
     for line in lines_of_outputs():
         print(line, flush=True)
     for line in seeded_faults(count):
+        print(line, flush=True)
+    for line in faults_seen_by_tools(max(count // len(FAULTS), 1)):
         print(line, flush=True)
 
 
