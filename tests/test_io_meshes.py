@@ -124,11 +124,11 @@ def test_binary_ply_edges_of_either_order(tmp_path: Path) -> None:
         ("a.ply", PLY_EDGES.replace(b"vertex1", b"start"), "has no element 'edge' with vertex1"),
         ("a.ply", PLY_EDGES.replace(b"1 2\n", b"1\n"), "ends within 2 elements 'edge'"),
         ("a.ply", PLY_EDGES.replace(b"1 2\n", b"1 5\n"), r"joins nodes \[1, 5\]; need 0 to 2"),
-        ("a.ply", PLY_EDGES.replace(b"float y", b"float x"), "need another name, type"),
+        ("a.ply", PLY_EDGES.replace(b"float y", b"float x"), "need another type"),
         (
             "a.ply",
             PLY_EDGES.replace(b"int vertex2", b"list float int v"),
-            "need another name, type",
+            "need another type",
         ),
         ("a.ply", PLY_EDGES.replace(b"edge 2", b"point 2"), "has no element 'face'"),
     ],

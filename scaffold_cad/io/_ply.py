@@ -112,9 +112,7 @@ def _header(path: Path, data: bytes) -> tuple[str, list[_Element], int]:
             length = kinds[0] if len(kinds) == 2 else ""
             known = [name for name, _, _ in elements[-1].properties]
             if words[-1] in known or (length and _TYPES[length][0] == "f"):
-                raise FormatError(
-                    f"{path} has {line[:80]!r} in its header; need another name, type"
-                )
+                raise FormatError(f"{path} has {line[:80]!r} in its header; need another type")
             elements[-1].properties.append((words[-1], length, kinds[-1]))
         elif words and words[0] not in ("comment", "obj_info"):
             raise FormatError(f"{path} has {line[:80]!r} in its header; need what PLY has")
