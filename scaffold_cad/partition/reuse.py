@@ -18,8 +18,8 @@ from scaffold_cad.vectors import normalize
 
 FLOW, NEWTON = 150, 20
 """Steps along the gradient, and Newton steps, from a first guess that may be far off."""
-GENTLE_SHARPNESS = (300.0, 3000.0)
-"""Of the soft minimum where vertices are to stay near: it heeds the worst arcs only."""
+GENTLE_NEWTON, GENTLE_SHARPNESS = 8, (300.0, 3000.0)
+"""Newton steps where vertices are to stay near, of a minimum that heeds the worst arcs only."""
 BLEND = 0.3
 """Weight of the neighbors in a blended first guess."""
 
@@ -90,15 +90,15 @@ def placed(stars: UnitVectors, models: Models) -> tuple[UnitVectors, Bools]:
     reach = nearest_angles(stars) / 2
     vertices = np.zeros((len(stars), stars.shape[1] + 2, 3))
     certified = np.zeros(len(stars), dtype=np.bool_)
-    tries: list[tuple[Callable[[Ints], UnitVectors], int, tuple[float, float]]] = [
-        (lambda rest: circumscribed(stars[rest], quads[rest]), FLOW, NEWTON_SHARPNESS),
-        (lambda rest: blended(stars[rest], quads[rest]), FLOW, NEWTON_SHARPNESS),
+    tries = [
+        _Try(lambda rest: circumscribed(stars[rest], quads[rest])),
+        _Try(lambda rest: blended(stars[rest], quads[rest])),
     ]
     if near is not None:
         # Where the old vertices will still do, the new ones stay beside them: no jumps.
-        tries.insert(0, (lambda rest: near[rest], FLOW, NEWTON_SHARPNESS))
-        tries.insert(0, (lambda rest: near[rest], 0, GENTLE_SHARPNESS))
-    for guess, flow, sharpness in tries:
+        gentle = _Try(lambda rest: near[rest], 0, GENTLE_NEWTON, GENTLE_SHARPNESS)
+        tries = [gentle, _Try(lambda rest: near[rest]), *tries]
+    for each in tries:
         rest = np.flatnonzero(~certified)
         if len(rest) == 0:
             break
@@ -106,13 +106,23 @@ def placed(stars: UnitVectors, models: Models) -> tuple[UnitVectors, Bools]:
             stars[rest],
             reach[rest],
             quads[rest],
-            guess(rest),
-            flow=flow,
-            newton=NEWTON,
-            sharpness=sharpness,
+            each.guess(rest),
+            flow=each.flow,
+            newton=each.newton,
+            sharpness=each.sharpness,
         )
         certified[rest] = certify(stars[rest], vertices[rest], quads[rest]).valid
     return vertices, certified
+
+
+@dataclass(frozen=True)
+class _Try:
+    """A first guess at the vertices of some stars, and how to go on from it."""
+
+    guess: Callable[[Ints], UnitVectors]
+    flow: int = FLOW
+    newton: int = NEWTON
+    sharpness: tuple[float, float] = NEWTON_SHARPNESS
 
 
 def circumscribed(stars: UnitVectors, quads: Ints) -> UnitVectors:

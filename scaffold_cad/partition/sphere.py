@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,23 +66,22 @@ def partition_sphere(
     OptionError
         If there is no such method, or `neighbors` are given with another than "dual".
     """
-    star = np.asarray(directions)[None]
     if neighbors is None:
-        return partition_spheres(star, method)[0]
+        return partition_spheres([directions], method)[0]
     if method != "dual":
         raise OptionError(f"method is {method!r}; need 'dual' to choose neighbors")
-    star = as_stars(star)
+    star = as_stars([directions])
     check_separated(star, np.zeros(1, dtype=np.intp), np.arange(star.shape[1])[None])
     pairs = as_neighbors(neighbors, star.shape[1])
     if star.shape[1] == MIN_VALENCY:
-        return partition_spheres(star, method)[0]  # each is everyone's neighbor
+        return partition_spheres([directions], method)[0]  # each is everyone's neighbor
     vertices, quads = guided_partition(star[0], pairs)
     clearance = certify(star, vertices[None], quads[None]).clearance
     return Partition(star[0], vertices, quads, clearance[0], method)
 
 
 def partition_spheres(
-    directions: ArrayLike,
+    directions: ArrayLike | Sequence[ArrayLike],
     method: str = "dual",
     *,
     like: ArrayLike | None = None,

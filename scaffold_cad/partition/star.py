@@ -5,6 +5,7 @@ A star is an array of N unit vectors; stars of one valency are stacked as (M, N,
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,7 +29,7 @@ A coordinate then takes 2 000 001 values, which is less than 2**21: a direction 
 """
 
 
-def as_stars(values: ArrayLike) -> UnitVectors:
+def as_stars(values: ArrayLike | Sequence[ArrayLike]) -> UnitVectors:
     """Return `values` (M, N, 3) as float64 scaled to unit length.
 
     Raises
