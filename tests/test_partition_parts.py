@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from scaffold_cad.arrays import Ints, UnitVectors
-from scaffold_cad.partition import Partition, Partitions, certify, partition_sphere
+from scaffold_cad.partition import Partitions, certify, partition_spheres
 from scaffold_cad.partition.arcs import arc_counts, arcs_of, is_closed
 from scaffold_cad.partition.delaunay import FEW, Triangulations, triangulations
 from scaffold_cad.partition.dual import edges_of
@@ -100,24 +100,25 @@ def test_quads_that_do_not_close_have_no_certificate() -> None:
 
 
 @pytest.mark.parametrize("family", FAMILIES)
-def test_certified_partitions_pass_an_independent_check(family: str) -> None:
+@pytest.mark.parametrize("method", ["dual", "insertion", "lune"])
+def test_certified_partitions_pass_an_independent_check(family: str, method: str) -> None:
     random = np.random.default_rng(0)
     for valency in (3, 4, 6, 10, 17):
-        stars = drawn(family, random, 3, valency)
-        partitions = [partition_sphere(star, "lune") for star in stars]
-        assert not any(failures_of(each, random) for each in partitions)
-        assert not failures_of(partition_sphere(stars[0]), random)
+        partitions = partition_spheres(drawn(family, random, 4, valency), method)
+        assert not failures(partitions, random).any()
 
 
-def failures_of(partition: Partition, random: np.random.Generator) -> bool:
-    one = Partitions(
-        partition.directions[None],
-        partition.vertices[None],
-        partition.quads[None],
-        partition.clearance[None],
-        np.array([partition.method]),
-    )
-    return bool(failures(one, random)[0])
+def test_the_independent_check_sees_faults() -> None:
+    random = np.random.default_rng(0)
+    good = partition_spheres(random_stars(6, 7))
+    bent = good.vertices.copy()
+    bent[:3, 0] = -bent[:3, 0]
+    opened = good.quads.copy()
+    opened[3, 0] = opened[3, 1]
+    swapped = good.directions.copy()
+    swapped[4, :2] = swapped[4, [1, 0]]
+    broken = Partitions(swapped, bent, opened, good.clearance, good.methods)
+    assert failures(broken, random).tolist() == [True] * 5 + [False]
 
 
 # Arcs
