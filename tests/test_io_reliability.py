@@ -12,8 +12,9 @@ import pytest
 
 from scaffold_cad import build_scaffold, solidified, write
 from scaffold_cad.cli import main
-from scaffold_cad.errors import FormatError
+from scaffold_cad.errors import FormatError, ScaffoldCadError
 from scaffold_cad.io import read_skeleton
+from tests.fuzz.geometry import case, fault_of
 from tests.fuzz.kill import contents, damaged, killed_while_writing, whole_files, write_all
 from tests.fuzz.samples import SAMPLES
 from tests.skeletons import CUBE, STICK_FIGURE, STRUT
@@ -134,6 +135,17 @@ def test_threads_write_the_same_file_in_turn(tmp_path: Path) -> None:
         list(pool.map(lambda skeleton: write(skeleton, target), [CUBE, STICK_FIGURE] * 10))
     assert len(read_skeleton(target, strict=True).edges) in (12, 10)
     assert [path.name for path in tmp_path.iterdir()] == ["figure.json"]
+
+
+@pytest.mark.parametrize("number", range(10))
+def test_a_degenerate_skeleton_gives_a_sound_solid_or_is_refused(
+    tmp_path: Path, number: int
+) -> None:
+    try:
+        _, fault = fault_of(case(number), tmp_path / "case.json")
+    except ScaffoldCadError as error:
+        fault = "" if str(error) else "no message"
+    assert fault == ""
 
 
 def test_the_input_may_be_the_output(tmp_path: Path) -> None:
