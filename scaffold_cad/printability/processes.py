@@ -1,4 +1,8 @@
-"""What printing processes and materials ask for: limits and densities, each with its source."""
+"""What printing processes and materials ask for: limits and densities.
+
+Where a comment names a page, the number was read there. Where it says "not checked", the number is a
+customary one that was not compared with a source: look it up for your machine and material.
+"""
 
 from __future__ import annotations
 
@@ -45,37 +49,36 @@ class Process:
 
 
 PROCESSES: dict[str, Process] = {
-    # Diameter of pins, clearance, 45°: arti90.com/en/design-clues and Protolabs Network (Hubs),
-    # "Design rules for 3D printing"; a strut held at both ends is a supported wall: 0.8 mm in
-    # the latter, two passes of a 0.4 mm nozzle. Bridge of 10 mm: the latter. Build volume:
-    # Prusa MK4 data sheet.
+    # 45°: arti90.com/en/design-clues, which asks for pins of 3 mm, walls of 1 mm and gaps of 0.5 mm.
+    # Not checked: 0.8 mm, two passes of a 0.4 mm nozzle; bridge, slenderness, layer, build volume.
     "fdm": Process("fdm", 0.8, 0.5, 20.0, math.radians(45), 10.0, 0.0, 0.2, (250, 210, 220)),
-    # Pins 0.5 mm, moving parts 0.5 mm: the same Hubs table. Below 45° a lattice needs supports, as
-    # for metal. Openings of 2.5 mm:
-    # support.jlcpcb.com/article/170-3d-printing-design-guidelines. Build volume: Formlabs Form 4.
+    # Openings of 2.5 mm: support.jlcpcb.com/article/170-3d-printing-design-guidelines.
+    # Not checked: diameter, gap, angle, bridge, slenderness, layer, build volume.
     "sla": Process("sla", 0.5, 0.5, 15.0, math.radians(45), 2.0, 2.5, 0.05, (200, 125, 210)),
     # Pins 0.8 mm, gaps 0.5 mm: hlhprototypes.com/sls-3d-printing-design-tips; features 0.8 mm and
-    # openings of 3.5 mm: addema.se/guides-sls. Powder supports every face. Build volume:
-    # Formlabs Fuse 1.
+    # openings of 3.5 mm: addema.se/guides-sls. Powder supports every face.
+    # Not checked: slenderness, layer, build volume.
     "sls": Process("sls", 0.8, 0.5, 30.0, 0.0, 0.0, 3.5, 0.11, (165, 165, 300)),
-    # Walls 0.4 mm, gaps 0.2 mm, 45°, openings of 2 mm: arti90.com/en/design-clues (DMLS). Level
-    # struts above 2 mm sag into the powder: Hubs. Build volume: EOS M 290 data sheet.
+    # 45°, openings of 2 mm, gaps of 0.2 mm, walls of 0.4 mm, here taken for struts, though it asks
+    # for pins of 1 mm: arti90.com/en/design-clues (DMLS).
+    # Not checked: bridge, slenderness, layer, build volume.
     "lpbf": Process("lpbf", 0.4, 0.2, 20.0, math.radians(45), 2.0, 2.0, 0.04, (250, 250, 325)),
 }
 """The presets by name."""
 
 
 MATERIALS: dict[str, float] = {
-    "pla": 1.24,  # Prusament PLA, technical data sheet
-    "petg": 1.27,  # Prusament PETG, technical data sheet
-    "abs": 1.04,  # ISO 1183, usual grade
-    "resin": 1.18,  # cured acrylate resins, 1.15 to 1.20
-    "pa12": 0.93,  # EOS PA 2200, laser-sintered
-    "tpu": 1.20,  # usual thermoplastic polyurethane filament
-    "ti6al4v": 4.41,  # EOS Titanium Ti64
-    "alsi10mg": 2.67,  # EOS Aluminium AlSi10Mg
-    "316l": 7.97,  # EOS StainlessSteel 316L
-    "in718": 8.15,  # EOS NickelAlloy IN718
+    # Customary values, not checked against data sheets.
+    "pla": 1.24,
+    "petg": 1.27,
+    "abs": 1.04,
+    "resin": 1.18,
+    "pa12": 0.93,
+    "tpu": 1.20,
+    "ti6al4v": 4.41,
+    "alsi10mg": 2.67,
+    "316l": 7.97,
+    "in718": 8.15,
 }
 """Density of each material by name, g/cm³."""
 
