@@ -1,6 +1,6 @@
 """What printing processes and materials ask for: limits and densities.
 
-Where a comment names a page, the number was read there. Where it says "not checked", the number is a
+Where a comment names a page, the number was read there. Where it says "not checked", it is a
 customary one that was not compared with a source: look it up for your machine and material.
 """
 
@@ -49,8 +49,9 @@ class Process:
 
 
 PROCESSES: dict[str, Process] = {
-    # 45°: arti90.com/en/design-clues, which asks for pins of 3 mm, walls of 1 mm and gaps of 0.5 mm.
-    # Not checked: 0.8 mm, two passes of a 0.4 mm nozzle; bridge, slenderness, layer, build volume.
+    # 45°: arti90.com/en/design-clues, which also asks for pins of 3 mm, walls of 1 mm and gaps of
+    # 0.2 mm. Not checked: 0.8 mm, two passes of a 0.4 mm nozzle; gap, bridge, slenderness, layer,
+    # build volume.
     "fdm": Process("fdm", 0.8, 0.5, 20.0, math.radians(45), 10.0, 0.0, 0.2, (250, 210, 220)),
     # Openings of 2.5 mm: support.jlcpcb.com/article/170-3d-printing-design-guidelines.
     # Not checked: diameter, gap, angle, bridge, slenderness, layer, build volume.
@@ -59,8 +60,8 @@ PROCESSES: dict[str, Process] = {
     # openings of 3.5 mm: addema.se/guides-sls. Powder supports every face.
     # Not checked: slenderness, layer, build volume.
     "sls": Process("sls", 0.8, 0.5, 30.0, 0.0, 0.0, 3.5, 0.11, (165, 165, 300)),
-    # 45°, openings of 2 mm, gaps of 0.2 mm, walls of 0.4 mm, here taken for struts, though it asks
-    # for pins of 1 mm: arti90.com/en/design-clues (DMLS).
+    # 45°, openings of 2 mm, gaps of 0.2 mm (for parts that fit, 0.5 mm for parts that move), walls
+    # of 0.4 mm, taken for struts, though it asks for pins of 1 mm: arti90.com/en/design-clues.
     # Not checked: bridge, slenderness, layer, build volume.
     "lpbf": Process("lpbf", 0.4, 0.2, 20.0, math.radians(45), 2.0, 2.0, 0.04, (250, 250, 325)),
 }
