@@ -151,5 +151,5 @@ def test_a_degenerate_skeleton_gives_a_sound_solid_or_is_refused(
 def test_the_input_may_be_the_output(tmp_path: Path) -> None:
     path = written(tmp_path, "lines.obj", SAMPLES["lines.obj"])
     skeleton = read_skeleton(path, 1.0)
-    assert main(["build", str(path), "--radius", "1", "-o", str(path), "--quiet"]) == 0
+    assert main(["build", str(path), "--radius", "1", "-o", str(path)]) == 0
     assert path.read_text().count("\nf ") == len(build_scaffold(skeleton).mesh.quads)
