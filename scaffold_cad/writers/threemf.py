@@ -42,7 +42,8 @@ def write_3mf_beams(skeleton: Skeleton, path: Path) -> None:
     """Write `skeleton` as a beam lattice with 32-bit coordinates, always with the same bytes.
 
     A beam tapers from the radius of one node to that of the other and ends in spheres: together
-    they are the solid of round struts with a ball at each node. Radii get six decimals.
+    they are the solid of round struts with a ball at each node. lib3mf writes six
+    decimals of coordinates and radii.
 
     Raises
     ------
