@@ -27,27 +27,32 @@ from scaffold_cad.lattice import (
 from scaffold_cad.manifolds import to_trimesh
 from scaffold_cad.partition import Partition, partition_sphere, partition_spheres
 from scaffold_cad.parts import lattice_part
+from scaffold_cad.printability import Report, assert_printable, check_printability
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 from scaffold_cad.solid import Solidified, solidified, to_solid
-from scaffold_cad.thicken import thicken
+from scaffold_cad.thicken import frame_scaffold, thicken
 from scaffold_cad.trianglemesh import TriangleMesh
 
 __all__ = [
     "Embedding",
     "Partition",
     "QuadMesh",
+    "Report",
     "Scaffold",
     "Skeleton",
     "Solidified",
     "TriangleMesh",
     "UnitCell",
+    "assert_printable",
     "build_scaffold",
     "cells",
+    "check_printability",
     "check_skeleton",
     "delaunay_foam",
     "fill",
+    "frame_scaffold",
     "lattice_part",
     "mapped",
     "partition_sphere",

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from scaffold_cad.arrays import Points
 from scaffold_cad.backends import need
-from scaffold_cad.errors import MeshError
+from scaffold_cad.errors import FormatError, MeshError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.shells import check_solid
 from scaffold_cad.trianglemesh import TriangleMesh
@@ -86,6 +87,32 @@ def to_trimesh(what: QuadMesh | TriangleMesh | Manifold) -> Trimesh:
 
     # `process` would weld close vertices, which can break a closed mesh.
     return trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
+
+
+def meshes_in(path: Path) -> list[TriangleMesh]:
+    """Return the meshes in a file of a format that trimesh reads, every vertex as it is.
+
+    Raises
+    ------
+    FormatError
+        If trimesh cannot read it.
+    MissingBackendError
+        If trimesh is not installed.
+    OSError
+        If the file cannot be opened.
+    """
+    need("trimesh", f"a {path.suffix} file")
+    import trimesh
+
+    try:
+        # `process` would weld close vertices and drop faces.
+        loaded = trimesh.load(path, process=False, force="scene")
+        meshes = [mesh for mesh in loaded.dump() if isinstance(mesh, trimesh.Trimesh)]
+    except OSError:
+        raise
+    except Exception as error:  # its readers let any error of theirs through
+        raise FormatError(f"{path} cannot be read: {error}") from None
+    return [TriangleMesh(mesh.vertices, mesh.faces) for mesh in meshes]
 
 
 def union(surfaces: Sequence[TriangleMesh], hulls: Sequence[Points]) -> Manifold:

@@ -39,6 +39,8 @@ TOOLS = [
     pytest.param(seen_by_slicer, marks=needs_slicer, id=SLICER),
     pytest.param(seen_by_admesh, marks=needs_admesh, id=ADMESH),
 ]
+pytestmark = pytest.mark.slicer
+
 See = Callable[[Path], Seen]
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from scaffold_cad.backends import need
 from scaffold_cad.errors import FormatError, MeshError, SkeletonError
+from scaffold_cad.manifolds import meshes_in
 from scaffold_cad.trianglemesh import TriangleMesh
 
 Reader: TypeAlias = Callable[[Path], TriangleMesh]
@@ -56,18 +57,7 @@ def read_triangles(path: str | PathLike[str]) -> TriangleMesh | None:
 
 
 def _read_by_trimesh(path: Path) -> TriangleMesh:
-    need("trimesh", f"a {path.suffix} file")
-    import trimesh
-
-    try:
-        # `process` would weld close vertices and drop faces.
-        loaded = trimesh.load(path, process=False, force="scene")
-        meshes = [mesh for mesh in loaded.dump() if isinstance(mesh, trimesh.Trimesh)]
-    except OSError:
-        raise
-    except Exception as error:  # its readers let any error of theirs through
-        raise FormatError(f"{path} cannot be read: {error}") from None
-    return _joined([TriangleMesh(mesh.vertices, mesh.faces) for mesh in meshes])
+    return _joined(meshes_in(path))
 
 
 def _read_3mf(path: Path) -> TriangleMesh:
