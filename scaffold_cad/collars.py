@@ -119,7 +119,8 @@ def collar_distances(
     # A wider clearance than a right angle leaves room at once.
     slope = np.tan(np.clip(stars.clearance, 1e-6, 1.5)).reshape(-1, 2)
     wide_enough = WIDER * corner_distance * radii.max(axis=1)[:, None] / slope
-    wanted: Floats = np.maximum(extents + BLEND * radii, wide_enough)  # (m, 2), nan off branch points
+    # (m, 2), nan where an end is no branch point
+    wanted: Floats = np.maximum(extents + BLEND * radii, wide_enough)
 
     lengths = skeleton.lengths
     if like is not None:

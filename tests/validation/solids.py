@@ -85,7 +85,7 @@ def foam(rng: np.random.Generator) -> Skeleton:
 
 def delaunay(rng: np.random.Generator) -> Skeleton:
     """Return the edges of a Delaunay triangulation, of high valency."""
-    return delaunay_foam(int(rng.integers(5, 11)), BOX, 1.0, seed=int(rng.integers(2**31)))
+    return delaunay_foam(int(rng.integers(9, 14)), BOX, 1.0, seed=int(rng.integers(2**31)))
 
 
 def real_skeletons(folder: Path) -> Iterator[tuple[str, Skeleton]]:
