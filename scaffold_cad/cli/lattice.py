@@ -33,7 +33,7 @@ BOX_QUADS = np.array(
 SMOOTH_SIDES = 8
 """Sides of a smooth strut."""
 
-SCAFFOLD_RATE, SOLID_RATE = 30_000.0, 2_000.0
+SCAFFOLD_RATE, SOLID_RATE, SMOOTH_RATE = 30_000.0, 2_000.0, 1_000.0
 """Struts a second, about, that scaffolds and solids are made of."""
 
 _log = logging.getLogger(__name__)
@@ -119,7 +119,7 @@ def _solid(skeleton: Skeleton, cad: bool, smooth: bool, progress: Progress) -> A
         scaffold = build_scaffold(skeleton, collars=True)
     if cad:
         return scaffold
-    with progress.stage("solid", struts, "struts", SOLID_RATE):
+    with progress.stage("solid", struts, "struts", SMOOTH_RATE if smooth else SOLID_RATE):
         return to_solid(scaffold, sides=SMOOTH_SIDES if smooth else 4)
 
 
