@@ -23,6 +23,9 @@ WIDER = 1.01
 LEAST_STRUT = 0.25
 """Least length of strut between two collars, in radii; below it the strut gets one or none."""
 
+RESOLUTION = 1e-9
+"""Least distance of a collar from a node, in largest coordinates."""
+
 MOST_SQUEEZED = 0.9
 """Part of an edge that its collars and what lies before them may take when they must stay."""
 
@@ -129,7 +132,9 @@ def collar_distances(
         squeeze = np.minimum(1.0, MOST_SQUEEZED * lengths / np.maximum(total, 1e-300))
         squeezed: Floats = wanted * squeeze[:, None]
         return squeezed
-    least = LEAST_STRUT * radii.max(axis=1)
+    # Collars closer than that to a node could not be told from it.
+    least = np.maximum(LEAST_STRUT * radii.max(axis=1), RESOLUTION * np.abs(skeleton.nodes).max())
+    wanted[wanted < least[:, None]] = np.nan
     fits = lengths - np.nansum(wanted, axis=1) >= least
     room = lengths - extents.sum(axis=1)
     middle = extents[:, 0] + room / 2

@@ -36,6 +36,9 @@ if TYPE_CHECKING:
 MARGIN = 1e-9
 """Least distance from a separating plane that counts as apart, in lengths of what is compared."""
 
+ROUNDING = 1e-14
+"""Error of a coordinate and what is added to it, in largest coordinates: some 50 roundings."""
+
 STAR_CENTRES = (0.5, 0.25, 0.75, 0.1, 0.9, 0.02, 0.98)
 """Where on its axis a sleeve is tried to be star-shaped, as fractions of its length."""
 
@@ -125,6 +128,7 @@ def _within_cones(scaffold: Scaffold) -> Bools:
     """Return whether each strut leaves each of its nodes within its own cone, (m, 2)."""
     skeleton, refined = scaffold.skeleton, scaffold.refined
     vertices = scaffold.mesh.vertices
+    rounding = _rounding(vertices)
     inside = np.ones(2 * len(skeleton.edges), dtype=np.bool_)
 
     # At branch points: no section of the strut but the first crosses a side plane of the cone.
@@ -136,7 +140,7 @@ def _within_cones(scaffold: Scaffold) -> Bools:
             quad = vertices[scaffold.stars.corners[half_edge[part]]] - node
             planes = np.cross(quad, np.roll(quad, -1, axis=1))  # (k, 4, 3)
             far = vertices[scaffold.sleeves[part, 1 - side]] - node  # (k, 4, 3)
-            fine = _in_front(planes, far)
+            fine = _in_front(planes, far, rounding)
             inside[half_edge[part][~fine]] = False
 
     # At joints and extremities, collars among them: the sleeve stays in front of its section.
@@ -148,16 +152,26 @@ def _within_cones(scaffold: Scaffold) -> Bools:
             plane = np.cross(section[:, 2] - section[:, 0], section[:, 3] - section[:, 1])
             plane = plane if side == 0 else -plane
             far = vertices[scaffold.sleeves[part, 1 - side]] - node
-            fine = _in_front(plane[:, None, :], far)
+            fine = _in_front(plane[:, None, :], far, rounding)
             inside[2 * edge[part][~fine] + side] = False
     return inside.reshape(-1, 2)
 
 
-def _in_front(planes: Floats, points: Points) -> Bools:
-    """Return whether all `points` (k, p, 3) lie in front of all `planes` (k, q, 3) through 0."""
+def _in_front(planes: Floats, points: Points, rounding: float) -> Bools:
+    """Return whether all `points` (k, p, 3) lie in front of all `planes` (k, q, 3) through 0.
+
+    Coordinates are off by up to `rounding`, mm; `planes` are products of two lengths.
+    """
     heights = points @ np.swapaxes(planes, 1, 2)  # (k, p, q)
-    scale = length(points)[:, :, None] * length(planes)[:, None, :]
-    return np.asarray((heights > MARGIN * scale).all(axis=(1, 2)))
+    size = np.sqrt(length(planes))[:, None, :]
+    reach = length(points)[:, :, None]
+    margin = MARGIN * reach * size**2 + rounding * size * (size + reach)
+    return np.asarray((heights > margin).all(axis=(1, 2)))
+
+
+def _rounding(vertices: Points) -> float:
+    """Return how far coordinates may be off, mm."""
+    return ROUNDING * float(np.abs(vertices).max())
 
 
 def _uncrossed(scaffold: Scaffold) -> Bools:
@@ -170,11 +184,12 @@ def _uncrossed(scaffold: Scaffold) -> Bools:
     start, end = (refined.nodes[refined.edges[:, side]] for side in (0, 1))
     sides = scaffold.mesh.triangles[: 8 * len(refined.edges)].reshape(-1, 8, 3)
     fine = np.zeros(len(refined.edges), dtype=np.bool_)
+    rounding = _rounding(scaffold.mesh.vertices)
     for fraction in STAR_CENTRES:
         for part in _chunks(np.flatnonzero(~fine)):
             centre = (1 - fraction) * start[part] + fraction * end[part]
             shell = _closed_sleeves(scaffold, part, sides[part])  # (k, 16, 3, 3)
-            fine[part] = _seen_once(shell - centre[:, None, None, :])
+            fine[part] = _seen_once(shell - centre[:, None, None, :], rounding)
     for part in _chunks(np.flatnonzero(~fine)):
         shell = _closed_sleeves(scaffold, part, sides[part])
         fine[part] = _whole(shell)
@@ -214,11 +229,15 @@ def _closed_sleeves(scaffold: Scaffold, sleeves: Ints, sides: Ints) -> Points:
     return np.concatenate(triangles, axis=1)
 
 
-def _seen_once(triangles: Points) -> Bools:
-    """Return whether closed surfaces (k, t, 3, 3) are seen from 0, all of them and only once."""
+def _seen_once(triangles: Points, rounding: float) -> Bools:
+    """Return whether closed surfaces (k, t, 3, 3) are seen from 0, all of them and only once.
+
+    Coordinates are off by up to `rounding`, mm.
+    """
     a, b, c = (triangles[:, :, corner] for corner in range(3))
-    product = length(a) * length(b) * length(c)
-    positive = (triple(a, b, c) > MARGIN * product).all(axis=1)
+    la, lb, lc = length(a), length(b), length(c)
+    margin = MARGIN * la * lb * lc + rounding * (la * lb + lb * lc + lc * la)
+    positive = (triple(a, b, c) > margin).all(axis=1)
     return np.asarray(positive & (np.abs(_solid_angle(triangles) - 4 * np.pi) < 1e-3))
 
 
@@ -357,8 +376,9 @@ def _overlap(bodies: _Bodies, i: Ints, j: Ints, planes: Floats) -> Bools:
     directions = np.swapaxes(normalize(planes), 1, 2)  # (k, 3, q)
     a, b = bodies.points[i] @ directions, bodies.points[j] @ directions  # (k, 10, q)
     size = np.ptp(bodies.points[i], axis=1).max(axis=1, initial=0.0)
+    margin = MARGIN * size + ROUNDING * np.abs(bodies.points[i]).max(axis=(1, 2), initial=0.0)
     gap = np.maximum(b.min(axis=1) - a.max(axis=1), a.min(axis=1) - b.max(axis=1))  # (k, q)
-    return np.asarray((gap <= MARGIN * size[:, None]).all(axis=1))
+    return np.asarray((gap <= margin[:, None]).all(axis=1))
 
 
 def _chunks(rows: Ints, size: int = CHUNK) -> list[Ints]:

@@ -53,6 +53,11 @@ def to_manifold(mesh: QuadMesh | TriangleMesh) -> Manifold:
     )
     if solid.status() != manifold3d.Error.NoError:
         raise MeshError(f"manifold3d refuses the mesh: {solid.status().name}; need NoError")
+    if not solid.volume() > 0:
+        raise MeshError(
+            f"the solid has a volume of {solid.volume():g} mm³; need > 0 "
+            "(is it too small for its distance from the origin?)"
+        )
     return solid
 
 

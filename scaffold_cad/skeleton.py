@@ -27,6 +27,9 @@ from scaffold_cad.thinning import farthest_sample, kept_samples
 from scaffold_cad.topology import Chains, Incidence, chains, component_labels, incidence, valencies
 from scaffold_cad.vectors import length
 
+LEAST_RADIUS = 1e-9
+"""Least radius of a node, in largest coordinates: a solid is made of differences of these."""
+
 
 @dataclass(frozen=True, eq=False)
 class Skeleton:
@@ -225,8 +228,8 @@ def check_skeleton(skeleton: Skeleton) -> None:
     ------
     SkeletonError
         For the first of: no edge, a self-loop, an isolated node, coincident nodes, an edge too
-        short for its direction to be computed, a repeated edge, two edges that leave a node
-        within 0.01° of each other.
+        short for its direction to be computed, a repeated edge, a radius too small for the
+        rounding of coordinates, two edges that leave a node within 0.01° of each other.
     """
     nodes, edges = skeleton.nodes, skeleton.edges
     hint = "use Skeleton.cleaned() to repair it"
@@ -254,6 +257,13 @@ def check_skeleton(skeleton: Skeleton) -> None:
         pair = edges[second].tolist()
         raise SkeletonError(
             f"edges {first} and {second} both join nodes {pair}; need each edge once ({hint})"
+        )
+    least = LEAST_RADIUS * float(np.abs(nodes).max())
+    thin = np.flatnonzero(skeleton.radii < least)
+    if len(thin):
+        raise SkeletonError(
+            f"node {thin[0]} has radius {skeleton.radii[thin[0]]:g} mm; need {least:g} mm or more "
+            "this far from the origin, for rounding"
         )
     overlaps = overlapping_half_edges(nodes, edges)
     if len(overlaps):

@@ -301,3 +301,12 @@ def test_a_change_leaves_the_original_as_it_is(change: Callable[[Skeleton], Skel
     change(TREFOIL)
     for after, kept in zip((TREFOIL.nodes, TREFOIL.edges, TREFOIL.radii), before, strict=True):
         np.testing.assert_array_equal(after, kept)
+
+
+def test_a_radius_below_the_rounding_of_coordinates_is_refused() -> None:
+    far = Skeleton([[1e6, 0, 0], [1e6, 1, 0]], [[0, 1]], [1.0, 1e-4])
+    with pytest.raises(
+        SkeletonError, match=r"node 1 has radius 0\.0001 mm; need 0\.001 mm or more"
+    ):
+        check_skeleton(far)
+    check_skeleton(far.with_radii(1e-2))
