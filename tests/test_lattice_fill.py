@@ -117,7 +117,8 @@ def test_a_box_and_its_mesh_are_filled_alike(
 ) -> None:
     one, other = (fill_box(way, name, size, origin=origin) for way in ("box", "mesh"))
     assert len(other.edges) == len(one.edges)
-    assert other.lengths.sum() == pytest.approx(one.lengths.sum(), rel=1e-6)
+    # Rounding decides whether a piece of about the least length is drawn to a point.
+    assert other.lengths.sum() == pytest.approx(one.lengths.sum(), rel=1e-4)
 
 
 @in_each_way
