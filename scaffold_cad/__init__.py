@@ -6,7 +6,7 @@
 15
 """
 
-from scaffold_cad.brep import to_brep
+from scaffold_cad.cad import to_brep
 from scaffold_cad.embedding import Embedding
 from scaffold_cad.export import write
 from scaffold_cad.frames import rotation_minimizing_frames
@@ -31,6 +31,7 @@ from scaffold_cad.printability import Report, assert_printable, check_printabili
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton, check_skeleton
+from scaffold_cad.smooth import Patches, Subdivision, catmull_clark, smooth_mesh, smooth_patches
 from scaffold_cad.solid import Solidified, solidified, to_solid
 from scaffold_cad.thicken import frame_scaffold, thicken
 from scaffold_cad.trianglemesh import TriangleMesh
@@ -38,15 +39,18 @@ from scaffold_cad.trianglemesh import TriangleMesh
 __all__ = [
     "Embedding",
     "Partition",
+    "Patches",
     "QuadMesh",
     "Report",
     "Scaffold",
     "Skeleton",
     "Solidified",
+    "Subdivision",
     "TriangleMesh",
     "UnitCell",
     "assert_printable",
     "build_scaffold",
+    "catmull_clark",
     "cells",
     "check_printability",
     "check_skeleton",
@@ -62,6 +66,8 @@ __all__ = [
     "relative_density",
     "rotation_minimizing_frames",
     "self_intersections",
+    "smooth_mesh",
+    "smooth_patches",
     "solidified",
     "solve_radius",
     "thicken",

@@ -31,6 +31,7 @@ from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.shells import check_solid
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.smooth import Patches, Subdivision
 from scaffold_cad.solid import to_solid
 from scaffold_cad.trianglemesh import TriangleMesh
 from scaffold_cad.writers.glb import write_glb
@@ -78,7 +79,8 @@ def write(what: Any, path: str | PathLike[str], *, write_pcurves: bool = False) 
 
     Parameters
     ----------
-    what : a Scaffold, a QuadMesh or a BezierMesh for any format but JSON, the overlapping struts
+    what : a Scaffold, a QuadMesh, smooth patches, a subdivision or a BezierMesh for any format
+        that holds solids, the overlapping struts
         of a Scaffold united in mesh formats (`to_solid`); a TriangleMesh, a
         manifold3d Manifold or a trimesh Trimesh for mesh formats; a build123d shape, which mesh
         formats get within 0.01 mm; a Skeleton for JSON,
@@ -198,7 +200,9 @@ def _patches(what: Any) -> BezierMesh | None:
     """Return the faces that a B-rep of `what` has, or None if it is no mesh of quads."""
     if isinstance(what, BezierMesh):
         return what
-    if isinstance(what, Scaffold):
+    if isinstance(what, Patches):
+        return what.bezier
+    if isinstance(what, Scaffold | Subdivision):
         what = what.mesh
     return BezierMesh.bilinear(what) if isinstance(what, QuadMesh) else None
 
@@ -240,6 +244,8 @@ def _mesh(what: Any) -> QuadMesh | TriangleMesh:
 def _any_mesh(what: Any) -> QuadMesh | TriangleMesh:
     if isinstance(what, QuadMesh | TriangleMesh):
         return what
+    if isinstance(what, Subdivision):
+        return what.mesh
     if isinstance(what, Scaffold):
         # The quads as they are where they are one solid, the union of overlapping struts elsewhere.
         return what.mesh if what.embedding().certified else manifold_triangles(to_solid(what))
@@ -247,8 +253,8 @@ def _any_mesh(what: Any) -> QuadMesh | TriangleMesh:
         return manifold_triangles(what)
     if _is_instance(what, "trimesh", "Trimesh"):
         return TriangleMesh(what.vertices, what.faces)
-    if isinstance(what, BezierMesh):
-        return brep.tessellated(brep.to_brep(what))
+    if isinstance(what, BezierMesh | Patches):
+        return brep.tessellated(_shape(what))
     if _is_instance(what, "build123d", "Shape"):
         return brep.tessellated(what)
     raise FormatError(

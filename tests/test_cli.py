@@ -46,6 +46,21 @@ def test_build_writes_a_valid_step_solid(figure: str, tmp_path: Path) -> None:
     assert solids[0].is_valid
 
 
+def test_smooth_struts_are_finer(figure: str, tmp_path: Path) -> None:
+    coarse, smooth = tmp_path / "coarse.stl", tmp_path / "smooth.stl"
+    assert main(["build", figure, "-o", str(coarse)]) == 0
+    assert main(["build", figure, "-o", str(smooth), "--smooth", "--levels", "1"]) == 0
+    assert trimesh.load(smooth).is_watertight
+    assert len(trimesh.load(smooth).faces) > 3 * len(trimesh.load(coarse).faces)
+
+
+def test_a_smooth_step_file_holds_a_valid_solid(figure: str, tmp_path: Path) -> None:
+    build123d = pytest.importorskip("build123d")
+    out = tmp_path / "smooth.step"
+    assert main(["build", figure, "-o", str(out), "--smooth", "--collars"]) == 0
+    assert [solid.is_valid for solid in build123d.import_step(str(out)).solids()] == [True]
+
+
 @pytest.mark.parametrize("suffix", [".stl", ".step"])
 def test_frames_have_more_faces_than_their_scaffold(
     figure: str, tmp_path: Path, suffix: str

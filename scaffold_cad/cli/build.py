@@ -12,6 +12,8 @@ import numpy as np
 from scaffold_cad.cli import source
 from scaffold_cad.export import BREP_SUFFIXES, check_writable, write
 from scaffold_cad.scaffold import Scaffold, build_scaffold
+from scaffold_cad.smooth import Caps, smooth_patches
+from scaffold_cad.solid import solidified
 from scaffold_cad.stars import Fit, Section
 from scaffold_cad.thicken import frame_scaffold
 
@@ -70,6 +72,24 @@ def add_parser(
     parser.add_argument(
         "--collars", action="store_true", help="keep struts straight between their nodes' blends"
     )
+    parser.add_argument(
+        "--smooth",
+        action="store_true",
+        help="round struts and smooth nodes: G1 patches in CAD formats, fine meshes in others",
+    )
+    parser.add_argument(
+        "--levels",
+        type=int,
+        choices=(1, 2),
+        default=2,
+        help="subdivisions of a smooth mesh: struts get 8 or 16 sides (default: 2)",
+    )
+    parser.add_argument(
+        "--caps",
+        choices=get_args(Caps),
+        default="round",
+        help="how struts end in a smooth CAD solid (default: round)",
+    )
     parser.set_defaults(run=run)
 
 
@@ -109,6 +129,10 @@ def _product(scaffold: Scaffold, options: argparse.Namespace) -> Any:
             if cad or shell
             else "; they are united",
         )
+    if options.smooth and not shell:
+        if cad:
+            return smooth_patches(scaffold, caps=options.caps)
+        return solidified(scaffold, sides=4 * 2**options.levels).manifold
     if not shell:
         return scaffold
     if not cad:

@@ -1,0 +1,59 @@
+"""B-reps of scaffolds: coarse, one face a quad, or smooth, one G1 patch a quad."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from scaffold_cad import brep
+from scaffold_cad.beziermesh import BezierMesh
+from scaffold_cad.brep import Kind
+from scaffold_cad.errors import OptionError
+from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.scaffold import Scaffold
+from scaffold_cad.smooth import Caps, Patches, smooth_patches
+
+if TYPE_CHECKING:
+    from build123d import Shape
+
+
+def to_brep(
+    what: Scaffold | QuadMesh | BezierMesh | Patches,
+    kind: Kind = "solid",
+    *,
+    smooth: bool = False,
+    caps: Caps = "round",
+    split: int = 0,
+) -> Shape:
+    """Return the B-rep of a scaffold or a mesh: one face a quad, neighbours sharing their edges.
+
+    Parameters
+    ----------
+    what : for solids closed and outward; for shells neighbouring quads must agree in direction
+    kind : "solid" or "shell"
+    smooth : whether the faces are Bézier patches that join with one tangent plane, see
+        `smooth_patches`, instead of planes and bilinear patches
+    caps, split : of `smooth_patches`
+
+    Returns
+    -------
+    build123d Solid or Shell, or a Compound of them if the mesh is not connected. The faces of each
+    are in the order of their quads.
+
+    Raises
+    ------
+    MeshError
+        If the mesh is not closed (solids), not oriented, or inside out (solids).
+    BrepError
+        If an edge or a quad is smaller than the tolerance of CAD systems.
+    OptionError
+        If `smooth` is asked of patches, or an option has none of its values.
+    MissingBackendError
+        If build123d is not installed.
+    """
+    if smooth:
+        if not isinstance(what, Scaffold | QuadMesh):
+            raise OptionError("smooth is for a Scaffold or a QuadMesh; patches are what they are")
+        what = smooth_patches(what, split=split, caps=caps)
+    if isinstance(what, Scaffold):
+        what = what.mesh
+    return brep.to_brep(what.bezier if isinstance(what, Patches) else what, kind)

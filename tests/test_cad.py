@@ -1,0 +1,51 @@
+"""B-reps of scaffolds: coarse and smooth, valid, and with the volume of what they stand for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from scaffold_cad.cad import to_brep
+from scaffold_cad.errors import OptionError
+from scaffold_cad.export import write
+from scaffold_cad.scaffold import build_scaffold
+from scaffold_cad.smooth import smooth_mesh, smooth_patches
+from tests.skeletons import K4, TRIPOD, TWO_STRUTS
+
+build123d = pytest.importorskip("build123d")
+
+
+def test_a_scaffold_becomes_a_solid_of_its_quads() -> None:
+    scaffold = build_scaffold(TRIPOD)
+    solid = to_brep(scaffold)
+    assert solid.is_valid
+    assert len(solid.faces()) == len(scaffold.mesh.quads)
+    assert solid.volume == pytest.approx(scaffold.mesh.signed_volume, rel=1e-9)
+
+
+@pytest.mark.parametrize("caps", ["round", "flat"])
+def test_a_smooth_solid_is_valid_and_follows_the_limit_surface(caps: str) -> None:
+    scaffold = build_scaffold(K4, collars=True)
+    solid = to_brep(scaffold, smooth=True, caps=caps)  # type: ignore[arg-type]
+    assert solid.is_valid
+    fine = smooth_mesh(scaffold, levels=3, caps=caps).mesh  # type: ignore[arg-type]
+    assert solid.volume == pytest.approx(fine.signed_volume, rel=0.02)
+
+
+def test_two_components_become_two_solids() -> None:
+    assert len(to_brep(build_scaffold(TWO_STRUTS), smooth=True).solids()) == 2
+
+
+def test_a_smooth_step_file_reads_back_valid(tmp_path: Path) -> None:
+    patches = smooth_patches(build_scaffold(TRIPOD, collars=True))
+    write(patches, tmp_path / "tripod.step")
+    solid = build123d.import_step(str(tmp_path / "tripod.step")).solids()[0]
+    assert solid.is_valid
+    assert len(solid.faces()) == len(patches.bezier.quads)
+
+
+def test_patches_cannot_be_made_smooth() -> None:
+    patches = smooth_patches(build_scaffold(TRIPOD))
+    with pytest.raises(OptionError, match="smooth is for a Scaffold or a QuadMesh"):
+        to_brep(patches, smooth=True)
