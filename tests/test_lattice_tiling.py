@@ -38,7 +38,7 @@ def nodes_and_struts(name: str, n: int) -> tuple[int, int]:
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 5])
-@pytest.mark.parametrize("name", set(cells()) - {"gyroid"})
+@pytest.mark.parametrize("name", sorted(set(cells()) - {"gyroid"}))
 def test_a_block_of_cells_has_the_counted_nodes_struts_and_loops(name: str, n: int) -> None:
     nodes, struts = nodes_and_struts(name, n)
     lattice = tile(name, 10.0, n, radius=0.7)
