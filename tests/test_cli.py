@@ -23,7 +23,7 @@ MESHES = (".stl", ".3mf", ".obj", ".ply", ".glb")
 def figure(tmp_path: Path) -> str:
     """Return the path of a file with the stick figure."""
     path = tmp_path / "figure.json"
-    path.write_text(skeleton_to_json(named.STICK_FIGURE))
+    path.write_text(skeleton_to_json(named.STICK_FIGURE), encoding="utf-8")
     return str(path)
 
 
@@ -75,7 +75,7 @@ def test_frames_have_more_faces_than_their_scaffold(
 def test_a_shell_keeps_the_quads(figure: str, tmp_path: Path) -> None:
     out = tmp_path / "shell.obj"
     assert main(["build", figure, "-o", str(out), "--as", "shell"]) == 0
-    quads = [line for line in out.read_text().splitlines() if line.startswith("f ")]
+    quads = [line for line in out.read_text(encoding="utf-8").splitlines() if line.startswith("f ")]
     edges, tips = len(named.STICK_FIGURE.edges), len(named.STICK_FIGURE.extremities)
     assert len(quads) == 4 * edges + tips
 

@@ -573,7 +573,7 @@ def test_the_command_prints_json_and_writes_the_page(
     assert told["findings"]["genus"]["value"] == {"genus": 3, "loops": 3}
     assert told["findings"]["strut_diameter"]["value"]["least_mm"] == 2.0
     assert told["findings"]["strut_overhang"]["value"]["needed_deg"] == pytest.approx(30)
-    assert "k4.stl" in (tmp_path / "k4.html").read_text()
+    assert "k4.stl" in (tmp_path / "k4.html").read_text(encoding="utf-8")
 
 
 def test_a_skeleton_beside_a_skeleton_is_bad_input(

@@ -381,7 +381,11 @@ def filament_volume(path: Path, folder: Path) -> float:
     words = [word for name, value in options.items() for word in (f"--{name}", value)]
     command = [SLICER, "--export-gcode", *words, "--output", str(code), str(path)]
     _said(command)
-    return _number(code.read_text(), r"; filament used \[mm3?\] = ([\d.]+)") * math.pi * 0.875**2
+    return (
+        _number(code.read_text(encoding="utf-8"), r"; filament used \[mm3?\] = ([\d.]+)")
+        * math.pi
+        * 0.875**2
+    )
 
 
 def _said(command: list[str]) -> str:
