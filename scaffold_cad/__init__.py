@@ -6,6 +6,7 @@
 15
 """
 
+from scaffold_cad.beams import BeamLattice
 from scaffold_cad.cad import to_brep
 from scaffold_cad.embedding import Embedding
 from scaffold_cad.export import write
@@ -37,6 +38,7 @@ from scaffold_cad.thicken import frame_scaffold, thicken
 from scaffold_cad.trianglemesh import TriangleMesh
 
 __all__ = [
+    "BeamLattice",
     "Embedding",
     "Partition",
     "Patches",

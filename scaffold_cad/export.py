@@ -16,12 +16,13 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from scaffold_cad import brep
+from scaffold_cad.beams import BeamLattice
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.files import check_target, replacing
@@ -84,7 +85,8 @@ def write(what: Any, path: str | PathLike[str], *, write_pcurves: bool = False) 
         of a Scaffold united in mesh formats (`to_solid`); a TriangleMesh, a
         manifold3d Manifold or a trimesh Trimesh for mesh formats; a build123d shape, which mesh
         formats get within 0.01 mm; a Skeleton for JSON,
-        3MF (as a beam lattice), OBJ (as lines, without radii) and SWC (without loops)
+        3MF (as a beam lattice), OBJ (as lines, without radii) and SWC (without loops); a
+        BeamLattice for 3MF
     path : of the file; its suffix names the format
     write_pcurves : whether a STEP file also holds each edge in the parameters of its faces, for
         programs that ask for it: twice the size, and OCCT takes longer to write and to read it
@@ -158,8 +160,15 @@ def _write_stl(content: Content, path: Path) -> None:
 
 @register_writer(".3mf")
 def _write_3mf(content: Content, path: Path) -> None:
-    if isinstance(content.what, Skeleton):
-        write_3mf_beams(content.what, path)
+    what = content.what
+    if isinstance(what, Skeleton):
+        what = BeamLattice(what)
+    if isinstance(what, BeamLattice):
+        clip, mesh = (
+            None if part is None else _triangles(part).single_precision()
+            for part in (what.clip, what.mesh)
+        )
+        write_3mf_beams(replace(what, clip=clip, mesh=mesh), path)
         return
     write_3mf(_triangles(content.what).single_precision(), path)
 

@@ -1,4 +1,4 @@
-"""3MF files through lib3mf: one object of triangles or of beams, in mm."""
+"""3MF files through lib3mf: one object of triangles, of beams, or of both, in mm."""
 
 from __future__ import annotations
 
@@ -11,14 +11,17 @@ from uuid import UUID
 
 import numpy as np
 
-from scaffold_cad.arrays import Points, Triangles
+from scaffold_cad.arrays import Floats, Points, Triangles
 from scaffold_cad.backends import need
+from scaffold_cad.beams import BeamLattice
 from scaffold_cad.errors import FormatError
-from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.trianglemesh import TriangleMesh
 
 BEAM = np.dtype([("ends", "<u4", 2), ("radii", "<f8", 2), ("caps", "<i4", 2)])
 """A beam as lib3mf takes it, without gaps between the fields."""
+
+BALL = np.dtype([("node", "<u4"), ("radius", "<f8")])
+"""A ball as lib3mf takes it."""
 
 LEAST_RADIUS = 1e-6
 """Least radius that six decimals can hold, mm."""
@@ -35,11 +38,17 @@ def write_3mf(mesh: TriangleMesh, path: Path) -> None:
     MissingBackendError
         If lib3mf is not installed.
     """
-    _write(path, mesh.vertices, mesh.triangles, None)
+    package = _Package()
+    package.build(package.add_mesh(mesh.vertices, mesh.triangles))
+    package.write(path)
 
 
-def write_3mf_beams(skeleton: Skeleton, path: Path) -> None:
-    """Write `skeleton` as a beam lattice with 32-bit coordinates, always with the same bytes.
+def write_3mf_beams(lattice: BeamLattice, path: Path) -> None:
+    """Write a beam lattice with 32-bit coordinates; the same one always gives the same bytes.
+
+    Parameters
+    ----------
+    lattice : its mesh and what it is clipped to are a TriangleMesh each, or None
 
     A beam tapers from the radius of one node to that of the other and ends in spheres: together
     they are the solid of round struts with a ball at each node. lib3mf writes six
@@ -52,85 +61,130 @@ def write_3mf_beams(skeleton: Skeleton, path: Path) -> None:
     MissingBackendError
         If lib3mf is not installed.
     """
-    thin = np.flatnonzero(skeleton.radii < LEAST_RADIUS)
-    if len(thin):
-        raise FormatError(
-            f"node {thin[0]} has radius {skeleton.radii[thin[0]]:g} mm; a beam lattice needs "
-            f"{LEAST_RADIUS:g} mm or more"
-        )
+    skeleton, mesh = lattice.skeleton, lattice.mesh
+    balls = np.flatnonzero(lattice.balls)
+    _check_sizes(skeleton.radii, "has radius")
+    _check_sizes(np.where(lattice.balls > 0, lattice.balls, np.inf), "has a ball of radius")
+
+    package = _Package()
+    # An object may only name those before it.
+    clip = None
+    if lattice.clip is not None:
+        clip = package.add_mesh(lattice.clip.vertices, lattice.clip.triangles)
+    points, faces = skeleton.nodes, np.zeros((0, 3), dtype=np.intp)
+    if mesh is not None:
+        points = np.concatenate([points, mesh.vertices])
+        faces = mesh.triangles + len(skeleton.nodes)
+    body = package.add_mesh(points, faces)
     beams = np.zeros(len(skeleton.edges), dtype=BEAM)  # all ends are spheres
     beams["ends"] = skeleton.edges
     beams["radii"] = skeleton.radii[skeleton.edges]
-    _write(path, skeleton.nodes, np.zeros((0, 3), dtype=np.intp), beams)
+    package.add_beams(body, beams, clip)
+    if len(balls):
+        rows = np.zeros(len(balls), dtype=BALL)
+        rows["node"], rows["radius"] = balls, lattice.balls[balls]
+        package.add_balls(body, rows)
+    package.build(body)
+    package.write(path)
 
 
-def _write(path: Path, points: Points, faces: Triangles, beams: np.ndarray | None) -> None:
-    """Write one object of triangles, of beams, or of both."""
-    need("lib3mf", "a 3MF file")
-    import lib3mf
+def _check_sizes(radii: Floats, what: str) -> None:
+    """Raise unless six decimals can hold each radius."""
+    thin = np.flatnonzero(radii < LEAST_RADIUS)
+    if len(thin):
+        raise FormatError(
+            f"node {thin[0]} {what} {radii[thin[0]]:g} mm; a beam lattice needs "
+            f"{LEAST_RADIUS:g} mm or more"
+        )
 
-    wrapper = lib3mf.Wrapper()
-    model = wrapper.CreateModel()
-    model.SetUnit(lib3mf.ModelUnit.MilliMeter)
-    body = model.AddMeshObject()
-    vertices = points.astype(np.float32)
-    triangles = faces.astype(np.uint32)
-    digest = sha256(vertices.tobytes() + triangles.tobytes())
-    # `SetGeometry` would make a Python object of each row; the library takes the buffers.
-    wrapper.checkError(
-        body,
-        wrapper.lib.lib3mf_meshobject_setgeometry(
-            body._handle,
-            c_uint64(len(vertices)),
-            (lib3mf.Position * len(vertices)).from_buffer(vertices),
-            c_uint64(len(triangles)),
-            (lib3mf.Triangle * len(triangles)).from_buffer(triangles),
-        ),
-    )
-    if beams is not None:
+
+class _Package:
+    """A lib3mf model in the making. Arrays go to the library as buffers.
+
+    Its own Python methods would make an object of each row.
+    """
+
+    def __init__(self) -> None:
+        need("lib3mf", "a 3MF file")
+        import lib3mf
+
+        self._lib3mf = lib3mf
+        self._wrapper = lib3mf.Wrapper()
+        self._model = self._wrapper.CreateModel()
+        self._model.SetUnit(lib3mf.ModelUnit.MilliMeter)
+        self._objects: list[Any] = []
+        self._items: list[Any] = []
+        self._digest = sha256()
+        self._extent = 0.0
+
+    def add_mesh(self, points: Points, faces: Triangles) -> Any:
+        """Add an object of triangles and return it."""
+        body = self._model.AddMeshObject()
+        vertices, triangles = points.astype(np.float32), faces.astype(np.uint32)
+        self._call(
+            body,
+            "meshobject_setgeometry",
+            (self._lib3mf.Position, vertices),
+            (self._lib3mf.Triangle, triangles),
+        )
+        self._extent = max(self._extent, float(np.abs(vertices).max(initial=0.0)))
+        self._objects.append(body)
+        return body
+
+    def add_beams(self, body: Any, beams: np.ndarray, clip: Any | None) -> None:
+        """Add beams between the vertices of an object, cut to what is inside of another."""
         lattice = body.BeamLattice()
         lattice.SetMinLength(SHORTEST_BEAM)
-        wrapper.checkError(
-            lattice,
-            wrapper.lib.lib3mf_beamlattice_setbeams(
-                lattice._handle,
-                c_uint64(len(beams)),
-                (lib3mf.Beam * len(beams)).from_buffer(beams),
-            ),
+        self._call(lattice, "beamlattice_setbeams", (self._lib3mf.Beam, beams))
+        if clip is not None:
+            inside = self._lib3mf.BeamLatticeClipMode.Inside
+            lattice.SetClipping(inside, clip.GetUniqueResourceID())
+
+    def add_balls(self, body: Any, balls: np.ndarray) -> None:
+        """Add balls at vertices of an object where beams end."""
+        lattice = body.BeamLattice()
+        # The radius of balls that have none of their own: there are none.
+        lattice.SetBallOptions(self._lib3mf.BeamLatticeBallMode.Mixed, float(balls["radius"][0]))
+        self._call(lattice, "beamlattice_setballs", (self._lib3mf.Ball, balls))
+
+    def build(self, body: Any) -> None:
+        """Put an object on the plate."""
+        self._items.append(self._model.AddBuildItem(body, self._wrapper.GetIdentityTransform()))
+
+    def write(self, path: Path) -> None:
+        """Write the file, made in memory: on a full disk lib3mf would end the whole process."""
+        digest = self._digest.digest()
+        setters = [part.SetUUID for part in (*self._objects, *self._items)]
+        for number, set_identifier in enumerate([self._model.SetBuildUUID, *setters]):
+            set_identifier(_identifier(digest, number))
+        file = BytesIO()
+
+        def put(address: int, size: int, _: object) -> None:
+            file.write(string_at(address, size))
+
+        def seek(position: int, _: object) -> None:
+            file.seek(position)
+
+        writer = self._model.QueryWriter("3mf")
+        writer.SetDecimalPrecision(_decimals(self._extent))
+        writer.WriteToCallback(
+            self._lib3mf.WriteCallback(put), self._lib3mf.SeekCallback(seek), None
         )
-        digest.update(beams.tobytes())
-    item = model.AddBuildItem(body, wrapper.GetIdentityTransform())
+        path.write_bytes(file.getvalue())
 
-    for number, set_identifier in enumerate((model.SetBuildUUID, body.SetUUID, item.SetUUID)):
-        set_identifier(_identifier(digest.digest(), number))
-    path.write_bytes(_package(model, _decimals(vertices)))
+    def _call(self, of: Any, function: str, *tables: tuple[Any, np.ndarray]) -> None:
+        """Call a function of the library with the rows of arrays."""
+        arguments: list[Any] = []
+        for kind, rows in tables:
+            self._digest.update(function.encode() + rows.tobytes())
+            arguments += [c_uint64(len(rows)), (kind * len(rows)).from_buffer(rows)]
+        called = getattr(self._wrapper.lib, f"lib3mf_{function}")
+        self._wrapper.checkError(of, called(of._handle, *arguments))
 
 
-def _decimals(vertices: np.ndarray) -> int:
+def _decimals(extent: float) -> int:
     """Return how many decimals tell 32-bit coordinates apart, those of small parts more than 6."""
-    extent = max(float(np.abs(vertices).max(initial=0.0)), 1e-9)
-    return int(np.clip(7 - np.floor(np.log10(extent)), 6, 16))
-
-
-def _package(model: Any, decimals: int) -> bytes:
-    """Return the file that holds `model`, its coordinates with so many `decimals`.
-
-    It is made in memory: on a full disk lib3mf would end the whole process.
-    """
-    from lib3mf import SeekCallback, WriteCallback
-
-    file = BytesIO()
-
-    def put(address: int, size: int, _: object) -> None:
-        file.write(string_at(address, size))
-
-    def seek(position: int, _: object) -> None:
-        file.seek(position)
-
-    writer = model.QueryWriter("3mf")
-    writer.SetDecimalPrecision(decimals)
-    writer.WriteToCallback(WriteCallback(put), SeekCallback(seek), None)
-    return file.getvalue()
+    return int(np.clip(7 - np.floor(np.log10(max(extent, 1e-9))), 6, 16))
 
 
 def _identifier(digest: bytes, number: int) -> str:

@@ -1,0 +1,57 @@
+"""BeamLattice: a skeleton with what else a 3MF beam lattice can say."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scaffold_cad.arrays import Floats, read_only
+from scaffold_cad.errors import SkeletonError
+from scaffold_cad.skeleton import Skeleton
+
+
+@dataclass(frozen=True, eq=False)
+class BeamLattice:
+    """Beams along the edges of a skeleton, for `write` to a 3MF file.
+
+    Raises
+    ------
+    SkeletonError
+        If a ball's radius is negative or not finite, or there are not as many as nodes.
+
+    References
+    ----------
+    3MF Beam Lattice Extension 1.2, with balls.
+    """
+
+    skeleton: Skeleton
+    """Its radii are those of the beams' ends, which are spheres."""
+    balls: Floats = field(default_factory=lambda: np.zeros(()))
+    """Radius of a ball at each node, 0 for none: one for all or shape (n,), mm."""
+    clip: Any = None
+    """Closed mesh or solid outside of which the beams are cut away."""
+    mesh: Any = None
+    """Closed mesh or solid in the same object as the beams: programs that know no beams show and
+    print it alone, others unite the two. A skin, or the solid of the very beams."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "balls", _ball_radii(self.balls, len(self.skeleton.nodes)))
+
+
+def _ball_radii(values: ArrayLike, count: int) -> Floats:
+    """Return the radius of the ball at each of `count` nodes, shape (count,)."""
+    try:
+        balls = np.array(np.broadcast_to(np.asarray(values, dtype=np.float64), count))
+    except ValueError:
+        shape = np.shape(values)
+        raise SkeletonError(f"balls has shape {shape}; need a number or shape ({count},)") from None
+    bad = np.flatnonzero(~np.isfinite(balls) | (balls < 0))
+    if len(bad):
+        raise SkeletonError(
+            f"the ball at node {bad[0]} has radius {balls[bad[0]]:g} mm; need >= 0 and finite"
+        )
+    read_only(balls)
+    return balls
