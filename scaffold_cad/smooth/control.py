@@ -22,7 +22,7 @@ from scaffold_cad.smooth.catmull_clark import (
     subdivided_points,
 )
 from scaffold_cad.smooth.rig import Rig, cap_rows, leaving_extremities, make_rig
-from scaffold_cad.smooth.targets import Domes, Pose, Spheres, StrutRadii, Target
+from scaffold_cad.smooth.targets import Domes, Pose, Rails, RoundStruts, Spheres, StrutRadii, Target
 from scaffold_cad.stars import APOTHEM
 from scaffold_cad.vectors import length
 
@@ -30,7 +30,7 @@ Caps: TypeAlias = Literal["round", "flat"]
 """How extremities end: in a dome that reaches one radius beyond the node, or flat at the node."""
 
 RADIUS_TOLERANCE = 0.002
-"""Acceptable error of a strut's mean radius, as a part of it."""
+"""Acceptable error of a strut's radius, as a part of it."""
 
 PLACE_TOLERANCE = 0.01
 """Acceptable error of the top of a dome and of a branch point's sphere, as a part of the radius."""
@@ -59,10 +59,10 @@ class ControlMesh:
 def control_mesh(scaffold: Scaffold, caps: Caps = "round") -> ControlMesh:
     """Return the mesh whose Catmull-Clark limit has the radii of the scaffold's skeleton.
 
-    The mean radius of the limit in the middle of each strut is the strut's, whatever the
-    scaffold's `section`. It is exact where every strut has sections of its own, and so with
-    `collars=True`; else struts that share their sections come as near as these allow. The limit
-    encloses the spheres of branch points.
+    The limit's radius in the middle of each strut is the strut's, whatever the scaffold's
+    `section`: exactly on average, and to 1.5 % all around, where every strut has sections of its
+    own, and so with `collars=True`; else struts that share sections come as near as these allow.
+    The limit encloses the spheres of branch points.
 
     A section is added before each dome, so that it is round, and with `collars=True` on both sides
     of each bend, so that struts are straight up to it; where edges have room for them.
@@ -84,10 +84,7 @@ def control_mesh(scaffold: Scaffold, caps: Caps = "round") -> ControlMesh:
     creases = _cap_sides(scaffold) if caps == "flat" else NO_CREASES
     coarse = Connectivity.of(mesh, creases)
     fine = coarse.subdivided()
-    targets: list[Target] = [
-        _strut_radii(scaffold, rig, coarse),
-        _spheres(scaffold, rig, coarse),
-    ]
+    targets = [*_struts(scaffold, rig, coarse), _spheres(scaffold, rig, coarse)]
     if caps == "round":
         targets.append(_domes(scaffold, coarse))
 
@@ -111,11 +108,11 @@ def _cap_sides(scaffold: Scaffold) -> Edges:
     return np.stack([caps, np.roll(caps, -1, axis=1)], axis=2).reshape(-1, 2)
 
 
-def _strut_radii(scaffold: Scaffold, rig: Rig, coarse: Connectivity) -> StrutRadii:
-    """Return where the radius of each strut of the skeleton is measured.
+def _struts(scaffold: Scaffold, rig: Rig, coarse: Connectivity) -> list[Target]:
+    """Return the radii of the struts of the skeleton as targets.
 
-    On the piece between its collars, or at its only collar if that stands between two branch
-    points.
+    Measured on the piece between a strut's collars, or at its only collar if that stands between
+    two branch points.
     """
     skeleton, refined = scaffold.skeleton, scaffold.refined
     collared = scaffold.refinement.collared
@@ -123,31 +120,36 @@ def _strut_radii(scaffold: Scaffold, rig: Rig, coarse: Connectivity) -> StrutRad
     # The second of three, and the one of two that leads away from the branch point.
     piece = np.cumsum(pieces) - pieces + collared[:, 0]  # (m,)
     alone = (pieces == 2) & (skeleton.valency[skeleton.edges] >= 3).all(axis=1)
-
-    first_edge, first_quad = coarse.count, coarse.count + len(coarse.edges)
-    quads = 4 * piece[:, None] + np.arange(4)  # (m, 4)
-    start, rails, end = (first_edge + coarse.edge_of_side[quads, side] for side in (0, 3, 2))
-    samples = np.stack(
-        [
-            np.concatenate([rig.sleeves[piece, 0], start], axis=1),
-            np.concatenate([first_quad + quads, rails], axis=1),
-            np.concatenate([rig.sleeves[piece, 1], end], axis=1),
-        ],
-        axis=1,
-    )
-    ends = rig.sleeves[piece].copy()
+    middles = skeleton.nodes[skeleton.edges].mean(axis=1)
+    radii = skeleton.radii[skeleton.edges].mean(axis=1)
+    slopes = np.diff(skeleton.radii[skeleton.edges])[:, 0] / skeleton.lengths
+    rails = coarse.count + coarse.edge_of_side[4 * piece[:, None] + np.arange(4), 3]  # (m, 4)
+    ends = rig.sleeves[piece]  # (m, 2, 4)
     # A lone collar is the start of the second piece or the end of the first.
     at = np.where(collared[alone, 0], 0, 1)
-    samples[alone] = samples[alone, 2 * at][:, None]
-    ends[alone] = ends[alone, at][:, None]
     collar = refined.edges[piece[alone], at]
-    middles = skeleton.nodes[skeleton.edges].mean(axis=1)
-    middles[alone] = refined.nodes[collar]
-    radii = skeleton.radii[skeleton.edges].mean(axis=1)
-    radii[alone] = refined.radii[collar]
-    groups = rig.group[ends.reshape(-1, 8)]
+    middles[alone], radii[alone] = refined.nodes[collar], refined.radii[collar]
+    rails[alone] = ends[alone, at]
+    ends[alone] = ends[alone, at][:, None]
+    samples = np.stack([ends[:, 0], rails, ends[:, 1]], axis=1)  # (m, 3, 4)
+
     axes = skeleton.directions[::2]
-    return StrutRadii(samples, groups, middles, axes, radii, RADIUS_TOLERANCE)
+    is_own = rig.is_own[ends[:, :, 0]].all(axis=1)
+    round_ones, others = (
+        Rails(samples[rows], middles[rows], axes[rows], radii[rows], slopes[rows])
+        for rows in (is_own, ~is_own)
+    )
+    # A strut's vertices and those that are scaled with them, a dome's.
+    rail_of_group = np.full(len(rig.centres), -1)
+    rail_of_group[rig.group[ends[is_own]]] = np.arange(4 * is_own.sum()).reshape(-1, 1, 4)
+    rail = rail_of_group[rig.group]
+    moved = np.flatnonzero(rail >= 0)
+    rail, size = rail[moved], length(rig.spokes[moved])
+    share = size * np.bincount(rail)[rail] / np.bincount(rail, size)[rail]
+    return [
+        RoundStruts(round_ones, moved, rail, share, RADIUS_TOLERANCE),
+        StrutRadii(others, rig.group[ends[~is_own]], RADIUS_TOLERANCE),
+    ]
 
 
 def _domes(scaffold: Scaffold, coarse: Connectivity) -> Domes:

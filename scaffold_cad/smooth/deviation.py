@@ -117,6 +117,8 @@ def strut_radii(mesh: QuadMesh, strut_of_quad: Ints, skeleton: Skeleton) -> Floa
     corners = mesh.vertices[mesh.half_edges]  # (4 f, 2, 3)
     height = dot(corners - middles[strut][:, None], axes[strut][:, None])
     across = (height[:, 0] < 0) & (height[:, 1] >= 0)
+    # Not edges that lie in the plane but for rounding.
+    across &= np.diff(height)[:, 0] > 1e-6 * length(corners[:, 1] - corners[:, 0])
     strut, corners, height = strut[across], corners[across], height[across]
     share = (height[:, 0] / (height[:, 0] - height[:, 1]))[:, None]
     points = (1 - share) * corners[:, 0] + share * corners[:, 1]

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, Ints, Points
+from scaffold_cad.arrays import Bools, Floats, Ints, Points
 from scaffold_cad.collars import BLEND
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.sleeves import MITER_LIMIT
@@ -44,9 +44,11 @@ class Rig:
     spokes: Points
     """From the centre to the vertex, shape (v, 3), mm."""
     group: Ints
-    """Which vertices are scaled as one, shape (v,): each of a star on its own, they come first."""
+    """Vertex of the scaffold, or of its own section, with which each vertex is scaled, (v,)."""
     quad_of_quad: Ints
     """Scaffold quad that each quad is a part of, shape (f,)."""
+    is_own: Bools
+    """Whether each vertex belongs to one strut only, shape (v,)."""
 
 
 def make_rig(scaffold: Scaffold, domes: bool) -> Rig:
@@ -54,8 +56,6 @@ def make_rig(scaffold: Scaffold, domes: bool) -> Rig:
     refined, skeleton_quads = scaffold.refined, scaffold.mesh.quads
     centres = refined.nodes[scaffold.node_of_vertex]
     spokes = scaffold.mesh.vertices - centres
-    vertex, alone = np.arange(len(centres)), len(scaffold.stars.vertices)
-    group = np.where(vertex < alone, vertex, alone + (vertex - alone) // 4)
 
     half_edges, depths = _added_sections(scaffold, domes)  # (k,)
     edge, slot = half_edges >> 1, half_edges & 1
@@ -80,16 +80,24 @@ def make_rig(scaffold: Scaffold, domes: bool) -> Rig:
     places = centres[end] + (depths[:, None] * along)[:, None, :]
     # A dome is as wide as the strut before it; a bend has a width of its own.
     is_dome = refined.valency[refined.edges[edge, slot]] == 1
-    own = int(group.max(initial=-1)) + 1 + np.arange(len(end))
+    branch_or_bend = (refined.valency > 1) & (
+        np.arange(len(refined.nodes)) < len(scaffold.skeleton.nodes)
+    )
+    is_own = np.ones(len(centres) + end.size, dtype=np.bool_)
+    is_own[: len(centres)] = ~branch_or_bend[scaffold.node_of_vertex]
+    group = np.concatenate(
+        [np.arange(len(centres)), np.where(is_dome[:, None], end, added).reshape(-1)]
+    )
     if domes:
         spokes[skeleton_quads[cap_rows(scaffold)]] *= DOME_SCALE
     np.add.at(centres, end[~is_dome], -BEND_SHIFT * (depths[:, None] * along)[~is_dome, None, :])
     return Rig(
+        is_own=is_own,
         quads=np.concatenate([quads, cut.reshape(-1, 4)]),
         sleeves=sleeves,
         centres=np.concatenate([centres, places.reshape(-1, 3)]),
         spokes=np.concatenate([spokes, (growth[:, None, None] * flat).reshape(-1, 3)]),
-        group=np.concatenate([group, np.repeat(np.where(is_dome, group[end[:, 0]], own), 4)]),
+        group=group,
         quad_of_quad=np.concatenate([np.arange(len(skeleton_quads)), rows.reshape(-1)]),
     )
 
