@@ -32,7 +32,15 @@ from scaffold_cad.printability import Report, assert_printable, check_printabili
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton, check_skeleton
-from scaffold_cad.smooth import Patches, Subdivision, catmull_clark, smooth_mesh, smooth_patches
+from scaffold_cad.smooth import (
+    FineSurface,
+    Patches,
+    Subdivision,
+    catmull_clark,
+    fine_surface,
+    smooth_mesh,
+    smooth_patches,
+)
 from scaffold_cad.solid import Solidified, solidified, to_solid
 from scaffold_cad.thicken import frame_scaffold, thicken
 from scaffold_cad.trianglemesh import TriangleMesh
@@ -40,6 +48,7 @@ from scaffold_cad.trianglemesh import TriangleMesh
 __all__ = [
     "BeamLattice",
     "Embedding",
+    "FineSurface",
     "Partition",
     "Patches",
     "QuadMesh",
@@ -58,6 +67,7 @@ __all__ = [
     "check_skeleton",
     "delaunay_foam",
     "fill",
+    "fine_surface",
     "frame_scaffold",
     "lattice_part",
     "mapped",

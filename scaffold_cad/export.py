@@ -32,14 +32,14 @@ from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.shells import check_solid
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.smooth import Patches, Subdivision
+from scaffold_cad.smooth import FineSurface, Patches, Subdivision
 from scaffold_cad.solid import to_solid
 from scaffold_cad.trianglemesh import TriangleMesh
 from scaffold_cad.writers.glb import write_glb
 from scaffold_cad.writers.obj import write_obj, write_obj_lines
-from scaffold_cad.writers.ply import write_ply
+from scaffold_cad.writers.ply import write_ply, write_ply_slabs
 from scaffold_cad.writers.step import write_step
-from scaffold_cad.writers.stl import write_stl
+from scaffold_cad.writers.stl import write_stl, write_stl_slabs
 from scaffold_cad.writers.swc import write_swc
 from scaffold_cad.writers.threemf import write_3mf, write_3mf_beams
 
@@ -57,6 +57,8 @@ class Content:
     """The name of the file without its suffix."""
     write_pcurves: bool
     """Whether edges are also written in the parameters of their faces (STEP only)."""
+    slabs: int | None
+    """In how many slabs a fine surface is made."""
 
 
 Writer: TypeAlias = Callable[[Content, Path], None]
@@ -75,7 +77,13 @@ def register_writer(*suffixes: str) -> Callable[[Writer], Writer]:
     return register
 
 
-def write(what: Any, path: str | PathLike[str], *, write_pcurves: bool = False) -> None:
+def write(
+    what: Any,
+    path: str | PathLike[str],
+    *,
+    write_pcurves: bool = False,
+    slabs: int | None = None,
+) -> None:
     """Write `what` to the file at `path`, whole or not at all.
 
     Parameters
@@ -86,10 +94,12 @@ def write(what: Any, path: str | PathLike[str], *, write_pcurves: bool = False) 
         manifold3d Manifold or a trimesh Trimesh for mesh formats; a build123d shape, which mesh
         formats get within 0.01 mm; a Skeleton for JSON,
         3MF (as a beam lattice), OBJ (as lines, without radii) and SWC (without loops); a
-        BeamLattice for 3MF
+        BeamLattice for 3MF; a FineSurface for STL and PLY
     path : of the file; its suffix names the format
     write_pcurves : whether a STEP file also holds each edge in the parameters of its faces, for
         programs that ask for it: twice the size, and OCCT takes longer to write and to read it
+    slabs : ≥ 1; in how many slabs a FineSurface is made and written, which bounds the memory
+        needed beyond the scaffold's; by default as many as keep it under some 500 MB
 
     Raises
     ------
@@ -98,7 +108,8 @@ def write(what: Any, path: str | PathLike[str], *, write_pcurves: bool = False) 
     MeshError, BrepError
         If a B-rep is asked for and the mesh does not bound a solid.
     OptionError
-        If `write_pcurves` is asked of another format than STEP.
+        If `write_pcurves` is asked of another format than STEP, or `slabs` for anything but a
+        FineSurface, or there are fewer than 1.
     MissingBackendError
         If the package that writes the format is not installed.
     """
@@ -106,8 +117,10 @@ def write(what: Any, path: str | PathLike[str], *, write_pcurves: bool = False) 
     writer = _writer_of(path)
     if write_pcurves and writer is not _write_step:
         raise OptionError(f"write_pcurves is for STEP files only; {path.name} is none")
+    if slabs is not None and not isinstance(what, FineSurface):
+        raise OptionError(f"slabs is for a FineSurface only; {path.name} gets a {_kind(what)}")
     with replacing(path) as fresh:
-        writer(Content(what, path.stem, write_pcurves), fresh)
+        writer(Content(what, path.stem, write_pcurves, slabs), fresh)
 
 
 def check_writable(path: str | PathLike[str]) -> None:
@@ -155,6 +168,9 @@ def _write_brep(content: Content, path: Path) -> None:
 
 @register_writer(".stl")
 def _write_stl(content: Content, path: Path) -> None:
+    if isinstance(content.what, FineSurface):
+        write_stl_slabs(content.what, content.slabs, path)
+        return
     write_stl(_triangles(content.what).single_precision(), path)
 
 
@@ -183,6 +199,9 @@ def _write_obj(content: Content, path: Path) -> None:
 
 @register_writer(".ply")
 def _write_ply(content: Content, path: Path) -> None:
+    if isinstance(content.what, FineSurface):
+        write_ply_slabs(content.what, content.slabs, path)
+        return
     write_ply(_mesh(content.what), path)
 
 
@@ -266,6 +285,8 @@ def _any_mesh(what: Any) -> QuadMesh | TriangleMesh:
         return brep.tessellated(_shape(what))
     if _is_instance(what, "build123d", "Shape"):
         return brep.tessellated(what)
+    if isinstance(what, FineSurface):
+        raise FormatError("a FineSurface goes to .stl and .ply only; need smooth_mesh for others")
     raise FormatError(
         f"a mesh file cannot hold a {_kind(what)}; need a Scaffold, a mesh, a manifold3d Manifold, "
         "a trimesh Trimesh or a build123d shape"

@@ -5,17 +5,20 @@ from scaffold_cad.smooth.control import Caps, ControlMesh, control_mesh
 from scaffold_cad.smooth.deviation import Deviation, deviation
 from scaffold_cad.smooth.mesh import smooth_mesh
 from scaffold_cad.smooth.patches import Patches, smooth_patches
+from scaffold_cad.smooth.slabs import FineSurface, fine_surface
 
 __all__ = [
     "Caps",
     "ControlMesh",
     "Deviation",
+    "FineSurface",
     "Limit",
     "Patches",
     "Subdivision",
     "catmull_clark",
     "control_mesh",
     "deviation",
+    "fine_surface",
     "limit",
     "smooth_mesh",
     "smooth_patches",

@@ -92,9 +92,16 @@ class Connectivity:
     def sides_of_edge(self) -> Ints:
         """The two sides of quads that run along each edge, shape (e, 2).
 
-        Side `4 i + k` runs from corner k of quad i to the next corner.
+        Side `4 i + k` runs from corner k of quad i to the next corner. Twice the same where part
+        of a mesh ends.
         """
-        return np.argsort(self.edge_of_side, axis=None, kind="stable").reshape(-1, 2)
+        order = np.argsort(self.edge_of_side, axis=None, kind="stable")
+        if len(order) == 2 * len(self.edges):
+            return order.reshape(-1, 2)
+        last = np.cumsum(np.bincount(self.edge_of_side.reshape(-1)))
+        first = np.concatenate([[0], last[:-1]])
+        sides: Ints = order[np.stack([first, last - 1], axis=1)]
+        return sides
 
     @cached_property
     def twin(self) -> Ints:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
 
+from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.smooth import FineSurface
 from scaffold_cad.trianglemesh import TriangleMesh
 
 HEADER = b"scaffold_cad binary STL, unit: mm"  # a header that starts with "solid" means text
@@ -18,16 +21,46 @@ CHUNK = 1 << 16
 
 def write_stl(mesh: TriangleMesh, path: Path) -> None:
     """Write `mesh` with 32-bit coordinates; a triangle without area has the normal 0."""
-    vertices = mesh.vertices.astype("<f4")
+    _write(_chunks(mesh), path)
+
+
+def write_stl_slabs(surface: FineSurface, slabs: int | None, path: Path) -> None:
+    """Write `surface` slab by slab, with 32-bit coordinates.
+
+    Triangles two of whose corners fall on one place are left out, as in
+    `TriangleMesh.single_precision`.
+    """
+    _write(_slab_chunks(surface, slabs), path)
+
+
+def _write(blocks: Iterable[np.ndarray], path: Path) -> None:
+    """Write triangles given by blocks of their corners (t, 3, 3), 32-bit."""
+    count = 0
     with path.open("wb") as file:
-        file.write(HEADER.ljust(80))
-        file.write(np.uint32(len(mesh.triangles)).astype("<u4").tobytes())
-        for start in range(0, len(mesh.triangles), CHUNK):
-            corners = vertices[mesh.triangles[start : start + CHUNK]]
+        file.write(HEADER.ljust(80) + bytes(4))
+        for corners in blocks:
             facets = np.zeros(len(corners), dtype=FACET)
             facets["corners"] = corners
             facets["normal"] = _normals(corners)
             file.write(facets.tobytes())
+            count += len(corners)
+        file.seek(80)
+        file.write(np.uint32(count).astype("<u4").tobytes())
+
+
+def _chunks(mesh: TriangleMesh) -> Iterator[np.ndarray]:
+    vertices = mesh.vertices.astype("<f4")
+    for start in range(0, len(mesh.triangles), CHUNK):
+        yield vertices[mesh.triangles[start : start + CHUNK]]
+
+
+def _slab_chunks(surface: FineSurface, slabs: int | None) -> Iterator[np.ndarray]:
+    for rows in surface.cut(slabs):
+        corners = surface.corners(rows)
+        quads = np.arange(4 * len(corners)).reshape(-1, 4)
+        slab = QuadMesh(corners.reshape(-1, 3), quads)
+        for chunk in _chunks(TriangleMesh(slab.vertices, slab.triangles)):
+            yield chunk[(chunk != np.roll(chunk, 1, axis=1)).any(axis=2).all(axis=1)]
 
 
 def _normals(corners: np.ndarray) -> np.ndarray:
