@@ -134,6 +134,13 @@ class QuadMesh:
         ahead = np.bincount(self.edge_of_half_edge[forward], minlength=len(self.edges))
         self._refuse(ahead != 1, "is run along twice in the same direction; need one quad each way")
 
+    def _repr_html_(self) -> str:
+        """Return the mesh as a notebook shows it."""
+        # Imported here: pages know of everything that they show.
+        from scaffold_cad.webpage import for_notebook
+
+        return for_notebook(self)
+
     def _refuse(self, bad: Bools, why: str) -> None:
         """Raise for the first edge that is marked in `bad` (e,)."""
         found = np.flatnonzero(bad)

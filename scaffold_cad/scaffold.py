@@ -104,6 +104,13 @@ class Scaffold:
         """Twist spread over each branch of `refined`, rad, shape (b,)."""
         return self.sections.twist
 
+    def _repr_html_(self) -> str:
+        """Return the scaffold as a notebook shows it."""
+        # Imported here: pages know of everything that they show.
+        from scaffold_cad.webpage import for_notebook
+
+        return for_notebook(self)
+
 
 def build_scaffold(
     skeleton: Skeleton,

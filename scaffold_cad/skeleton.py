@@ -55,6 +55,9 @@ class Skeleton:
         object.__setattr__(self, "edges", as_edges(self.edges, "edges", count=len(nodes)))
         object.__setattr__(self, "radii", as_radii(self.radii, "radii", count=len(nodes)))
 
+    def __deepcopy__(self, memo: dict[int, object]) -> Skeleton:
+        return self  # nothing of it changes; copies of its arrays would not be read-only
+
     @cached_property
     def valency(self) -> Ints:
         """Number of edges at each node, shape (n,)."""
@@ -185,6 +188,13 @@ class Skeleton:
         used = np.unique(edges)
         thin = Skeleton(self.nodes[used], np.searchsorted(used, edges), self.radii[used])
         return thin.cleaned(weld_distance=0.0).skeleton
+
+    def _repr_html_(self) -> str:
+        """Return the skeleton as a notebook shows it."""
+        # Imported here: pages know of everything that they show.
+        from scaffold_cad.webpage import for_notebook
+
+        return for_notebook(self)
 
     def _walks(self) -> tuple[Edges, list[Ints]]:
         """Return the edges that are a branch of their own, and the nodes that each other passes.

@@ -44,6 +44,13 @@ class Solidified:
     filled_voids: list[float]
     """Volume of each void that overlapping struts enclosed, mm³; they are filled."""
 
+    def _repr_html_(self) -> str:
+        """Return the solid as a notebook shows it."""
+        # Imported here: pages know of everything that they show.
+        from scaffold_cad.webpage import for_notebook
+
+        return for_notebook(self)
+
 
 def to_solid(what: Scaffold | QuadMesh | TriangleMesh, *, sides: int = 4) -> Manifold:
     """Return `what` as a watertight manifold3d solid.

@@ -68,6 +68,13 @@ class TriangleMesh:
             a, b = divmod(int(lonely[0]), len(self.vertices))
             raise MeshError(f"no triangle runs along the edge from vertex {b} to {a}; need one")
 
+    def _repr_html_(self) -> str:
+        """Return the mesh as a notebook shows it."""
+        # Imported here: pages know of everything that they show.
+        from scaffold_cad.webpage import for_notebook
+
+        return for_notebook(self)
+
 
 def compacted(vertices: Points, triangles: Triangles) -> TriangleMesh:
     """Return the triangles with only the vertices that they use."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from base64 import b64decode
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -505,11 +506,11 @@ def test_the_page_holds_the_report_and_nothing_from_outside() -> None:
     assert "<script>alert" not in text
     assert "not printable by sls" in text
     assert "http" not in text
-    model = text.split('type="application/json">')[1].split("</script>")[0]
-    drawn = json.loads(model)
-    failing = {one["name"]: one for one in drawn["placed"]}["watertight"]
-    assert failing["verdict"] == "failure"
-    assert len(failing["places"]) == 3 * 4
+    scene = json.loads(text.split('type="application/json">')[1].split("</script>")[0])
+    layers = {layer["name"]: layer for layer in scene["layers"]}
+    assert layers["watertight"]["shown"]
+    (marks,) = layers["watertight"]["parts"]
+    assert len(b64decode(marks["points"])) == 4 * 3 * 4  # open edges, coordinates, bytes
 
 
 # -- files and the command line ---------------------------------------------------------------

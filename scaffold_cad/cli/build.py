@@ -51,27 +51,7 @@ def add_parser(
         default="scaffold",
         help="the solid inside the scaffold, the scaffold's edges as struts, or its bare quads",
     )
-    parser.add_argument(
-        "--strut-radius",
-        type=float,
-        metavar="R",
-        help=f"radius of a frame's struts, mm (default: {FRAME_RADIUS} of the median radius)",
-    )
-    parser.add_argument(
-        "--fit",
-        choices=get_args(Fit),
-        default="enclose",
-        help="how large branch points are: so that no strut is cut thin, or as in the paper",
-    )
-    parser.add_argument(
-        "--section",
-        choices=get_args(Section),
-        default="circumscribed",
-        help="which square section stands for a circle of the radius",
-    )
-    parser.add_argument(
-        "--collars", action="store_true", help="keep struts straight between their nodes' blends"
-    )
+    add_scaffold_arguments(parser)
     parser.add_argument(
         "--smooth",
         action="store_true",
@@ -93,22 +73,53 @@ def add_parser(
     parser.set_defaults(run=run)
 
 
+def add_scaffold_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments that `scaffold_from` and `frame_radius` read."""
+    parser.add_argument(
+        "--strut-radius",
+        type=float,
+        metavar="R",
+        help=f"radius of a frame's struts, mm (default: {FRAME_RADIUS} of the median radius)",
+    )
+    parser.add_argument(
+        "--fit",
+        choices=get_args(Fit),
+        default="enclose",
+        help="how large branch points are: so that no strut is cut thin, or as in the paper",
+    )
+    parser.add_argument(
+        "--section",
+        choices=get_args(Section),
+        default="circumscribed",
+        help="which square section stands for a circle of the radius",
+    )
+    parser.add_argument(
+        "--collars", action="store_true", help="keep struts straight between their nodes' blends"
+    )
+
+
 def run(options: argparse.Namespace) -> None:
     """Read, build and write."""
     check_writable(options.output)
     skeleton = source.skeleton_from(options)
-    scaffold = build_scaffold(
-        skeleton, fit=options.fit, section=options.section, collars=options.collars
-    )
+    scaffold = scaffold_from(options, skeleton)
     if options.product == "frame":
-        scaffold = frame_scaffold(scaffold, _frame_radius(options.strut_radius, skeleton))
+        scaffold = frame_scaffold(scaffold, frame_radius(options, skeleton))
     write(_product(scaffold, options), options.output)
     _log.info("%s written", options.output)
 
 
-def _frame_radius(asked: float | None, skeleton: Skeleton) -> float:
-    if asked is not None:
-        return asked
+def scaffold_from(options: argparse.Namespace, skeleton: Skeleton) -> Scaffold:
+    """Return the scaffold that the arguments ask for."""
+    return build_scaffold(
+        skeleton, fit=options.fit, section=options.section, collars=options.collars
+    )
+
+
+def frame_radius(options: argparse.Namespace, skeleton: Skeleton) -> float:
+    """Return the radius of a frame's struts, mm."""
+    if options.strut_radius is not None:
+        return float(options.strut_radius)
     radius = FRAME_RADIUS * float(np.median(skeleton.radii))
     _log.info("the frame's struts have radius %.4g mm; --strut-radius sets another", radius)
     return radius

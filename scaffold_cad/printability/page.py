@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-import json
-from base64 import b64encode
 from html import escape
 from importlib.resources import files
 from itertools import groupby
 from os import PathLike
 from pathlib import Path
-from string import Template
-
-import numpy as np
-from numpy.typing import NDArray
 
 from scaffold_cad.files import replacing
 from scaffold_cad.printability.report import MARKS, Finding, Report
+from scaffold_cad.webpage.scene import Dots, Layer, Scene, Surface, filled
+
+PART = "#8ca8cc"
+TINTS = {"failure": "#c71a24", "warning": "#e68c00", "note": "#3366cc"}
+"""Color of the marks by verdict, most pressing first; what is ok has no places to mark."""
+
+MANY = 60
+"""Marks of a finding from which on they are drawn small."""
 
 
 def write_page(report: Report, path: str | PathLike[str]) -> None:
@@ -32,8 +34,9 @@ def write_page(report: Report, path: str | PathLike[str]) -> None:
 
 def page(report: Report) -> str:
     """Return a report as the text of an HTML page that refers to nothing outside itself."""
-    template = files("scaffold_cad.printability").joinpath("page.html").read_text("utf-8")
-    return Template(template).substitute(
+    return filled(
+        files("scaffold_cad.printability").joinpath("page.html").read_text("utf-8"),
+        _scene(report),
         title=escape(f"{report.name}: printability"),
         answer="yes" if report.printable else "no",
         summary=escape(report.summary),
@@ -41,8 +44,6 @@ def page(report: Report) -> str:
             f"<h2>{topic}</h2><table>{''.join(_row(finding) for finding in findings)}</table>"
             for topic, findings in groupby(report, key=lambda finding: finding.topic)
         ),
-        # "</script>" must not occur in it.
-        model=_model(report).replace("<", "\\u003c"),
     )
 
 
@@ -57,32 +58,24 @@ def _row(finding: Finding) -> str:
     )
 
 
-def _model(report: Report) -> str:
-    """Return what the page draws, as JSON."""
-    vertices = report.mesh.vertices
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    return json.dumps(
-        {
-            "vertices": _base64(vertices.astype("<f4")),
-            "triangles": _base64(report.mesh.triangles.astype("<u4")),
-            "center": ((low + high) / 2).tolist(),
-            # The diagonal: the part stays in view however it is turned.
-            "size": max(float(np.linalg.norm(high - low)), 1e-9),
-            "up": report.direction.tolist(),
-            "floor": float((vertices @ report.direction).min()),
-            "placed": [
-                {
-                    "name": finding.name,
-                    "verdict": finding.verdict,
-                    "places": np.round(finding.places, 6).reshape(-1).tolist(),
-                }
-                for finding in report
-                if len(finding.places)
-            ],
-        },
-        allow_nan=False,
-    )
-
-
-def _base64(array: NDArray[np.generic]) -> str:
-    return b64encode(array.tobytes()).decode("ascii")
+def _scene(report: Report) -> Scene:
+    """Return the part and a layer of marks for each finding that has places."""
+    placed = [finding for finding in report if len(finding.places)]
+    verdicts = {finding.verdict for finding in placed}
+    # Failures first: a part that hangs over is full of marks.
+    worst = next((verdict for verdict in TINTS if verdict in verdicts), None)
+    marks = [
+        Layer(
+            finding.name,
+            (
+                Dots(
+                    finding.places,
+                    TINTS[finding.verdict],
+                    size=7.0 if len(finding.places) > MANY else 14.0,
+                ),
+            ),
+            shown=finding.verdict == worst,
+        )
+        for finding in placed
+    ]
+    return Scene((Layer("part", (Surface(report.mesh, PART),)), *marks), report.direction)

@@ -1,0 +1,92 @@
+"""`scaffold-cad view`: a skeleton with its scaffold and its solid, or a solid, in a browser."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import tempfile
+import webbrowser
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from scaffold_cad.cli import build, source
+from scaffold_cad.files import check_target
+from scaffold_cad.printability import read_triangles
+from scaffold_cad.solid import to_solid
+from scaffold_cad.thicken import thicken
+from scaffold_cad.webpage import write_page
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+    from scaffold_cad.scaffold import Scaffold
+
+SOLIDS = ("scaffold", "smooth", "frame")
+
+SMOOTH_SIDES = 16
+"""Sides of the struts of a smooth solid."""
+
+_log = logging.getLogger(__name__)
+
+
+def add_parser(
+    commands: argparse._SubParsersAction[argparse.ArgumentParser], common: argparse.ArgumentParser
+) -> None:
+    """Add this command to the command line."""
+    parser = commands.add_parser(
+        "view",
+        parents=[common],
+        help="show a skeleton, its scaffold and its solid in a browser",
+        description="INPUT is a skeleton, or a mesh (STL, 3MF, OBJ, PLY). The page needs no "
+        "network; what is shown can be named after its address, as in page.html#skeleton,solid.",
+    )
+    source.add_arguments(parser)
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="PAGE",
+        help="page to write, .html (default: a temporary file)",
+    )
+    parser.add_argument("--no-open", action="store_true", help="open no browser")
+    parser.add_argument(
+        "--as",
+        dest="product",
+        choices=SOLIDS,
+        default="scaffold",
+        help="which solid: the one inside the scaffold, the smooth one, or the scaffold's edges "
+        "as struts",
+    )
+    build.add_scaffold_arguments(parser)
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Write the page, print where it is, and open it."""
+    if options.output is not None:
+        check_target(options.output)
+    mesh = read_triangles(options.input)
+    if mesh is not None:
+        page = _page_path(options)
+        write_page(mesh, page)
+    else:
+        scaffold = build.scaffold_from(options, source.skeleton_from(options))
+        solid = _solid(scaffold, options)
+        page = _page_path(options)
+        write_page(scaffold, page, solid=solid)
+    print(page)
+    if not options.no_open and not webbrowser.open(page.resolve().as_uri()):
+        _log.warning("no browser could be opened: open %s in one", page)
+
+
+def _page_path(options: argparse.Namespace) -> Path:
+    """Return where to write; a temporary folder is made only once there is something to write."""
+    if options.output is not None:
+        return Path(options.output)
+    return Path(tempfile.mkdtemp(prefix="scaffold-cad-")) / f"{Path(options.input).stem}.html"
+
+
+def _solid(scaffold: Scaffold, options: argparse.Namespace) -> Manifold:
+    if options.product == "frame":
+        return thicken(scaffold, build.frame_radius(options, scaffold.skeleton))
+    return to_solid(scaffold, sides=SMOOTH_SIDES if options.product == "smooth" else 4)

@@ -1,0 +1,8 @@
+"""Pages for browsers and notebooks that need nothing else: models in layers, drawn with WebGL.
+
+The script that draws is our own and takes some 10 kB a page: a notebook keeps one page a cell.
+"""
+
+from scaffold_cad.webpage.page import for_notebook, model_page, write_page
+
+__all__ = ["for_notebook", "model_page", "write_page"]

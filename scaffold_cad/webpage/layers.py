@@ -1,0 +1,121 @@
+"""What there is to see of a skeleton, a scaffold and a solid, as layers with a legend."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from scaffold_cad.partition.star import nearest_angles
+from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.scaffold import Scaffold
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.trianglemesh import TriangleMesh
+from scaffold_cad.webpage.scene import Dots, Layer, Lines, Part, Surface
+
+INK, GREY, SAND, BLUE, CRIMSON = "#2b2f36", "#8c96a1", "#e8b765", "#8ca8cc", "#c8102e"
+
+VALENCIES = {
+    3: "#2f6fd0",
+    4: "#1f9d6b",
+    5: "#8a6fd1",
+    6: "#e08a00",
+    7: "#00a3b4",
+    8: "#c2569b",
+    9: "#5b3a1e",
+}
+"""Color of branch points by valency; the last one stands for all higher ones too."""
+
+
+@dataclass(frozen=True, eq=False)
+class ShownLayer:
+    """A layer, and what a page says of it."""
+
+    layer: Layer
+    label: str
+    legend: tuple[tuple[str, str], ...] = ()
+    """A color and what it means, a row each."""
+
+
+def skeleton_layer(skeleton: Skeleton) -> ShownLayer:
+    """Return the edges of a skeleton and its nodes, branch points colored by valency."""
+    parts: list[Part] = [Lines(skeleton.nodes, skeleton.edges, INK, width=2.5, through=True)]
+    legend = []
+    others = np.flatnonzero(skeleton.valency < 3)
+    if len(others):
+        parts.append(Dots(skeleton.nodes[others], GREY, 7.0))
+        legend.append((GREY, f"{len(others)} joints and extremities"))
+    highest = max(VALENCIES)
+    kinds = np.minimum(skeleton.valency, highest)
+    for valency, color in VALENCIES.items():
+        nodes = np.flatnonzero(kinds == valency)
+        if len(nodes):
+            more = " or more" if valency == highest else ""
+            parts.append(Dots(skeleton.nodes[nodes], color, 11.0))
+            legend.append((color, f"{len(nodes)} of valency {valency}{more}"))
+    return ShownLayer(Layer("skeleton", tuple(parts)), "skeleton", tuple(legend))
+
+
+def quads_layer(mesh: QuadMesh, name: str) -> ShownLayer:
+    """Return a quad mesh that one can see into: its edges, and its faces as if of glass."""
+    parts = (Lines(mesh.vertices, mesh.edges, INK), Surface(mesh, SAND, 0.4))
+    return ShownLayer(Layer(name, parts), f"{name}, {len(mesh.quads)} quads")
+
+
+def solid_layer(mesh: QuadMesh | TriangleMesh, *, shown: bool) -> ShownLayer:
+    """Return the surface of a solid; `shown` tells whether it is seen at first."""
+    label = f"solid, {len(mesh.triangles)} triangles"
+    return ShownLayer(Layer("solid", (Surface(mesh, BLUE),), shown), label)
+
+
+def worst_layer(scaffold: Scaffold) -> ShownLayer | None:
+    """Return the mark of the smallest relative clearance, or None without a branch point."""
+    worst = worst_clearance(scaffold)
+    if worst is None:
+        return None
+    skeleton = scaffold.skeleton
+    start = skeleton.nodes[worst.node]
+    end = start + 0.5 * skeleton.lengths[worst.edge] * skeleton.directions[worst.half_edge]
+    parts = (
+        Lines(np.array([start, end]), np.array([[0, 1]]), CRIMSON, width=5.0, through=True),
+        Dots(start[None], CRIMSON, 17.0),
+    )
+    meaning = (
+        f"{np.degrees(worst.clearance):.1f}° between edge {worst.edge} and the side of its quad "
+        f"at node {worst.node}: {worst.relative:.3f} of half the angle to the nearest edge"
+    )
+    return ShownLayer(Layer("worst", parts), "worst clearance", ((CRIMSON, meaning),))
+
+
+@dataclass(frozen=True)
+class WorstClearance:
+    """Where a partition leaves an edge least room, relative to what is possible."""
+
+    half_edge: int
+    """The half-edge; it leaves `node` along `edge`."""
+    node: int
+    edge: int
+    clearance: float
+    """Angle to the nearest side of its quad, rad."""
+    relative: float
+    """The same over half the angle to the nearest other edge: at most 1."""
+
+
+def worst_clearance(scaffold: Scaffold) -> WorstClearance | None:
+    """Return the smallest relative clearance of a scaffold, or None without a branch point."""
+    skeleton = scaffold.skeleton
+    relative = np.full(2 * len(skeleton.edges), np.inf)
+    for n in np.unique(skeleton.valency[skeleton.branch_points]).tolist():
+        half_edges = skeleton.incidence.at_nodes(np.flatnonzero(skeleton.valency == n), n)
+        nearest = nearest_angles(skeleton.directions[half_edges])  # (k, n)
+        relative[half_edges] = 2 * scaffold.clearance[half_edges] / nearest
+    worst = int(np.argmin(relative))
+    if not relative[worst] < np.inf:
+        return None
+    return WorstClearance(
+        half_edge=worst,
+        node=int(skeleton.edges.reshape(-1)[worst]),
+        edge=worst >> 1,
+        clearance=float(scaffold.clearance[worst]),
+        relative=float(relative[worst]),
+    )

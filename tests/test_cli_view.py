@@ -1,0 +1,106 @@
+"""The command `view`: what it writes and opens, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+import webbrowser
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
+
+import pytest
+
+from scaffold_cad import build_scaffold, write
+from scaffold_cad.cli import main
+from tests.skeletons import K4
+
+
+@pytest.fixture
+def opened(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Return the addresses that a browser is asked to open; none is opened."""
+    addresses: list[str] = []
+
+    def open_(address: str) -> bool:
+        addresses.append(address)
+        return True
+
+    monkeypatch.setattr(webbrowser, "open", open_)
+    return addresses
+
+
+@pytest.fixture
+def k4(tmp_path: Path) -> str:
+    path = tmp_path / "k4.json"
+    write(K4, path)
+    return str(path)
+
+
+def layers_of(page: Path) -> dict[str, Any]:
+    text = page.read_text(encoding="utf-8")
+    scene = json.loads(text.split('type="application/json">')[1].split("</script>")[0])
+    return {layer["name"]: layer for layer in scene["layers"]}
+
+
+def test_a_temporary_page_is_opened(
+    k4: str,
+    tmp_path: Path,
+    opened: list[str],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    assert main(["view", k4]) == 0
+    page = Path(capsys.readouterr().out.strip())
+    assert page.name == "k4.html"
+    assert page.parent.parent == tmp_path
+    assert [unquote(address) for address in opened] == [f"file://{page}"]
+    assert list(layers_of(page)) == ["skeleton", "scaffold", "solid", "worst"]
+
+
+def test_a_page_is_written_and_not_opened(k4: str, tmp_path: Path, opened: list[str]) -> None:
+    page = tmp_path / "page.html"
+    assert main(["view", k4, "--no-open", "-o", str(page)]) == 0
+    assert opened == []
+    assert page.stat().st_size > 10_000
+
+
+def test_the_solid_may_be_smooth_or_a_frame(k4: str, tmp_path: Path, opened: list[str]) -> None:
+    sizes = []
+    for product in ("scaffold", "smooth", "frame"):
+        page = tmp_path / f"{product}.html"
+        more = ["--strut-radius", "0.1"] if product == "frame" else []
+        assert main(["view", k4, "--no-open", "-o", str(page), "--as", product, *more]) == 0
+        (surface,) = layers_of(page)["solid"]["parts"]
+        sizes.append(len(surface["rows"]))
+    assert sizes[0] < sizes[1]
+    assert sizes[0] < sizes[2]
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".3mf"])
+def test_meshes_are_shown_as_they_are(suffix: str, tmp_path: Path, opened: list[str]) -> None:
+    solid, page = tmp_path / f"k4{suffix}", tmp_path / "page.html"
+    write(build_scaffold(K4), solid)
+    assert main(["view", str(solid), "--no-open", "-o", str(page)]) == 0
+    assert list(layers_of(page)) == ["solid"]
+
+
+def test_without_a_browser_the_page_is_named(
+    k4: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(webbrowser, "open", lambda address: False)
+    page = tmp_path / "page.html"
+    assert main(["view", k4, "-o", str(page)]) == 0
+    assert f"no browser could be opened: open {page} in one" in capsys.readouterr().err
+
+
+def test_bad_input_writes_and_opens_nothing(
+    k4: str, tmp_path: Path, opened: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    bad = tmp_path / "bad.json"
+    bad.write_text("{", encoding="utf-8")
+    assert main(["view", str(bad), "-o", str(tmp_path / "page.html")]) == 2
+    assert main(["view", k4, "-o", str(tmp_path / "missing" / "page.html")]) == 2
+    assert "there is no folder" in capsys.readouterr().err
+    assert opened == []
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["bad.json", "k4.json"]
