@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import logging
-import sys
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad import brep, manifolds
+from scaffold_cad import manifolds
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 from scaffold_cad.insets import inset
 from scaffold_cad.lattice import UnitCell, fill
@@ -17,6 +16,7 @@ from scaffold_cad.lattice.filling import HasTriangles, as_region
 from scaffold_cad.lattice.meshregion import welded
 from scaffold_cad.lattice.regions import Region
 from scaffold_cad.lattice.struts import Radius, Struts
+from scaffold_cad.parts.surfaces import triangles_of
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
@@ -75,7 +75,7 @@ def lattice_part(
     """
     if skin is not None and not 0 < skin < np.inf:
         raise OptionError(f"skin is {skin:g} mm; need > 0, or none")
-    surface = _surface(body)
+    surface = welded(triangles_of(body))
     region = as_region(surface)
     outer = manifolds.to_manifold(surface)
     inner = outer if skin is None else _inside(surface, outer, skin)
@@ -99,21 +99,6 @@ def _inside(surface: TriangleMesh, outer: Manifold, skin: float) -> Manifold:
     if solid.is_empty():
         raise OptionError(f"skin is {skin:g} mm, which fills the body; need less")
     return solid
-
-
-def _surface(body: Any) -> TriangleMesh:
-    """Return the triangles of a body."""
-    build123d = sys.modules.get("build123d")
-    if build123d is not None and isinstance(body, build123d.Shape):
-        return brep.tessellated(body)
-    triangles = getattr(body, "triangles" if isinstance(body, QuadMesh) else "faces", None)
-    if triangles is None:
-        triangles = getattr(body, "triangles", None)
-    if triangles is None or not hasattr(body, "vertices"):
-        raise OptionError(
-            f"the body is a {type(body).__name__}; need a build123d solid or a triangle mesh"
-        )
-    return welded(TriangleMesh(body.vertices, triangles))
 
 
 def _struts_touching(

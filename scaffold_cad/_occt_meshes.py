@@ -1,0 +1,118 @@
+"""Triangles and straight lines as OCCT shapes; imports build123d and its OCP, as `_occt.py` does.
+
+Modules that are imported without being asked for a shape import this one inside their functions.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from build123d import Compound, Face, Shape, Solid
+from OCP.BRep import BRep_Builder
+from OCP.Geom import Geom_Line, Geom_Plane
+from OCP.gp import gp_Dir, gp_Pnt
+from OCP.Poly import Poly_Triangle, Poly_Triangulation
+from OCP.TopoDS import (
+    TopoDS_Edge,
+    TopoDS_Face,
+    TopoDS_Shell,
+    TopoDS_Solid,
+    TopoDS_Vertex,
+    TopoDS_Wire,
+)
+
+from scaffold_cad.arrays import Edges, Points, Triangles
+from scaffold_cad.vectors import length, normalize
+
+TOLERANCE = 1e-7
+"""Tolerance of every vertex, edge and face, mm: OCCT's Precision::Confusion."""
+
+
+def triangulated_face(points: Points, triangles: Triangles) -> Face:
+    """Return one face without a surface that carries triangles (t, 3), as of an STL file."""
+    mesh = Poly_Triangulation(len(points), len(triangles), False)
+    for i, (x, y, z) in enumerate(points.tolist(), start=1):
+        mesh.SetNode(i, gp_Pnt(x, y, z))
+    for i, (a, b, c) in enumerate((triangles + 1).tolist(), start=1):
+        mesh.SetTriangle(i, Poly_Triangle(a, b, c))
+    mesh.ComputeNormals()  # so that viewers need not work them out
+    face = TopoDS_Face()
+    BRep_Builder().MakeFace(face, mesh)
+    return Face(face)
+
+
+def solid_of_triangles(points: Points, shells: list[Triangles]) -> Shape:
+    """Return a solid of each closed shell of triangles, one plane face a triangle.
+
+    Neighbouring faces share their edges. Several solids are a Compound.
+    """
+    solids = [Solid(_solid(points, shell)) for shell in shells]
+    return solids[0] if len(solids) == 1 else Compound(solids)
+
+
+def line_edges(points: Points, pairs: Edges) -> list[TopoDS_Edge]:
+    """Return the straight edges between `pairs` (m, 2) of points; they share their vertices."""
+    builder = BRep_Builder()
+    starts, ends = [], []
+    for x, y, z in points.tolist():
+        vertex = TopoDS_Vertex()
+        builder.MakeVertex(vertex, gp_Pnt(x, y, z), TOLERANCE)
+        starts.append(vertex)
+        ends.append(vertex.Reversed())
+    spans = points[pairs[:, 1]] - points[pairs[:, 0]]
+    edges = []
+    for (a, b), (x, y, z), (dx, dy, dz), last in zip(
+        pairs.tolist(),
+        points[pairs[:, 0]].tolist(),
+        spans.tolist(),
+        length(spans).tolist(),
+        strict=True,
+    ):
+        edge = TopoDS_Edge()
+        builder.MakeEdge(edge, Geom_Line(gp_Pnt(x, y, z), gp_Dir(dx, dy, dz)), TOLERANCE)
+        builder.Range(edge, 0.0, last)
+        builder.Add(edge, starts[a])
+        builder.Add(edge, ends[b])
+        edges.append(edge)
+    return edges
+
+
+def _solid(points: Points, triangles: Triangles) -> TopoDS_Solid:
+    """Return the solid inside a closed shell of triangles."""
+    builder = BRep_Builder()
+    shell = TopoDS_Shell()
+    builder.MakeShell(shell)
+    for face in _faces(points, triangles):
+        builder.Add(shell, face)
+    shell.Closed(True)
+    solid = TopoDS_Solid()
+    builder.MakeSolid(solid)
+    builder.Add(solid, shell)
+    return solid
+
+
+def _faces(points: Points, triangles: Triangles) -> list[TopoDS_Face]:
+    """Return a plane face on each triangle; neighbours share their edges."""
+    builder = BRep_Builder()
+    sides = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
+    used, index = np.unique(sides, return_inverse=True)
+    index = index.reshape(-1, 2)
+    pairs, edge_of_side = np.unique(np.sort(index, axis=1), axis=0, return_inverse=True)
+    edges = line_edges(points[used], pairs)
+    turned = [(edge, edge.Reversed()) for edge in edges]
+    uses = 2 * edge_of_side.reshape(-1, 3) + (index[:, 0] > index[:, 1]).reshape(-1, 3)
+    corners = points[triangles]
+    normals = normalize(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+    faces = []
+    for (x, y, z), normal, three in zip(
+        corners[:, 0].tolist(), normals.tolist(), uses.tolist(), strict=True
+    ):
+        face = TopoDS_Face()
+        builder.MakeFace(face, Geom_Plane(gp_Pnt(x, y, z), gp_Dir(*normal)), TOLERANCE)
+        wire = TopoDS_Wire()
+        builder.MakeWire(wire)
+        for use in three:
+            builder.Add(wire, turned[use >> 1][use & 1])
+        wire.Closed(True)
+        builder.Add(face, wire)
+        faces.append(face)
+    return faces

@@ -1,0 +1,109 @@
+"""B-reps of scaffolds that are sound: their faces do not cross."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from scaffold_cad import manifolds
+from scaffold_cad.arrays import Ints
+from scaffold_cad.backends import need
+from scaffold_cad.cad import to_brep
+from scaffold_cad.errors import BrepError
+from scaffold_cad.roundstruts import round_surface
+from scaffold_cad.scaffold import Scaffold
+from scaffold_cad.smooth import Caps
+from scaffold_cad.solid import to_solid
+from scaffold_cad.topology import component_labels
+from scaffold_cad.trianglemesh import TriangleMesh
+
+if TYPE_CHECKING:
+    from build123d import Shape
+
+MOST_TRIANGLES = 10_000
+"""Triangles of a union that may become faces: with more of them CAD is no fun."""
+
+ROUND_SIDES = 16
+"""Sides of round struts in a union."""
+
+NAMED = 5
+"""Struts that an error names."""
+
+
+def sound_body(
+    scaffold: Scaffold, *, smooth: bool = False, caps: Caps = "round", unite: bool = False
+) -> Shape:
+    """Return the B-rep of a scaffold whose struts keep apart, or of their union.
+
+    Parameters
+    ----------
+    smooth : whether nodes are smooth and struts round, see `to_brep`
+    caps : of the smooth solid, see `smooth_patches`
+    unite : whether struts that overlap are united. The union is made of triangles, each of
+        which becomes a plane face; round struts get 16 sides
+
+    Returns
+    -------
+    build123d Solid, or a Compound of several
+
+    Raises
+    ------
+    BrepError
+        If struts overlap and `unite` is not asked for, or the union has too many triangles.
+    """
+    overlapping = _overlapping(scaffold, smooth)
+    if len(overlapping) == 0:
+        return to_brep(scaffold, smooth=smooth, caps=caps)
+    if not unite:
+        raise BrepError(
+            f"{len(overlapping)} of {len(scaffold.skeleton.edges)} struts may overlap others "
+            f"(edges {_listed(overlapping)}) and the faces of a B-rep would cross; need struts "
+            "apart (smaller radii, larger cells), or unite=True for a B-rep of the triangles of "
+            "their union, or to_mesh_shape(to_solid(scaffold)) for a mesh"
+        )
+    return solid_of_union(scaffold, sides=ROUND_SIDES if smooth else 4)
+
+
+def solid_of_union(scaffold: Scaffold, *, sides: int) -> Shape:
+    """Return the union of a scaffold's struts as a B-rep, each triangle a plane face.
+
+    Raises
+    ------
+    BrepError
+        If it has more than 10 000 triangles.
+    """
+    mesh = manifolds.manifold_triangles(to_solid(scaffold, sides=sides))
+    if len(mesh.triangles) > MOST_TRIANGLES:
+        raise BrepError(
+            f"the union of the struts has {len(mesh.triangles)} triangles; need "
+            f"{MOST_TRIANGLES} or less for a B-rep (to_mesh_shape(to_solid(scaffold)) shows and "
+            "exports any number)"
+        )
+    need("build123d", "a B-rep")
+    from scaffold_cad import _occt_meshes
+
+    shell = _shell_of_triangle(mesh)
+    shells = [mesh.triangles[shell == k] for k in range(int(shell.max()) + 1)]
+    return _occt_meshes.solid_of_triangles(mesh.vertices, shells)
+
+
+def _overlapping(scaffold: Scaffold, smooth: bool) -> Ints:
+    """Return the struts that are not known to keep apart from the others, ascending."""
+    if smooth:
+        # The subdivision runs close to the patches and can be tested.
+        return round_surface(scaffold, 8).left_out
+    return scaffold.embedding().left_out
+
+
+def _shell_of_triangle(mesh: TriangleMesh) -> Ints:
+    """Return the shell of each triangle, shape (t,)."""
+    links = mesh.triangles[:, [0, 1, 1, 2]].reshape(-1, 2)
+    part = component_labels(links, len(mesh.vertices))
+    _, shell = np.unique(part[mesh.triangles[:, 0]], return_inverse=True)
+    return shell.reshape(-1)
+
+
+def _listed(edges: Ints) -> str:
+    shown = ", ".join(str(edge) for edge in edges[:NAMED].tolist())
+    return shown if len(edges) <= NAMED else f"{shown}, ..."

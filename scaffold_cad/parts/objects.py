@@ -1,0 +1,374 @@
+"""Part objects of build123d: solids around skeletons, frames, and lattices.
+
+Imports build123d: `scaffold_cad.parts` does so when one of the classes is asked for.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from build123d import Align, BasePartObject, Mode, Plane, RigidJoint, Shape, tuplify
+from numpy.typing import ArrayLike
+
+from scaffold_cad import brep
+from scaffold_cad.arrays import Floats
+from scaffold_cad.errors import OptionError
+from scaffold_cad.lattice import UnitCell, fill
+from scaffold_cad.lattice.clipping import Keep
+from scaffold_cad.lattice.struts import Radius
+from scaffold_cad.parts.bodies import sound_body
+from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.scaffold import Scaffold, build_scaffold
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.smooth import Caps
+from scaffold_cad.thicken import frame_scaffold
+
+ALIGNED = {Align.MIN: 0.0, Align.CENTER: 0.5, Align.MAX: 1.0, Align.NONE: 0.0}
+"""Where the origin is in a box, as a fraction of its size."""
+
+
+class SkeletonPart(BasePartObject):  # type: ignore[misc]  # build123d is not checked
+    """What the parts have in common: a skeleton, and a joint at each of its extremities."""
+
+    skeleton: Skeleton
+    """The skeleton in its own coordinates, without the part's rotation, alignment and place."""
+
+    def __init__(
+        self,
+        body: Shape,
+        scaffold: Scaffold,
+        *,
+        with_joints: bool,
+        label: str,
+        color: Any,
+        rotation: Any,
+        align: Any,
+        mode: Mode,
+    ) -> None:
+        if with_joints:
+            add_joints(body, scaffold)
+        super().__init__(part=body, rotation=rotation, align=align, mode=mode)
+        self.skeleton = scaffold.skeleton
+        self.label = label
+        self.color = color
+
+
+class ScaffoldSolid(SkeletonPart):
+    """The coarse solid around a skeleton: one face a quad of its scaffold.
+
+    Each extremity has a `RigidJoint` "extremity 7", named after its node: z leaves the strut, x
+    points to the middle of a side of its section.
+    """
+
+    def __init__(
+        self,
+        skeleton: Skeleton | Scaffold,
+        *,
+        unite: bool = False,
+        with_joints: bool = True,
+        label: str = "",
+        color: Any = None,
+        rotation: Any = (0, 0, 0),
+        align: Any = None,
+        mode: Mode = Mode.ADD,
+        **options: Any,
+    ) -> None:
+        """Build the solid.
+
+        Parameters
+        ----------
+        skeleton : or a scaffold, as it was built
+        unite : whether struts that overlap are united; the faces are then triangles
+        with_joints : whether extremities get joints
+        label, color : of the part
+        rotation, align, mode : as of build123d's `Box`; without `align` the skeleton's origin stays
+        **options : of `build_scaffold`, for a skeleton
+
+        Raises
+        ------
+        SkeletonError
+            If the skeleton cannot be scaffolded.
+        BrepError
+            If struts overlap and are not to be united, or the union has too many triangles.
+        """
+        scaffold = as_scaffold(skeleton, options)
+        super().__init__(
+            sound_body(scaffold, unite=unite),
+            scaffold,
+            with_joints=with_joints,
+            label=label,
+            color=color,
+            rotation=rotation,
+            align=align,
+            mode=mode,
+        )
+
+
+class SmoothScaffold(SkeletonPart):
+    """The smooth solid around a skeleton: round struts, one tangent plane across every edge.
+
+    It has the joints of a `ScaffoldSolid`.
+    """
+
+    def __init__(
+        self,
+        skeleton: Skeleton | Scaffold,
+        *,
+        caps: Caps = "round",
+        unite: bool = False,
+        with_joints: bool = True,
+        label: str = "",
+        color: Any = None,
+        rotation: Any = (0, 0, 0),
+        align: Any = None,
+        mode: Mode = Mode.ADD,
+        **options: Any,
+    ) -> None:
+        """Build the solid.
+
+        Parameters
+        ----------
+        skeleton : or a scaffold, as it was built
+        caps : how struts end, "round" or "flat"; a flat cap is at its node
+        unite : whether struts that overlap are united: they then have 16 sides and their faces
+            are triangles
+        with_joints : whether extremities get joints
+        label, color : of the part
+        rotation, align, mode : as of build123d's `Box`; without `align` the skeleton's origin stays
+        **options : of `build_scaffold`, for a skeleton
+
+        Raises
+        ------
+        SkeletonError
+            If the skeleton cannot be scaffolded.
+        BrepError
+            If struts overlap and are not to be united, or the union has too many triangles.
+        """
+        scaffold = as_scaffold(skeleton, options)
+        super().__init__(
+            sound_body(scaffold, smooth=True, caps=caps, unite=unite),
+            scaffold,
+            with_joints=with_joints,
+            label=label,
+            color=color,
+            rotation=rotation,
+            align=align,
+            mode=mode,
+        )
+
+
+class StrutFrame(SkeletonPart):
+    """The edges of a skeleton, a scaffold or a quad mesh as struts of one radius.
+
+    Joints are at the extremities of the skeleton, and of a scaffold's skeleton.
+    """
+
+    def __init__(
+        self,
+        what: Skeleton | Scaffold | QuadMesh,
+        radius: float,
+        *,
+        smooth: bool = False,
+        unite: bool = False,
+        with_joints: bool = True,
+        label: str = "",
+        color: Any = None,
+        rotation: Any = (0, 0, 0),
+        align: Any = None,
+        mode: Mode = Mode.ADD,
+    ) -> None:
+        """Build the frame.
+
+        Parameters
+        ----------
+        what : whose edges
+        radius : of the struts, mm
+        smooth : whether struts are round and nodes smooth; struts are square otherwise
+        unite : whether struts that overlap are united; the faces are then triangles
+        with_joints : whether extremities get joints
+        label, color : of the part
+        rotation, align, mode : as of build123d's `Box`; without `align` the skeleton's origin stays
+
+        Raises
+        ------
+        OptionError
+            If the radius is not a finite number > 0.
+        BrepError
+            If struts overlap and are not to be united, or the union has too many triangles.
+        """
+        frame = frame_scaffold(what, radius)
+        super().__init__(
+            sound_body(frame, smooth=smooth, unite=unite),
+            what if isinstance(what, Scaffold) else frame,
+            with_joints=with_joints,
+            label=label,
+            color=color,
+            rotation=rotation,
+            align=align,
+            mode=mode,
+        )
+
+
+class LatticeBox(SkeletonPart):
+    """A box of lattice: the axes of its struts fill a box, and the struts are around them.
+
+    It lines up with build123d's `Box` of the same size and `align`; what is in its sides stands
+    out, struts by their radius and nodes by more.
+    """
+
+    def __init__(
+        self,
+        cell: str | UnitCell,
+        size: ArrayLike,
+        length: float,
+        width: float,
+        height: float,
+        radius: Radius,
+        *,
+        keep: Keep = "clip",
+        dangling: bool = True,
+        smooth: bool = False,
+        unite: bool = False,
+        with_joints: bool = False,
+        label: str = "",
+        color: Any = None,
+        rotation: Any = (0, 0, 0),
+        align: Any = (Align.CENTER, Align.CENTER, Align.CENTER),
+        mode: Mode = Mode.ADD,
+    ) -> None:
+        """Build the lattice.
+
+        Parameters
+        ----------
+        cell : a unit cell or its name, see `cells`
+        size : of one cell, mm: three numbers, or one
+        length, width, height : of the box, mm
+        radius : of the struts, mm; one number, or a function of positions (n, 3) in the box before
+            it is rotated and placed, that returns (n,)
+        keep, dangling : what becomes of struts that the box cuts, see `fill`
+        smooth : whether struts are round and nodes smooth; struts are square otherwise
+        unite : whether struts that overlap are united; the faces are then triangles
+        with_joints : whether extremities get joints
+        label, color : of the part
+        rotation, align, mode : as of build123d's `Box`
+
+        Raises
+        ------
+        OptionError
+            If an argument is out of its range.
+        BrepError
+            If struts overlap and are not to be united, or the union has too many triangles.
+        """
+        sides = np.array([length, width, height], dtype=np.float64)
+        if not (np.isfinite(sides) & (sides > 0)).all():
+            raise OptionError(f"the box is {length:g} x {width:g} x {height:g} mm; need > 0")
+        low = -sides * [ALIGNED[one] for one in tuplify(align, 3) or [Align.NONE] * 3]
+        skeleton = fill([low, low + sides], cell, size, radius, keep=keep, dangling=dangling)
+        scaffold = build_scaffold(skeleton, collars=True)
+        super().__init__(
+            sound_body(scaffold, smooth=smooth, unite=unite),
+            scaffold,
+            with_joints=with_joints,
+            label=label,
+            color=color,
+            rotation=rotation,
+            align=None,
+            mode=mode,
+        )
+
+
+class LatticeFill(SkeletonPart):
+    """The struts of a lattice that are inside a part, cut where their axes leave it.
+
+    The ends of slanted struts stand out of the part by up to their radius: `LatticeFill(...) &
+    part` trims them, slowly. `lattice_part` does so on triangles, and adds a skin.
+    """
+
+    def __init__(
+        self,
+        part: Any,
+        cell: str | UnitCell,
+        size: ArrayLike,
+        radius: Radius,
+        *,
+        keep: Keep = "clip",
+        dangling: bool = True,
+        origin: ArrayLike | None = None,
+        smooth: bool = False,
+        unite: bool = False,
+        with_joints: bool = False,
+        label: str = "",
+        color: Any = None,
+        rotation: Any = (0, 0, 0),
+        align: Any = None,
+        mode: Mode = Mode.ADD,
+    ) -> None:
+        """Build the lattice.
+
+        Parameters
+        ----------
+        part : a build123d solid, or another region that `fill` knows
+        cell : a unit cell or its name, see `cells`
+        size : of one cell, mm: three numbers, or one
+        radius : of the struts, mm; one number, or a function of positions (n, 3) that returns (n,)
+        keep, dangling, origin : see `fill`; `keep="whole"` cuts no struts, which keeps more of them
+            apart
+        smooth : whether struts are round and nodes smooth; struts are square otherwise
+        unite : whether struts that overlap are united; the faces are then triangles
+        with_joints : whether extremities get joints
+        label, color : of the part
+        rotation, align, mode : as of build123d's `Box`; without `align` the lattice is in the part
+
+        Raises
+        ------
+        OptionError
+            If an argument is out of its range.
+        SkeletonError
+            If no strut is in the part.
+        BrepError
+            If struts overlap and are not to be united, or the union has too many triangles.
+        """
+        region = brep.tessellated(part) if isinstance(part, Shape) else part
+        skeleton = fill(region, cell, size, radius, keep=keep, dangling=dangling, origin=origin)
+        scaffold = build_scaffold(skeleton, collars=True)
+        super().__init__(
+            sound_body(scaffold, smooth=smooth, unite=unite),
+            scaffold,
+            with_joints=with_joints,
+            label=label,
+            color=color,
+            rotation=rotation,
+            align=align,
+            mode=mode,
+        )
+
+
+def as_scaffold(what: Skeleton | Scaffold, options: dict[str, Any]) -> Scaffold:
+    """Return the scaffold of a skeleton, or a scaffold as it is.
+
+    Raises
+    ------
+    OptionError
+        If options are given for a scaffold.
+    """
+    if isinstance(what, Skeleton):
+        return build_scaffold(what, **options)
+    if options:
+        raise OptionError(
+            f"{', '.join(options)} given for a Scaffold, which is built; need a Skeleton"
+        )
+    return what
+
+
+def add_joints(body: Shape, scaffold: Scaffold) -> None:
+    """Give `body` a rigid joint at each extremity: z outwards, x to the middle of a side."""
+    skeleton = scaffold.refined  # its first nodes are those of the skeleton
+    for node in scaffold.skeleton.extremities.tolist():
+        half_edge = int(skeleton.incidence.half_edges[skeleton.incidence.offsets[node]])
+        outward: Floats = -skeleton.directions[half_edge]
+        section = scaffold.mesh.vertices[scaffold.sleeves[half_edge >> 1, half_edge & 1]]
+        place = skeleton.nodes[node]
+        x = section[:2].mean(axis=0) - place
+        plane = Plane(tuple(place), x_dir=tuple(x), z_dir=tuple(outward))
+        RigidJoint(f"extremity {node}", body, plane.location)

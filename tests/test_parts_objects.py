@@ -1,0 +1,457 @@
+"""Part objects: volumes in every mode of build123d, places of joints, labels, and what is refused.
+
+The bar is a prism of 2 x 2 x 40 mm from the origin along x; 15 mm of it are in a cube of 30 mm
+around the origin.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import build123d as bd
+import numpy as np
+import pytest
+import trimesh
+
+from scaffold_cad.errors import BrepError, MeshError, OptionError, SkeletonError
+from scaffold_cad.lattice import fill
+from scaffold_cad.manifolds import to_manifold
+from scaffold_cad.parts import (
+    LatticeBox,
+    LatticeFill,
+    ScaffoldSolid,
+    SmoothScaffold,
+    StrutFrame,
+    lattice_part,
+    to_mesh_shape,
+)
+from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.scaffold import build_scaffold
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.solid import to_solid
+from scaffold_cad.thicken import frame_scaffold
+from scaffold_cad.trianglemesh import TriangleMesh
+from tests.meshes import CUBE
+from tests.skeletons import CROSS, JACK, RING, STICK_FIGURE, TAPER, TRIPOD, TWO_STRUTS, star
+
+BAR = Skeleton([[0, 0, 0], [40, 0, 0]], [[0, 1]], 1.0)
+"""A square strut of 2 x 2 x 40 mm along x."""
+
+BAR_VOLUME = 4 * 40
+CUBE_VOLUME = 30.0**3
+IN_CUBE = 4 * 15  # mm³ of the bar in the cube
+
+CLOSE = Skeleton([[0, 0, 0], [20, 0, 0], [10, -8, 0.5], [10, 8, 0.5]], [[0, 1], [2, 3]], 1.0)
+"""Two struts that run through each other."""
+
+
+def place_of(joint: bd.RigidJoint) -> tuple[list[float], list[float]]:
+    """Where a joint is, and its z axis."""
+    plane = bd.Plane(joint.location)
+    return list(plane.origin), list(plane.z_dir)
+
+
+def assert_joint(joint: bd.RigidJoint, origin: object, z: object) -> None:
+    at, along = place_of(joint)
+    assert at == pytest.approx(origin, abs=1e-9)
+    assert along == pytest.approx(z, abs=1e-9)
+
+
+# --- volumes in every mode ---
+
+
+def test_part_has_the_volume_of_the_scaffold() -> None:
+    assert ScaffoldSolid(BAR).volume == pytest.approx(BAR_VOLUME)
+    part = ScaffoldSolid(STICK_FIGURE, collars=True)
+    assert part.volume == pytest.approx(
+        build_scaffold(STICK_FIGURE, collars=True).mesh.signed_volume
+    )
+    assert part.is_valid
+    assert len(part.solids()) == 1
+
+
+def test_builder_adds() -> None:
+    with bd.BuildPart() as builder:
+        bd.Box(30, 30, 30)
+        ScaffoldSolid(BAR)
+    assert builder.part.volume == pytest.approx(CUBE_VOLUME + BAR_VOLUME - IN_CUBE)
+
+
+def test_builder_subtracts() -> None:
+    with bd.BuildPart() as builder:
+        bd.Box(30, 30, 30)
+        ScaffoldSolid(BAR, mode=bd.Mode.SUBTRACT)
+    assert builder.part.volume == pytest.approx(CUBE_VOLUME - IN_CUBE)
+
+
+def test_builder_intersects() -> None:
+    with bd.BuildPart() as builder:
+        bd.Box(30, 30, 30)
+        ScaffoldSolid(BAR, mode=bd.Mode.INTERSECT)
+    assert builder.part.volume == pytest.approx(IN_CUBE)
+
+
+def test_builder_leaves_private_parts_out() -> None:
+    with bd.BuildPart() as builder:
+        bd.Box(30, 30, 30)
+        part = ScaffoldSolid(BAR, mode=bd.Mode.PRIVATE)
+    assert builder.part.volume == pytest.approx(CUBE_VOLUME)
+    assert part.volume == pytest.approx(BAR_VOLUME)
+
+
+def test_first_part_of_a_builder_is_taken() -> None:
+    with bd.BuildPart() as builder:
+        ScaffoldSolid(BAR)
+    assert builder.part.volume == pytest.approx(BAR_VOLUME)
+
+
+def test_parts_go_to_the_locations_of_the_builder() -> None:
+    with bd.BuildPart() as builder:
+        bd.Box(30, 30, 30)
+        with bd.Locations((0, 0, 10), (0, 0, -10), (0, 10, 100)):
+            ScaffoldSolid(BAR)
+    assert builder.part.volume == pytest.approx(CUBE_VOLUME + 3 * BAR_VOLUME - 2 * IN_CUBE)
+
+
+def test_algebra_adds_subtracts_and_intersects() -> None:
+    box, bar = bd.Box(30, 30, 30), bd.Pos(0, 5, 0) * ScaffoldSolid(BAR)
+    assert (box + bar).volume == pytest.approx(CUBE_VOLUME + BAR_VOLUME - IN_CUBE)
+    assert (box - bar).volume == pytest.approx(CUBE_VOLUME - IN_CUBE)
+    assert (bar - box).volume == pytest.approx(BAR_VOLUME - IN_CUBE)
+    assert (box & bar).volume == pytest.approx(IN_CUBE)
+
+
+def test_tripod_and_its_mirror_image_are_united() -> None:
+    part = ScaffoldSolid(TRIPOD)
+    both = part + bd.Pos(40, 0, 0) * part
+    assert both.volume == pytest.approx(2 * part.volume)
+
+
+# --- rotation, alignment, place, joints ---
+
+
+def test_rotation_turns_part_and_joints() -> None:
+    part = ScaffoldSolid(BAR, rotation=(0, 0, 90))
+    assert tuple(part.bounding_box().max) == pytest.approx((1, 40, 1), abs=1e-6)
+    assert_joint(part.joints["extremity 0"], [0, 0, 0], [0, -1, 0])
+    assert_joint(part.joints["extremity 1"], [0, 40, 0], [0, 1, 0])
+
+
+def test_alignment_moves_part_and_joints() -> None:
+    part = ScaffoldSolid(BAR, align=(bd.Align.MAX, bd.Align.MIN, bd.Align.CENTER))
+    box = part.bounding_box()
+    assert tuple(box.min) == pytest.approx((-40, 0, -1), abs=1e-6)
+    assert tuple(box.max) == pytest.approx((0, 2, 1), abs=1e-6)
+    assert_joint(part.joints["extremity 1"], [0, 1, 0], [1, 0, 0])
+
+
+def test_rotation_comes_after_alignment() -> None:
+    part = ScaffoldSolid(BAR, rotation=(0, 90, 0), align=bd.Align.MIN)
+    assert_joint(part.joints["extremity 0"], [1, 1, 0], [0, 0, 1])
+
+
+def test_joints_follow_the_algebra_and_single_locations() -> None:
+    moved = bd.Pos(1, 2, 3) * bd.Rot(0, 0, 180) * ScaffoldSolid(BAR)
+    assert_joint(moved.joints["extremity 1"], [-39, 2, 3], [-1, 0, 0])
+    with bd.BuildPart(), bd.Locations((0, 0, 10)):
+        placed = ScaffoldSolid(BAR)
+    assert_joint(placed.joints["extremity 1"], [40, 0, 10], [1, 0, 0])
+
+
+@pytest.mark.parametrize("part", [ScaffoldSolid, SmoothScaffold])
+def test_every_extremity_has_a_joint_that_leaves_its_strut(part: type) -> None:
+    made = part(STICK_FIGURE, collars=True)
+    extremities = STICK_FIGURE.extremities.tolist()
+    assert sorted(made.joints) == sorted(f"extremity {node}" for node in extremities)
+    for node in extremities:
+        (edge,) = np.flatnonzero((STICK_FIGURE.edges == node).any(axis=1))
+        other = STICK_FIGURE.edges[edge].sum() - node
+        span = STICK_FIGURE.nodes[node] - STICK_FIGURE.nodes[other]
+        assert_joint(
+            made.joints[f"extremity {node}"],
+            STICK_FIGURE.nodes[node],
+            span / np.linalg.norm(span),
+        )
+
+
+def test_x_of_a_joint_points_to_the_middle_of_a_side_of_the_cap() -> None:
+    part = ScaffoldSolid(STICK_FIGURE)
+    for joint in part.joints.values():
+        at = bd.Plane(joint.location)
+        caps = [face for face in part.faces() if (face.center() - at.origin).length < 1e-6]
+        (cap,) = caps
+        middles = [(edge @ 0.5 - at.origin).normalized() for edge in cap.edges()]
+        assert max(middle.dot(at.x_dir) for middle in middles) == pytest.approx(1.0)
+
+
+def test_joint_connects_another_part_to_the_end_of_a_strut() -> None:
+    bar = bd.Pos(5, 5, 5) * ScaffoldSolid(BAR)
+    plate = bd.Box(10, 10, 2)
+    bd.RigidJoint("back", plate, bd.Location((0, 0, -1)))
+    bar.joints["extremity 1"].connect_to(plate.joints["back"])
+    assert tuple(plate.bounding_box().min) == pytest.approx((45, 0, 0), abs=1e-6)
+    assert (bar + plate).volume == pytest.approx(BAR_VOLUME + 200)
+
+
+def test_parts_without_extremities_have_no_joints() -> None:
+    assert ScaffoldSolid(RING).joints == {}
+    assert ScaffoldSolid(BAR, with_joints=False).joints == {}
+
+
+def test_label_and_colour_are_the_parts() -> None:
+    part = ScaffoldSolid(TRIPOD, label="tripod", color=bd.Color("red"))
+    moved = bd.Pos(0, 0, 9) * part
+    for one in (part, moved):
+        assert one.label == "tripod"
+        assert tuple(one.color) == pytest.approx((1, 0, 0, 1))
+    assert (ScaffoldSolid(TRIPOD).label, ScaffoldSolid(TRIPOD).color) == ("", None)
+
+
+def test_copies_share_the_skeleton() -> None:
+    part = ScaffoldSolid(TRIPOD)
+    assert part.skeleton is TRIPOD
+    assert (bd.Pos(1, 0, 0) * part).skeleton is TRIPOD
+
+
+def test_step_file_of_an_assembly_keeps_labels(tmp_path: Path) -> None:
+    part = ScaffoldSolid(TRIPOD, label="tripod")
+    frame = bd.Pos(30, 0, 0) * StrutFrame(TRIPOD, 0.5, label="frame")
+    path = tmp_path / "assembly.step"
+    assert bd.export_step(bd.Compound(label="both", children=[part, frame]), path)
+    read = bd.import_step(path)
+    assert {child.label for child in read.children} == {"tripod", "frame"}
+    assert sum(solid.volume for solid in read.solids()) == pytest.approx(part.volume + frame.volume)
+
+
+def test_several_components_are_several_solids_of_one_part() -> None:
+    part = ScaffoldSolid(TWO_STRUTS)
+    assert len(part.solids()) == 2
+    assert part.volume == pytest.approx(2 * 40)
+    assert len(part.joints) == 4
+
+
+def test_options_of_the_scaffold_are_passed_on_or_refused() -> None:
+    by_area = ScaffoldSolid(BAR, section="area")
+    assert by_area.volume == pytest.approx(np.pi * 40)
+    assert ScaffoldSolid(build_scaffold(BAR, section="area")).volume == pytest.approx(np.pi * 40)
+    with pytest.raises(OptionError, match=r"collars given for a Scaffold, which is built"):
+        ScaffoldSolid(build_scaffold(BAR), collars=True)
+    with pytest.raises(SkeletonError, match="the skeleton has no edges"):
+        ScaffoldSolid(Skeleton([[0, 0, 0]], [], 1.0))
+
+
+def test_smooth_part_is_round() -> None:
+    part = SmoothScaffold(TAPER.with_radii(1.5), caps="flat")
+    assert part.volume == pytest.approx(np.pi * 1.5**2 * 10, rel=0.01)
+    assert part.is_valid
+    with bd.BuildPart() as builder:
+        bd.Box(20, 20, 4)
+        SmoothScaffold(JACK, mode=bd.Mode.SUBTRACT)
+    shared = bd.Box(20, 20, 4) & SmoothScaffold(JACK)
+    assert 4 * np.pi * 9 < shared.volume < 400  # four round struts and a node
+    assert builder.part.volume == pytest.approx(20 * 20 * 4 - shared.volume)
+
+
+def test_frames_of_skeletons_scaffolds_and_meshes() -> None:
+    frame = StrutFrame(CROSS, 0.5)
+    assert frame.volume == pytest.approx(frame_scaffold(CROSS, 0.5).mesh.signed_volume)
+    assert len(frame.joints) == 4
+    scaffold = build_scaffold(CROSS)
+    cage = StrutFrame(scaffold, 0.1)
+    assert cage.volume == pytest.approx(frame_scaffold(scaffold, 0.1).mesh.signed_volume)
+    assert_joint(cage.joints["extremity 1"], [10, 0, 0], [1, 0, 0])
+    crate = StrutFrame(CUBE, 0.05, smooth=True)
+    assert crate.is_valid
+    assert crate.joints == {}
+
+
+# --- lattices ---
+
+
+@pytest.mark.parametrize(
+    ("align", "low"),
+    [
+        (bd.Align.CENTER, (-10, -10, -5)),
+        (bd.Align.MIN, (0, 0, 0)),
+        ((bd.Align.MAX, bd.Align.CENTER, bd.Align.MIN), (-20, -10, 0)),
+        (None, (0, 0, 0)),
+    ],
+)
+def test_lattice_box_fills_the_box_that_build123d_makes(align: object, low: object) -> None:
+    lattice = LatticeBox("sc", 10.0, 20, 20, 10, 0.5, align=align)
+    assert lattice.skeleton.nodes.min(axis=0) == pytest.approx(low)
+    assert np.ptp(lattice.skeleton.nodes, axis=0) == pytest.approx((20, 20, 10))
+    beyond = (np.array(tuple(lattice.bounding_box().size)) - [20, 20, 10]) / 2
+    assert beyond == pytest.approx([beyond[0]] * 3, abs=1e-6)  # evenly, by the radius or more
+    assert 0.5 <= beyond[0] < 1.5
+    assert lattice.is_valid
+
+
+def test_lattice_box_is_added_under_locations() -> None:
+    lattice = LatticeBox("bcc", 10.0, 10, 10, 10, 0.6)
+    with bd.BuildPart() as builder, bd.GridLocations(30, 0, 2, 1):
+        LatticeBox("bcc", 10.0, 10, 10, 10, 0.6)
+    assert builder.part.volume == pytest.approx(2 * lattice.volume)
+
+
+def test_lattice_box_grows_and_is_round_if_asked() -> None:
+    lattice = LatticeBox("bcc", 10.0, 10, 10, 10, lambda p: 0.5 + 0.02 * (p[:, 2] + 5), smooth=True)
+    assert lattice.is_valid
+    radii = lattice.skeleton.radii
+    assert (radii.min(), radii.max()) == pytest.approx((0.5, 0.7))
+
+
+@pytest.mark.parametrize("side", [0.0, -1.0, np.nan])
+def test_lattice_box_without_a_size_is_refused(side: float) -> None:
+    with pytest.raises(OptionError, match=r"the box is 10 x .* x 10 mm; need > 0"):
+        LatticeBox("bcc", 5.0, 10, side, 10, 0.5)
+
+
+def test_lattice_fills_a_part_where_it_is() -> None:
+    body = bd.Pos(100, 0, 0) * bd.Box(20, 20, 10)
+    lattice = LatticeFill(body, "bcc", 10.0, 0.6)
+    assert lattice.skeleton.nodes.min(axis=0) == pytest.approx((90, -10, -5))
+    assert lattice.volume == pytest.approx(LatticeBox("bcc", 10.0, 20, 20, 10, 0.6).volume)
+    assert LatticeFill([[0, 0, 0], [20, 20, 10]], "bcc", 10.0, 0.6).volume == pytest.approx(
+        lattice.volume
+    )
+
+
+def test_filled_part_is_trimmed_by_an_intersection() -> None:
+    body = bd.Box(10, 10, 10)
+    lattice = LatticeFill(body, "bcc", 10.0, 0.6)
+    trimmed = lattice & body
+    assert trimmed.volume < lattice.volume
+    assert tuple(trimmed.bounding_box().max) == pytest.approx((5, 5, 5), abs=1e-5)
+    assert (body - lattice).volume == pytest.approx(body.volume - trimmed.volume, rel=1e-6)
+
+
+def test_lattice_joints_are_made_if_asked() -> None:
+    lattice = LatticeBox("diamond", 10.0, 10, 10, 10, 0.5, with_joints=True)
+    assert len(lattice.joints) == len(lattice.skeleton.extremities) > 0
+    assert LatticeBox("diamond", 10.0, 10, 10, 10, 0.5).joints == {}
+
+
+# --- struts that overlap ---
+
+
+def test_struts_that_overlap_are_refused_with_what_to_do() -> None:
+    with pytest.raises(
+        BrepError, match=r"2 of 2 struts may overlap others \(edges 0, 1\).*unite=True.*to_mesh"
+    ):
+        ScaffoldSolid(CLOSE)
+
+
+def test_struts_that_overlap_are_united_if_asked() -> None:
+    part = ScaffoldSolid(CLOSE, unite=True)
+    assert part.volume == pytest.approx(to_solid(build_scaffold(CLOSE)).volume())
+    assert part.is_valid
+    assert len(part.solids()) == 1
+    (solid,) = part.solids()
+    assert solid.is_manifold
+    assert (bd.Box(60, 60, 60) - part).volume == pytest.approx(60**3 - part.volume)
+    assert len(part.joints) == 4
+
+
+def test_round_struts_are_united_with_16_sides() -> None:
+    part = SmoothScaffold(CLOSE, unite=True)
+    assert part.volume == pytest.approx(to_solid(build_scaffold(CLOSE), sides=16).volume())
+    assert part.is_valid
+
+
+def test_unions_of_several_parts_are_several_solids() -> None:
+    twice = Skeleton(
+        np.concatenate([CLOSE.nodes, CLOSE.nodes + np.array([0, 0, 50])]),
+        np.concatenate([CLOSE.edges, CLOSE.edges + 4]),
+        1.0,
+    )
+    part = ScaffoldSolid(twice, unite=True)
+    assert len(part.solids()) == 2
+    assert part.volume == pytest.approx(2 * ScaffoldSolid(CLOSE, unite=True).volume)
+
+
+def test_unions_of_too_many_triangles_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("scaffold_cad.parts.bodies.MOST_TRIANGLES", 20)
+    with pytest.raises(BrepError, match=r"has \d+ triangles; need 20 or less .*to_mesh_shape"):
+        ScaffoldSolid(CLOSE, unite=True)
+
+
+def test_errors_name_the_first_few_of_many_struts() -> None:
+    directions = np.random.default_rng(1).standard_normal((12, 3)).tolist()
+    with pytest.raises(BrepError, match=r"\(edges \d+, \d+, \d+, \d+, \d+, \.\.\.\)"):
+        ScaffoldSolid(star(directions, radius=2.0))
+
+
+# --- meshes as shapes ---
+
+
+@pytest.mark.parametrize(
+    "mesh_of",
+    [to_manifold, lambda mesh: mesh, lambda mesh: TriangleMesh(mesh.vertices, mesh.triangles)],
+    ids=["manifold", "quads", "triangles"],
+)
+def test_mesh_shape_is_written_as_the_mesh_that_it_is(
+    mesh_of: Callable[[QuadMesh], object], tmp_path: Path
+) -> None:
+    assert_written_whole(to_mesh_shape(mesh_of(CUBE)), tmp_path, CUBE.signed_volume)
+
+
+def test_mesh_shape_of_a_scaffold_is_the_union_of_its_struts(tmp_path: Path) -> None:
+    scaffold = build_scaffold(CLOSE)
+    assert_written_whole(to_mesh_shape(scaffold), tmp_path, to_solid(scaffold).volume())
+
+
+def assert_written_whole(shape: bd.Face, folder: Path, volume: float) -> None:
+    assert isinstance(shape, bd.Face)
+    path = folder / "mesh.stl"
+    assert bd.export_stl(shape, path)
+    read = trimesh.load_mesh(path)
+    assert read.is_watertight
+    assert read.volume == pytest.approx(volume, rel=1e-5)
+
+
+def test_mesh_shape_keeps_its_triangles_wherever_it_goes() -> None:
+    part = lattice_part(bd.Box(20, 20, 20), "bcc", 6.0, 0.5, skin=1.0)
+    shape = bd.Pos(0, 0, 100) * to_mesh_shape(part)
+    points, triangles = shape.tessellate(0.01)
+    assert len(triangles) == part.num_tri()
+    assert min(point.Z for point in points) == pytest.approx(90)
+
+
+def test_mesh_shape_of_nothing_is_refused() -> None:
+    empty = TriangleMesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.intp))
+    with pytest.raises(MeshError, match=r"the TriangleMesh has no triangles; need at least one"):
+        to_mesh_shape(empty)
+    with pytest.raises(OptionError, match=r"the body is a str; need a build123d solid"):
+        to_mesh_shape("bracket")
+
+
+# --- the package ---
+
+
+def test_package_is_imported_without_build123d() -> None:
+    program = (
+        "import sys, scaffold_cad.parts; print({'build123d', 'OCP'} & set(sys.modules), "
+        "'LatticeBox' in dir(scaffold_cad.parts)); "
+        "from scaffold_cad.parts import LatticeBox; print('build123d' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stdout.split() == ["set()", "True", "True"], done.stderr
+
+
+def test_unknown_part_is_no_attribute() -> None:
+    import scaffold_cad.parts
+
+    with pytest.raises(AttributeError, match="no attribute 'Bracket'"):
+        _ = scaffold_cad.parts.Bracket
+
+
+def test_lattice_box_is_the_scaffold_of_a_filled_box() -> None:
+    skeleton = fill([[-5, -5, -5], [5, 5, 5]], "octet", 10.0, 0.5)
+    lattice = LatticeBox("octet", 10.0, 10, 10, 10, 0.5)
+    assert lattice.volume == pytest.approx(
+        build_scaffold(skeleton, collars=True).mesh.signed_volume
+    )
