@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,11 +22,18 @@ from scaffold_cad.arrays import (
     as_radii,
     read_only,
 )
+from scaffold_cad.backends import need
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.repair import LEAST_LENGTH, Repairs, overlapping_half_edges, repaired
 from scaffold_cad.thinning import farthest_sample, kept_samples
 from scaffold_cad.topology import Chains, Incidence, chains, component_labels, incidence, valencies
 from scaffold_cad.vectors import length
+
+if TYPE_CHECKING:
+    from build123d import Curve
+
+    from scaffold_cad.lattice.struts import Radius
+    from scaffold_cad.wires import Curves
 
 LEAST_RADIUS = 1e-9
 """Least radius of a node, in largest coordinates: a solid is made of differences of these."""
@@ -54,6 +62,56 @@ class Skeleton:
         object.__setattr__(self, "nodes", nodes)
         object.__setattr__(self, "edges", as_edges(self.edges, "edges", count=len(nodes)))
         object.__setattr__(self, "radii", as_radii(self.radii, "radii", count=len(nodes)))
+
+    @classmethod
+    def from_edges(
+        cls,
+        curves: Curves,
+        radius: Radius,
+        *,
+        tolerance: float = 0.1,
+        contact: float = 1e-4,
+    ) -> Skeleton:
+        """Return the edges of build123d shapes as a skeleton.
+
+        Curves become chains of straight edges. Where edges touch, cross or cover each other, they
+        are split and share a node.
+
+        Parameters
+        ----------
+        curves : edges, wires, sketches or any other shapes of build123d, one or several: all edges
+            of a face and of a solid count
+        radius : mm; one number, or a function of positions (n, 3) that returns radii (n,)
+        tolerance : largest distance of the skeleton from the curves, mm; a curve turns by 30° at
+            most from one joint to the next
+        contact : edges no farther apart than this touch, mm
+
+        Raises
+        ------
+        OptionError
+            If an argument is out of its range or no shape of build123d.
+        SkeletonError
+            If the shapes have no edge of length > 0.
+        MissingBackendError
+            If build123d is not installed.
+        """
+        need("build123d", "a skeleton of its edges")
+        from scaffold_cad import wires
+
+        return wires.skeleton_from_edges(curves, radius, tolerance=tolerance, contact=contact)
+
+    def to_wire_compound(self) -> Curve:
+        """Return each edge, in order, as a straight build123d Edge; all of them as one Curve.
+
+        Raises
+        ------
+        MissingBackendError
+            If build123d is not installed.
+        """
+        need("build123d", "a compound of its edges")
+        from scaffold_cad import wires
+
+        return wires.wire_compound(self)
 
     def __deepcopy__(self, memo: dict[int, object]) -> Skeleton:
         return self  # nothing of it changes; copies of its arrays would not be read-only
