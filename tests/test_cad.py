@@ -9,11 +9,14 @@ import pytest
 from scaffold_cad.cad import to_brep
 from scaffold_cad.errors import OptionError
 from scaffold_cad.export import write
+from scaffold_cad.io import read_skeleton
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.smooth import smooth_mesh, smooth_patches
 from tests.skeletons import K4, TRIPOD, TWO_STRUTS
 
 build123d = pytest.importorskip("build123d")
+
+SKELETONS = Path(__file__).parents[1] / "examples" / "skeletons"
 
 
 def test_a_scaffold_becomes_a_solid_of_its_quads() -> None:
@@ -43,6 +46,31 @@ def test_a_smooth_step_file_reads_back_valid(tmp_path: Path) -> None:
     solid = build123d.import_step(str(tmp_path / "tripod.step")).solids()[0]
     assert solid.is_valid
     assert len(solid.faces()) == len(patches.bezier.quads)
+
+
+def test_a_box_cuts_the_smooth_stick_woman_in_two_valid_halves() -> None:
+    scaffold = build_scaffold(read_skeleton(SKELETONS / "stick_woman.json"))
+    solid = to_brep(scaffold, smooth=True)
+    upper = build123d.Pos(0, 0, solid.bounding_box().center().Z + 100) * build123d.Box(
+        300, 300, 200
+    )
+    head, legs = solid & upper, solid - upper
+    assert all(part.is_valid for part in (*head.solids(), *legs.solids()))
+    assert head.volume + legs.volume == pytest.approx(solid.volume, rel=1e-6)
+    assert 0.3 < head.volume / solid.volume < 0.7
+
+
+@pytest.mark.parametrize("change", ["fillet", "chamfer"])
+def test_edges_of_flat_caps_and_of_cuts_can_be_rounded(change: str) -> None:
+    round_off = getattr(build123d, change)
+    scaffold = build_scaffold(TRIPOD, collars=True)
+    sawn = to_brep(scaffold, smooth=True) - build123d.Pos(0, 0, 8) * build123d.Box(40, 40, 4)
+    for solid in (to_brep(scaffold, smooth=True, caps="flat"), sawn):
+        plane = solid.faces().filter_by(build123d.GeomType.PLANE)[0]
+        rounded = round_off(plane.edges(), 0.3)
+        assert rounded.is_valid
+        # Less than a ring of square section around a rim of length 2π.
+        assert 0 < solid.volume - rounded.volume < 2 * 3.15 * 0.3**2
 
 
 def test_patches_cannot_be_made_smooth() -> None:
