@@ -5,8 +5,10 @@ Needs the extra `pictures`, and no screen.
 
 from __future__ import annotations
 
+import runpy
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +19,7 @@ from PIL import Image
 from scaffold_cad import (
     Partition,
     QuadMesh,
+    Scaffold,
     build_scaffold,
     partition_sphere,
     thicken,
@@ -28,9 +31,10 @@ from scaffold_cad.vectors import normalize
 
 ROOT = Path(__file__).parents[1]
 IMAGES = ROOT / "docs" / "images"
-sys.path.insert(0, str(ROOT / "examples"))
+GALLERY = ROOT / "examples" / "gallery"
+sys.path[:0] = [str(ROOT / "examples"), str(GALLERY)]
 
-# The examples' folder must be found first.
+# The examples' folders must be found first.
 import lattice  # noqa: E402
 import overlapping_tree  # noqa: E402
 import stick_woman  # noqa: E402
@@ -149,11 +153,13 @@ class Stage:
 def _cropped(picture: Image.Image) -> Image.Image:
     """Return the picture without the white around it, but for a margin."""
     ink = np.asarray(picture.convert("L")) < 250
-    ink[:, -FINENESS:] = False  # ambient occlusion darkens the last columns
+    height, width = (extent - FINENESS for extent in ink.shape)
+    ink = ink[:height, :width]  # ambient occlusion darkens the last rows and columns
     margin = FINENESS * MARGIN
     rows, columns = np.flatnonzero(ink.any(axis=1)), np.flatnonzero(ink.any(axis=0))
     left, top = max(columns[0] - margin, 0), max(rows[0] - margin, 0)
-    return picture.crop((left, top, columns[-1] + margin, rows[-1] + margin))
+    right, bottom = min(columns[-1] + margin, width), min(rows[-1] + margin, height)
+    return picture.crop((left, top, right, bottom))
 
 
 def draw_stick_woman() -> None:
@@ -260,6 +266,41 @@ def draw_lattice() -> None:
     stage.save("lattice")
 
 
+VIEWS: dict[str, tuple[tuple[float, float, float], str]] = {
+    "stick_woman": ((-0.32, -1.0, 0.16), SAND),
+    "lamp_shade": ((-0.5, -1.0, 0.25), SAND),
+    "lattice_bracket": ((0.7, -1.0, 0.55), BLUE),
+    "bike_node": ((0.6, -1.0, 0.5), BLUE),
+    "tree_support": ((-0.45, -1.0, 0.25), BLUE),
+    "neuron": ((-0.2, -0.5, 1.4), CORAL),
+    "sandwich_panel": ((-0.8, -1.0, 0.5), BLUE),
+    "geodesic_dome": ((-0.5, -1.0, 0.5), SAND),
+    "spiral": ((-0.35, -1.0, 0.75), SAND),
+    "animation": ((-0.1, -1.0, 0.15), SAND),
+}
+"""Where each picture of the gallery is seen from, and its color."""
+
+
+def draw_gallery(name: str) -> None:
+    """Draw what a program of the gallery makes."""
+    view, color = VIEWS[name]
+    made = runpy.run_path(str(GALLERY / f"{name}.py"))["make"]()
+    stage = Stage(view, 480, 600)
+    if isinstance(made, list):  # the frames of a film, side by side
+        for number, frame in enumerate(made):
+            aside = np.array([34.0 * number, 0.0, 0.0])
+            stage.add_mesh(frame.mesh.moved(frame.mesh.vertices + aside), color, 0.12)
+    elif isinstance(made, Scaffold):
+        line = 0.003 * float(np.linalg.norm(np.ptp(made.mesh.vertices, axis=0)))
+        stage.add_mesh(made.mesh, color, line)
+    else:
+        if name == "lattice_bracket":  # cut, for one to see the lattice
+            made = made.trim_by_plane((0.0, 1.0, 0.0), 0.0)
+        surface = pv.wrap(to_trimesh(made))
+        stage.add(surface.compute_normals(feature_angle=35.0, split_vertices=True), color)
+    stage.save(f"gallery/{name}")
+
+
 PICTURES: dict[str, Callable[[], None]] = {
     "stick_woman": draw_stick_woman,
     "spiral": draw_spiral,
@@ -267,11 +308,12 @@ PICTURES: dict[str, Callable[[], None]] = {
     "overlapping_tree": draw_overlapping_tree,
     "twist": draw_twist,
     "lattice": draw_lattice,
+    **{f"gallery/{name}": partial(draw_gallery, name) for name in VIEWS},
 }
 
 
 if __name__ == "__main__":
-    IMAGES.mkdir(exist_ok=True)
+    (IMAGES / "gallery").mkdir(parents=True, exist_ok=True)
     for name in sys.argv[1:] or PICTURES:
         PICTURES[name]()
         print(f"{IMAGES / name}.png: {(IMAGES / f'{name}.png').stat().st_size / 1000:.0f} kB")

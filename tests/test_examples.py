@@ -68,10 +68,10 @@ CHECKS = {".stl": check_stl, ".step": check_step}
 
 
 def test_every_skeleton_is_used_by_an_example() -> None:
-    code = "\n".join(path.read_text(encoding="utf-8") for path in EXAMPLES.glob("*.py"))
+    code = "\n".join(path.read_text(encoding="utf-8") for path in EXAMPLES.rglob("*.py"))
     names = [path.stem for path in (EXAMPLES / "skeletons").glob("*.json")]
     assert names
-    assert [name for name in names if f'"{name}"' not in code] == []
+    assert [name for name in names if f'"{name}' not in code] == []
 
 
 def test_section_is_carried_untwisted_or_turned_evenly(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -90,7 +90,7 @@ def model_page(what: Shown, *, title: str, solid: Shown | None = None) -> str:
         layers = _scaffold_layers(what, _surface(solidified(what) if solid is None else solid))
         return _page(title, _counts(what.skeleton), layers)
     mesh = _surface(what)
-    volume = f"{mesh.signed_volume:.6g} mm³"
+    volume = f"volume {mesh.signed_volume:.6g} mm³"
     if isinstance(mesh, QuadMesh):
         return _page(title, volume, [quads_layer(mesh, "mesh")])
     return _page(title, volume, [solid_layer(mesh, shown=True)])

@@ -3,26 +3,13 @@
 What is left between the struts is a void: drill a hole for powder or resin to get out.
 """
 
-from pathlib import Path
-
 import build123d as bd
-from _common import out_folder, save
+from manifold3d import Manifold
 
-from scaffold_cad import lattice_part
+from scaffold_cad import lattice_part, write
 
 WIDTH, ARM, THICKNESS = 24.0, 44.0, 12.0
 """Width of the bracket, and length and thickness of its arms, mm."""
-
-SKIN = 1.2
-"""Thickness of the closed wall, mm."""
-
-
-def main(folder: Path) -> None:
-    """Write the bracket."""
-    solid = bracket()
-    part = lattice_part(solid, "octet", 8.0, 0.6, skin=SKIN)
-    print(f"{part.volume() / solid.volume:.0%} of the solid bracket's volume is left")
-    save(part, folder / "lattice_bracket.stl")
 
 
 def bracket() -> bd.Part:
@@ -36,5 +23,12 @@ def bracket() -> bd.Part:
     return bd.Part() + part
 
 
+def make() -> Manifold:
+    """Return the bracket with the lattice."""
+    return lattice_part(bracket(), "octet", 8.0, 0.6, skin=1.2)
+
+
 if __name__ == "__main__":
-    main(out_folder(__doc__))
+    part = make()
+    print(f"{part.volume() / bracket().volume:.0%} of the massive bracket's volume is left")
+    write(part, "lattice_bracket.stl")
