@@ -14,15 +14,18 @@ from typing import Any
 
 import numpy as np
 import pyvista as pv
-from PIL import Image
+from PIL import Image, ImageDraw
 
 from scaffold_cad import (
     Partition,
     QuadMesh,
     Scaffold,
+    Skeleton,
     build_scaffold,
+    cells,
     partition_sphere,
     thicken,
+    tile,
     to_trimesh,
 )
 from scaffold_cad.arrays import Floats, Points, UnitVectors
@@ -63,6 +66,9 @@ FINENESS = 3
 
 MARGIN = 16
 """White pixels left around a picture."""
+
+LABEL = 28
+"""Height of the line under a picture of a sheet, pixels."""
 
 
 def patches(mesh: QuadMesh) -> pv.PolyData:
@@ -129,6 +135,10 @@ class Stage:
 
     def save(self, name: str) -> None:
         """Draw what was added and save it as `docs/images/NAME.png`."""
+        _save(self.picture(), name)
+
+    def picture(self) -> Image.Image:
+        """Draw what was added."""
         points = np.vstack(self.points)
         screen = points @ np.stack([self.right, self.up], axis=1)  # (p, 2)
         low, high = screen.min(axis=0), screen.max(axis=0)
@@ -144,10 +154,11 @@ class Stage:
         self.plotter.enable_ssao(radius=0.05 * size, bias=0.006 * size, kernel_size=128)
         picture = _cropped(Image.fromarray(self.plotter.screenshot(return_img=True)))
         self.plotter.close()
-        small = picture.resize(
-            [extent // FINENESS for extent in picture.size], Image.Resampling.BOX
-        )
-        small.quantize(128).save(IMAGES / f"{name}.png", optimize=True)
+        return picture.resize([extent // FINENESS for extent in picture.size], Image.Resampling.BOX)
+
+
+def _save(picture: Image.Image, name: str) -> None:
+    picture.quantize(128).save(IMAGES / f"{name}.png", optimize=True)
 
 
 def _cropped(picture: Image.Image) -> Image.Image:
@@ -296,9 +307,73 @@ def draw_gallery(name: str) -> None:
     else:
         if name == "lattice_bracket":  # cut, for one to see the lattice
             made = made.trim_by_plane((0.0, 1.0, 0.0), 0.0)
-        surface = pv.wrap(to_trimesh(made))
-        stage.add(surface.compute_normals(feature_angle=35.0, split_vertices=True), color)
+        stage.add(_faceted(made), color)
     stage.save(f"gallery/{name}")
+
+
+def draw_cells() -> None:
+    """Draw every unit cell with its name."""
+    pictures = {}
+    for name, cell in cells().items():
+        stage = Stage((-0.45, -1.0, 0.45), 200, 220)
+        frame = Skeleton(cell.nodes * cell.proportions, cell.edges, np.array(0.035))
+        stage.add(_faceted(thicken(frame, 0.035, sides=16)), BLUE)
+        corners = tile("sc", cell.proportions, 1, radius=0.01)
+        stage.add(wires(corners.nodes, corners.edges, 0.006), GREY, specular=0.0)
+        pictures[name] = stage.picture()
+    _save(_sheet(pictures, columns=5), "cells")
+
+
+def draw_options() -> None:
+    """Draw a node built with different options, its skeleton inside."""
+    tips = [[9.0, 0.0, 2.0], [-7.0, 5.0, 0.0], [-3.0, -8.0, -2.0], [0.0, 0.0, 9.0]]
+    node = Skeleton([[0.0, 0.0, 0.0], *tips], [[0, 1], [0, 2], [0, 3], [0, 4]], 1.3)
+    pictures = {}
+    for label, options in OPTIONS.items():
+        scaffold = build_scaffold(node, **options)
+        stage = Stage((-0.6, -1.0, 0.55), 260, 260)
+        if label.startswith("smooth"):
+            smooth = smooth_mesh(scaffold, levels=3, caps="flat").mesh
+            stage.add(_polydata(smooth.vertices, smooth.quads), SAND)
+        else:
+            stage.add(patches(scaffold.mesh), SAND, opacity=0.55)
+            stage.add(wires(scaffold.mesh.vertices, scaffold.mesh.edges, 0.07), INK, specular=0.0)
+            struts = pv.wrap(to_trimesh(thicken(node, 1.3, sides=16)))
+            stage.add(struts.compute_normals(), BLUE)
+        pictures[label] = stage.picture()
+    _save(_sheet(pictures, columns=3), "options")
+
+
+OPTIONS: dict[str, dict[str, Any]] = {
+    'fit="enclose" (default)': {},
+    'fit="paper"': {"fit": "paper"},
+    "collars=True": {"collars": True},
+    'section="inscribed"': {"section": "inscribed"},
+    'section="area"': {"section": "area"},
+    "smooth, collars=True": {"collars": True},
+}
+"""Options of `build_scaffold` by what is written under their picture."""
+
+
+def _faceted(solid: Any) -> pv.PolyData:
+    """Return the surface of a solid, its sharp edges sharp."""
+    surface = pv.wrap(to_trimesh(solid))
+    return surface.compute_normals(feature_angle=35.0, split_vertices=True)
+
+
+def _sheet(pictures: dict[str, Image.Image], columns: int) -> Image.Image:
+    """Return the pictures in rows, each above its label."""
+    width = max(picture.width for picture in pictures.values())
+    height = max(picture.height for picture in pictures.values()) + LABEL
+    rows = -(-len(pictures) // columns)
+    sheet = Image.new("RGB", (columns * width, rows * height), "white")
+    pen = ImageDraw.Draw(sheet)
+    for place, (label, picture) in enumerate(pictures.items()):
+        left, top = place % columns * width, place // columns * height
+        sheet.paste(picture, (left + (width - picture.width) // 2, top))
+        middle = (left + width / 2, top + height - LABEL / 2)
+        pen.text(middle, label, fill=INK, anchor="mm", font_size=15)
+    return sheet
 
 
 PICTURES: dict[str, Callable[[], None]] = {
@@ -308,6 +383,8 @@ PICTURES: dict[str, Callable[[], None]] = {
     "overlapping_tree": draw_overlapping_tree,
     "twist": draw_twist,
     "lattice": draw_lattice,
+    "cells": draw_cells,
+    "options": draw_options,
     **{f"gallery/{name}": partial(draw_gallery, name) for name in VIEWS},
 }
 
