@@ -1,0 +1,176 @@
+"""ConvolutionField: a smooth function around a skeleton that is 1 on its convolution surface."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, TypeAlias, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scaffold_cad.arrays import Floats, Ints, Points, UnitVectors, as_points
+from scaffold_cad.convolution.kernels import Cauchy, CompactCubic, Kernel, Pairs, tip_reach
+from scaffold_cad.convolution.nearby import all_pairs, nearby_pairs
+from scaffold_cad.errors import OptionError
+from scaffold_cad.skeleton import Skeleton, check_skeleton
+from scaffold_cad.vectors import dot
+
+KernelName: TypeAlias = Literal["compact-cubic", "cauchy"]
+"""What is integrated along the edges, see `ConvolutionField`."""
+
+WIDTHS: dict[str, float] = {"compact-cubic": 2.0, "cauchy": 0.5}
+"""Width of each kernel unless another is asked for, in radii."""
+
+
+@dataclass(frozen=True, eq=False)
+class FieldSamples:
+    """The field at some points."""
+
+    values: Floats
+    """Value at each point, shape (n,), without unit."""
+    gradients: Floats
+    """Gradient at each point, shape (n, 3), 1/mm."""
+
+
+@dataclass(frozen=True, eq=False)
+class Axes:
+    """The straight lines with radii that a kernel is integrated along."""
+
+    starts: Points
+    """Start of each, shape (m, 3), mm."""
+    directions: UnitVectors
+    """Direction of each, shape (m, 3)."""
+    lengths: Floats
+    """Length of each, shape (m,), mm."""
+    radii: Floats
+    """Radius at both ends of each, linear between them, shape (m, 2), mm."""
+
+    @property
+    def ends(self) -> Points:
+        """End of each, shape (m, 3), mm."""
+        return self.starts + self.lengths[:, None] * self.directions
+
+
+@dataclass(frozen=True, eq=False)
+class ConvolutionField:
+    """The convolution field of a skeleton: the sum over its edges of a kernel's integrals.
+
+    It is 1 on the convolution surface, more inside and less outside. Around a straight edge of
+    constant radius, far from its ends, that surface is exactly the edge's cylinder. Scaled, moved
+    or turned skeletons have surfaces scaled, moved or turned, and an edge may be cut in two.
+
+    At extremities the edge goes on, with the node's radius, so far that the surface of a long
+    strut ends one radius beyond the node.
+
+    Where the radius changes by 0.1 a mm the surface is 1 % outside the radii, by 0.2 4 %. At branch
+    points the edges' fields add up to a blend; with the compact kernel it never reaches farther
+    than `width` radii.
+
+    Raises
+    ------
+    SkeletonError
+        If `check_skeleton` refuses the skeleton.
+    OptionError
+        If `kernel` has none of its values or `width` is out of its range.
+
+    References
+    ----------
+    Hubert, Cani, Convolution surfaces based on polygonal curve skeletons, JSC 47(6), 2012.
+    Zanni, Bernhardt, Quiblier, Cani, SCALe-invariant integral surfaces, Computer Graphics Forum
+    32(8), 2013.
+    """
+
+    skeleton: Skeleton
+    """The skeleton, as `check_skeleton` asks."""
+    kernel: KernelName = "compact-cubic"
+    """"compact-cubic" is 0 from `width` radii on: what is farther away has no influence, and many
+    points are fast. "cauchy" falls to a quarter at `width` radii and never to 0: every edge has
+    an influence everywhere, and time grows with edges times points."""
+    width: float | None = None
+    """Width of the kernel, in radii; by default 2 for "compact-cubic" and 0.5 for "cauchy". Wider
+    ones blend more. For "compact-cubic" > 1."""
+
+    def __post_init__(self) -> None:
+        check_skeleton(self.skeleton)
+        if self.kernel not in get_args(KernelName):
+            known = ", ".join(get_args(KernelName))
+            raise OptionError(f"kernel is {self.kernel!r}; need one of {known}")
+        least = 1.0 if self.kernel == "compact-cubic" else 0.0
+        width = WIDTHS[self.kernel] if self.width is None else self.width
+        if not least < width < np.inf:
+            raise OptionError(
+                f"width of the {self.kernel} kernel is {width:g}; need > {least:g} radii"
+            )
+        object.__setattr__(self, "width", float(width))
+
+    @cached_property
+    def integrand(self) -> Kernel:
+        """The kernel with its width."""
+        assert self.width is not None  # __post_init__ put the default
+        return CompactCubic(self.width) if self.kernel == "compact-cubic" else Cauchy(self.width)
+
+    @cached_property
+    def axes(self) -> Axes:
+        """The edges of the skeleton, and then what goes on from each extremity."""
+        skeleton = self.skeleton
+        ends = skeleton.extremities
+        leaving = skeleton.incidence.at_nodes(ends, 1)[:, 0]
+        tips = skeleton.radii[ends] * (1 - tip_reach(self.integrand))
+        return Axes(
+            starts=skeleton.nodes[np.concatenate([skeleton.edges[:, 0], ends])],
+            directions=np.concatenate([skeleton.directions[::2], -skeleton.directions[leaving]]),
+            lengths=np.concatenate([skeleton.lengths, tips]),
+            radii=np.concatenate(
+                [skeleton.radii[skeleton.edges], np.stack(2 * [skeleton.radii[ends]], axis=1)]
+            ),
+        )
+
+    def value(self, points: ArrayLike) -> Floats:
+        """Return the field at `points` (n, 3), shape (n,)."""
+        places = as_points(points, "points")
+        total = np.zeros(len(places))
+        for rows, edges in self._pairs(places):
+            pairs, _ = self._seen(places, rows, edges)
+            np.add.at(total, rows, self.integrand.over(pairs).values())
+        return total
+
+    def gradient(self, points: ArrayLike) -> Floats:
+        """Return the gradient of the field at `points` (n, 3), shape (n, 3), 1/mm."""
+        return self.samples(points).gradients
+
+    def samples(self, points: ArrayLike) -> FieldSamples:
+        """Return the field and its gradient at `points` (n, 3)."""
+        places = as_points(points, "points")
+        values, gradients = np.zeros(len(places)), np.zeros((3, len(places)))
+        for rows, edges in self._pairs(places):
+            pairs, offsets = self._seen(places, rows, edges)
+            integrals = self.integrand.over(pairs)
+            slopes = integrals.slopes()
+            np.add.at(values, rows, integrals.values())
+            directions = self.axes.directions[edges]
+            parts = slopes.along[:, None] * directions + slopes.off[:, None] * offsets
+            for total, part in zip(gradients, parts.T, strict=True):
+                np.add.at(total, rows, part)
+        return FieldSamples(values, np.ascontiguousarray(gradients.T))
+
+    def _pairs(self, points: Points) -> Iterator[tuple[Ints, Ints]]:
+        """Yield blocks of pairs of a point and an edge that may have an influence there."""
+        axes, support = self.axes, self.integrand.support
+        if len(points) == 0:
+            return iter(())
+        if np.isinf(support):
+            return all_pairs(len(points), len(axes.lengths))
+        return nearby_pairs(points, axes.starts, axes.ends, support * axes.radii.max(axis=1))
+
+    def _seen(self, points: Points, rows: Ints, edges: Ints) -> tuple[Pairs, Floats]:
+        """Return how each point lies to each edge, and its offset from the edge's line, (k, 3)."""
+        axes = self.axes
+        offsets = points[rows] - axes.starts[edges]
+        directions = axes.directions[edges]
+        along = dot(offsets, directions)
+        offsets -= along[:, None] * directions
+        first, last = axes.radii[edges].T
+        pairs = Pairs(along, dot(offsets, offsets), axes.lengths[edges], first, last)
+        return pairs, offsets

@@ -1,0 +1,79 @@
+"""Which points are near which edges, found a block of neighbouring points at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from scaffold_cad.arrays import Floats, Ints, Points
+from scaffold_cad.boxes import order_in_space, overlapping_boxes
+from scaffold_cad.vectors import dot, length
+
+BLOCK = 32
+"""Points looked for together."""
+
+PAIRS_AT_ONCE = 1 << 15
+"""Pairs of a point and an edge handed out together: few enough to stay in the cache."""
+
+
+def nearby_pairs(
+    points: Points, starts: Points, ends: Points, reaches: Floats
+) -> Iterator[tuple[Ints, Ints]]:
+    """Yield blocks of pairs of a point and an edge, among them all that are within reach.
+
+    Parameters
+    ----------
+    points : (n, 3) float64, mm
+    starts, ends : (m, 3) float64, mm
+    reaches : (m,) float64, mm; from each edge
+
+    Notes
+    -----
+    O((n + m) log (n + m)) for edges that are not much longer than their reach.
+    """
+    order = order_in_space(points, points)
+    firsts = np.arange(0, len(points), BLOCK)
+    sizes = np.diff(np.append(firsts, len(points)))
+    low = np.minimum.reduceat(points[order], firsts, axis=0)
+    high = np.maximum.reduceat(points[order], firsts, axis=0)
+    block, edge = _overlaps(low, high, starts, ends, reaches)
+
+    centres, radii = (low + high) / 2, length(high - low) / 2
+    spans = ends - starts
+    offsets = centres[block] - starts[edge]
+    share = dot(offsets, spans[edge]) / dot(spans, spans)[edge]
+    gaps = length(offsets - np.clip(share, 0, 1)[:, None] * spans[edge])
+    near = gaps <= (radii[block] + reaches[edge]) * (1 + 1e-9)
+    block, edge = block[near], edge[near]
+    at_once = PAIRS_AT_ONCE // BLOCK
+    for start in range(0, len(block), at_once):
+        part = block[start : start + at_once]
+        counts = sizes[part]
+        ahead = np.cumsum(counts) - counts
+        place = np.arange(counts.sum()) + np.repeat(firsts[part] - ahead, counts)
+        yield order[place], np.repeat(edge[start : start + at_once], counts)
+
+
+def all_pairs(point_count: int, edge_count: int) -> Iterator[tuple[Ints, Ints]]:
+    """Yield all pairs of a point and an edge in blocks."""
+    at_once = max(PAIRS_AT_ONCE // edge_count, 1)
+    edges = np.arange(edge_count)
+    for start in range(0, point_count, at_once):
+        rows = np.arange(start, min(start + at_once, point_count))
+        yield np.repeat(rows, edge_count), np.tile(edges, len(rows))
+
+
+def _overlaps(
+    low: Points, high: Points, starts: Points, ends: Points, reaches: Floats
+) -> tuple[Ints, Ints]:
+    """Return the pairs of a box of points and an edge whose box, grown by its reach, meets it."""
+    count = len(low)
+    lower = np.minimum(starts, ends) - reaches[:, None]
+    upper = np.maximum(starts, ends) + reaches[:, None]
+    found = [np.zeros((2, 0), dtype=np.intp)]
+    for i, j in overlapping_boxes(np.concatenate([low, lower]), np.concatenate([high, upper])):
+        mixed = (i < count) & (j >= count)
+        found.append(np.stack([i[mixed], j[mixed] - count]))
+    block, edge = np.concatenate(found, axis=1)
+    return block, edge

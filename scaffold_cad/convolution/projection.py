@@ -1,0 +1,268 @@
+"""project: moves the vertices of a quad mesh onto a convolution surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from scaffold_cad.arrays import Bools, Floats, Ints, Points, Quads, Radii
+from scaffold_cad.convolution.field import ConvolutionField, FieldSamples
+from scaffold_cad.errors import MeshError
+from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.topology import component_labels
+from scaffold_cad.vectors import dot, length, normalize
+
+TOLERANCE = 1e-9
+"""Greatest acceptable difference of the field from 1 on the surface."""
+
+MOST_STEPS = 30
+"""Most steps of a vertex along the gradient; four are enough near the surface."""
+
+MOST_HALVINGS = 60
+"""Most times that what lies between a place inside and one outside is halved."""
+
+OUTWARD_STEP = 0.25
+"""Step in which the surface is looked for along a line from the skeleton, in radii."""
+
+MOST_OUTWARD_STEPS = 40
+"""Most of those steps."""
+
+MOST_ROUNDS = 20
+"""Most times that vertices of folded quads are spread."""
+
+RINGS = 2
+"""How many quads around a folded one are spread with it."""
+
+MOST_SAMPLES = 64
+"""Most places of an edge among which the nearest one is looked for."""
+
+
+def project(mesh: QuadMesh, field: ConvolutionField) -> QuadMesh:
+    """Return `mesh` with its vertices moved onto the convolution surface, its quads kept.
+
+    A vertex follows the gradient in Newton's steps, none longer than the shortest edge at it. One
+    that keeps passing the surface goes to where the line between its last places inside and
+    outside meets it. One whose gradient leads nowhere, as beyond the reach of a compact kernel,
+    goes to where the line from the nearest point of the skeleton through it does. Where quads fold
+    over, the vertices around them are then spread along the surface.
+
+    Parameters
+    ----------
+    mesh : around the field's skeleton, as those of `smooth_mesh` are; all its vertices are moved
+
+    Raises
+    ------
+    MeshError
+        If a vertex finds no place on the surface; it is named.
+
+    Notes
+    -----
+    The mesh must be near the surface in bends and forks too, as that of a scaffold with collars
+    is. Where edges that do not meet are so close that their surfaces become one, the surface has
+    fewer holes than the scaffold, and the mesh crosses itself: `self_intersections` tells.
+    """
+    longest = _shortest_edges(mesh)
+    points = _unfolded(_onto(mesh.vertices, field, longest), mesh.quads, field, longest)
+    missed = np.flatnonzero(~(np.abs(field.value(points) - 1) <= TOLERANCE))
+    if len(missed):
+        raise MeshError(
+            f"vertex {missed[0]} at {mesh.vertices[missed[0]].tolist()} mm finds no place on the "
+            f"convolution surface ({len(missed)} vertices in all do not); need a mesh near it"
+        )
+    return mesh.moved(points)
+
+
+def _unfolded(start: Points, quads: Quads, field: ConvolutionField, longest: Floats) -> Points:
+    """Return the points `start` (v, 3) on the surface, spread where quads are folded, (v, 3), mm.
+
+    Folds come where the surface is far from where the mesh was, as in the crotch of a fork. What
+    does not unfold stays as it was.
+    """
+    points = np.array(start)
+    gradients = field.gradient(points)
+    folded = _folded(points, quads, gradients)
+    touched = np.zeros(len(points), dtype=np.bool_)
+    for _ in range(MOST_ROUNDS):
+        if not folded.any():
+            return points
+        where, near = _around(quads, folded, len(points))
+        steps = _spreading(points, quads[near], gradients)[where]
+        points[where] = _onto(points[where] + steps, field, longest[where])
+        gradients[where] = field.gradient(points[where])
+        folded[near] = _folded(points, quads[near], gradients)
+        touched[where] = True
+    sides = np.concatenate([quads[:, :2], quads[:, 1:3], quads[:, 2:], quads[:, ::3]])
+    part = component_labels(sides[touched[sides].all(axis=1)], len(points))
+    hopeless = touched & np.isin(part, part[quads[folded]])
+    points[hopeless] = start[hopeless]
+    return points
+
+
+def _folded(points: Points, quads: Quads, gradients: Floats) -> Bools:
+    """Return which quads have a corner that looks inwards, (f,)."""
+    corners = points[quads]
+    ahead = np.roll(corners, -1, axis=1) - corners
+    normals = np.cross(ahead, -np.roll(ahead, 1, axis=1))
+    return np.asarray((dot(normals, gradients[quads]) >= 0).any(axis=1))
+
+
+def _around(quads: Quads, marked: Bools, count: int) -> tuple[Ints, Ints]:
+    """Return the vertices of and around the marked quads (f,), and all quads at these."""
+    vertices = np.zeros(count, dtype=np.bool_)
+    for _ in range(1 + RINGS):
+        vertices[quads[marked]] = True
+        marked = vertices[quads].any(axis=1)
+    return np.flatnonzero(vertices), np.flatnonzero(marked)
+
+
+def _spreading(points: Points, quads: Quads, gradients: Floats) -> Points:
+    """Return the step of each vertex along the surface to between its neighbours, (v, 3), mm.
+
+    Near ones count more, by the inverse of their distance: no step is much longer than to the
+    nearest.
+
+    Parameters
+    ----------
+    quads : all those at each vertex whose step matters
+    """
+    here, there = quads.reshape(-1), np.roll(quads, -1, axis=1).reshape(-1)
+    spans = points[there] - points[here]
+    distances = length(spans)
+    weights = np.divide(1, distances, out=np.zeros_like(distances), where=distances > 0)
+    columns = (weights[:, None] * spans).T
+    sums = np.stack([np.bincount(here, column, len(points)) for column in columns], axis=1)
+    total = np.bincount(here, weights, len(points))[:, None]
+    steps = np.divide(sums, total, out=np.zeros_like(points), where=total > 0)
+    normals = normalize(gradients)
+    return steps - dot(steps, normals)[:, None] * normals
+
+
+def _onto(start: Points, field: ConvolutionField, longest: Floats) -> Points:
+    """Return where the points `start` come to on the surface, (k, 3), mm; some may miss it."""
+    path = _walked(start, field, longest)
+    points = path.points
+    passing = ~path.resting & path.is_inside & path.is_outside
+    points[passing] = _between(path.inside[passing], path.outside[passing], field)
+    lost = ~path.resting & ~passing
+    if lost.any():
+        points[lost] = _between(*_across(start[lost], field), field)
+    return points
+
+
+def _shortest_edges(mesh: QuadMesh) -> Floats:
+    """Return the length of the shortest edge at each vertex, (v,), mm; infinite where none is."""
+    ends = mesh.vertices[mesh.edges]
+    lengths = length(ends[:, 1] - ends[:, 0])
+    shortest = np.full(len(mesh.vertices), np.inf)
+    for column in mesh.edges.T:
+        np.minimum.at(shortest, column, lengths)
+    return shortest
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """Where vertices came to along the gradient."""
+
+    points: Points
+    """Last place of each, shape (v, 3), mm."""
+    resting: Bools
+    """Whether it is on the surface, shape (v,)."""
+    inside: Points
+    """Last place where the field was more than 1, shape (v, 3), mm."""
+    is_inside: Bools
+    """Whether there is one, shape (v,)."""
+    outside: Points
+    """Last place where the field was less than 1, shape (v, 3), mm."""
+    is_outside: Bools
+    """Whether there is one, shape (v,)."""
+
+
+def _walked(start: Points, field: ConvolutionField, longest: Floats) -> Path:
+    """Return where the points `start` (v, 3) come to with steps of at most `longest` (v,), mm."""
+    points = np.array(start)
+    resting = np.zeros(len(points), dtype=np.bool_)
+    inside, outside = points.copy(), points.copy()
+    is_inside, is_outside = resting.copy(), resting.copy()
+    active = np.arange(len(points))
+    for _ in range(MOST_STEPS):
+        here = points[active]
+        samples = field.samples(here)
+        more = samples.values > 1
+        inside[active[more]], outside[active[~more]] = here[more], here[~more]
+        is_inside[active[more]], is_outside[active[~more]] = True, True
+        resting[active] = np.abs(samples.values - 1) <= TOLERANCE
+        steps = _newton_steps(samples, field.integrand.exponent)
+        wanted = length(steps)
+        going = ~resting[active] & (wanted > 0)
+        active, steps, wanted = active[going], steps[going], wanted[going]
+        if len(active) == 0:
+            break
+        points[active] += np.minimum(1, longest[active] / wanted)[:, None] * steps
+    return Path(points, resting, inside, is_inside, outside, is_outside)
+
+
+def _newton_steps(samples: FieldSamples, exponent: float) -> Points:
+    """Return the steps to where the field should be 1, (k, 3), mm; 0 where it has no gradient.
+
+    Newton's steps for the power of the field that is nearly linear in the squared distance: the
+    field itself is so flat far from the skeleton that its own would lead too far.
+    """
+    slopes = length(samples.gradients)
+    excess = (samples.values - samples.values ** (1 - exponent)) / exponent
+    distances = np.divide(-excess, slopes, out=np.zeros_like(slopes), where=slopes > 0)
+    return distances[:, None] * normalize(samples.gradients)
+
+
+def _between(inside: Points, outside: Points, field: ConvolutionField) -> Points:
+    """Return where the surface passes between the places `inside` and `outside`, (k, 3), mm."""
+    inside, outside = inside.copy(), outside.copy()
+    active = np.arange(len(inside))
+    for _ in range(MOST_HALVINGS):
+        middle = (inside[active] + outside[active]) / 2
+        excess = field.value(middle) - 1
+        # Both ends move to the middle where it is on the surface.
+        low, high = excess >= -TOLERANCE, excess <= TOLERANCE
+        inside[active[low]], outside[active[high]] = middle[low], middle[high]
+        active = active[low != high]
+    return (inside + outside) / 2
+
+
+def _across(points: Points, field: ConvolutionField) -> tuple[Points, Points]:
+    """Return places inside and outside the surface for `points`, two arrays of shape (k, 3), mm.
+
+    On the line from the nearest point of the skeleton through each.
+    """
+    feet, radii = _feet(points, field.skeleton)
+    outward = normalize(points - feet)
+    inside, outside = feet, points.copy()
+    hidden = np.arange(len(points))
+    for _ in range(MOST_OUTWARD_STEPS):
+        hidden = hidden[field.value(outside[hidden]) > 1]
+        if len(hidden) == 0:
+            break
+        inside[hidden] = outside[hidden]
+        outside[hidden] += (OUTWARD_STEP * radii[hidden])[:, None] * outward[hidden]
+    return inside, outside
+
+
+def _feet(points: Points, skeleton: Skeleton) -> tuple[Points, Radii]:
+    """Return the point of the skeleton next to each of `points` (k, 3), and the radius there.
+
+    Next but for what lies between places of an edge that are a radius apart.
+    """
+    counts = np.ceil(skeleton.lengths / skeleton.radii[skeleton.edges].min(axis=1))
+    counts = np.clip(counts, 1, MOST_SAMPLES).astype(np.intp) + 1
+    edge = np.repeat(np.arange(len(counts)), counts)
+    first = np.cumsum(counts) - counts
+    share = (np.arange(len(edge)) - first[edge]) / (counts[edge] - 1)
+    starts = skeleton.nodes[skeleton.edges[:, 0]]
+    spans = skeleton.nodes[skeleton.edges[:, 1]] - starts
+    _, nearest = cKDTree(starts[edge] + share[:, None] * spans[edge]).query(points)
+    edge = edge[nearest]
+    share = dot(points - starts[edge], spans[edge]) / dot(spans, spans)[edge]
+    share = np.clip(share, 0, 1)
+    low, high = skeleton.radii[skeleton.edges[edge]].T
+    return starts[edge] + share[:, None] * spans[edge], low + share * (high - low)
