@@ -244,3 +244,45 @@ def test_real_files_become_watertight(shared_data: Path, tmp_path: Path, name: s
     skeleton = read_skeleton(shared_data / name, RADII[name])
     assert (mesh.bounds[0] <= skeleton.nodes.min(axis=0) + 1e-6).all()
     assert (mesh.bounds[1] >= skeleton.nodes.max(axis=0) - 1e-6).all()
+
+
+def test_meshes_of_many_levels_are_written_in_slabs(figure: str, tmp_path: Path) -> None:
+    whole, slabs = tmp_path / "whole.stl", tmp_path / "slabs.stl"
+    arguments = ["build", figure, "--smooth", "--levels", "3", "-o"]
+    assert main([*arguments, str(whole)]) == 0
+    assert main([*arguments, str(slabs), "--slabs", "5"]) == 0
+    assert whole.read_bytes() == slabs.read_bytes()
+    mesh = trimesh.load(whole)
+    assert mesh.is_watertight
+    assert len(mesh.faces) >= 2 * 4 * 4**3 * len(named.STICK_FIGURE.edges)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name", "message"),
+    [
+        (["--smooth", "--levels", "3"], "fine.3mf", "need .stl or .ply, or --levels 2"),
+        (["--slabs", "2"], "coarse.stl", "--slabs is for meshes of --smooth"),
+    ],
+)
+def test_slabs_and_levels_that_do_not_fit_are_refused(
+    arguments: list[str],
+    name: str,
+    message: str,
+    figure: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["build", figure, *arguments, "-o", str(tmp_path / name)]) == 2
+    assert message in capsys.readouterr().err
+    assert not (tmp_path / name).exists()
+
+
+def test_struts_that_overlap_have_no_fine_surface(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    crossing = tmp_path / "crossing.json"
+    crossing.write_text(skeleton_to_json(CROSSING), encoding="utf-8")
+    out = tmp_path / "fine.stl"
+    assert main(["build", str(crossing), "--smooth", "--levels", "4", "-o", str(out)]) == 2
+    assert "overlap others, edge" in capsys.readouterr().err
+    assert not out.exists()

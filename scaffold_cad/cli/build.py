@@ -10,10 +10,13 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 
 from scaffold_cad.cli import source
+from scaffold_cad.cli.progress import FILE_RATE, SCAFFOLD_RATE, SMOOTH_RATE, SOLID_RATE, Progress
+from scaffold_cad.errors import OptionError
 from scaffold_cad.export import BREP_SUFFIXES, check_writable, write
+from scaffold_cad.roundstruts import round_surface
 from scaffold_cad.scaffold import Scaffold, build_scaffold
-from scaffold_cad.smooth import Caps, smooth_patches
-from scaffold_cad.solid import solidified
+from scaffold_cad.smooth import Caps, fine_surface, smooth_patches
+from scaffold_cad.solid import solidified, to_solid
 from scaffold_cad.stars import Fit, Section
 from scaffold_cad.thicken import frame_scaffold
 
@@ -21,6 +24,9 @@ if TYPE_CHECKING:
     from scaffold_cad.skeleton import Skeleton
 
 PRODUCTS = ("scaffold", "frame", "shell")
+
+FINE_SUFFIXES = (".stl", ".ply")
+"""Suffixes of the formats that hold fine surfaces."""
 
 FRAME_RADIUS = 0.15
 """Radius of a frame's struts when none is given, as a fraction of the median node radius."""
@@ -60,9 +66,17 @@ def add_parser(
     parser.add_argument(
         "--levels",
         type=int,
-        choices=(1, 2),
+        choices=range(1, 9),
         default=2,
-        help="subdivisions of a smooth mesh: struts get 8 or 16 sides (default: 2)",
+        metavar="N",
+        help="subdivisions of a smooth mesh: struts get 4 * 2**N sides (default: 2); from 3 on "
+        "for struts that do not overlap, in .stl and .ply files",
+    )
+    parser.add_argument(
+        "--slabs",
+        type=int,
+        metavar="N",
+        help="parts in which a mesh of 3 levels or more is made, for little memory",
     )
     parser.add_argument(
         "--caps",
@@ -101,11 +115,21 @@ def add_scaffold_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Read, build and write."""
     check_writable(options.output)
+    if options.slabs is not None and not _is_fine(options):
+        raise OptionError("--slabs is for meshes of --smooth with --levels 3 or more")
     skeleton = source.skeleton_from(options)
-    scaffold = scaffold_from(options, skeleton)
+    progress = Progress()
+    with progress.stage("scaffold", len(skeleton.edges), "struts", SCAFFOLD_RATE):
+        scaffold = scaffold_from(options, skeleton)
     if options.product == "frame":
-        scaffold = frame_scaffold(scaffold, frame_radius(options, skeleton))
-    write(_product(scaffold, options), options.output)
+        struts = 2 * len(scaffold.mesh.quads)
+        with progress.stage("frame", struts, "struts", SCAFFOLD_RATE):
+            scaffold = frame_scaffold(scaffold, frame_radius(options, skeleton))
+    struts = len(scaffold.skeleton.edges)
+    with progress.stage("solid", struts, "struts", SMOOTH_RATE if options.smooth else SOLID_RATE):
+        product = _product(scaffold, options)
+    with progress.stage("file", struts, "struts", FILE_RATE):
+        write(product, options.output, slabs=options.slabs)
     _log.info("%s written", options.output)
 
 
@@ -141,14 +165,37 @@ def _product(scaffold: Scaffold, options: argparse.Namespace) -> Any:
             else "; they are united",
         )
     if options.smooth and not shell:
-        if cad:
-            return smooth_patches(scaffold, caps=options.caps)
-        return solidified(scaffold, sides=4 * 2**options.levels).manifold
+        return _smooth_product(scaffold, options, cad)
     if not shell:
-        return scaffold
+        return scaffold if cad or len(left_out) == 0 else to_solid(scaffold)
     if not cad:
         return scaffold.mesh
     # Imported here: only CAD shells need build123d.
     from scaffold_cad.brep import to_brep
 
     return to_brep(scaffold.mesh, "shell")
+
+
+def _smooth_product(scaffold: Scaffold, options: argparse.Namespace, cad: bool) -> Any:
+    """Return smooth patches for CAD, else a mesh."""
+    if cad:
+        return smooth_patches(scaffold, caps=options.caps)
+    if not _is_fine(options):
+        return solidified(scaffold, sides=4 * 2**options.levels).manifold
+    if options.output.suffix.lower() not in FINE_SUFFIXES:
+        raise OptionError(
+            f"{options.output.name} cannot hold {options.levels} levels; "
+            f"need {' or '.join(FINE_SUFFIXES)}, or --levels 2"
+        )
+    left_out = round_surface(scaffold, 16).left_out
+    if len(left_out):
+        raise OptionError(
+            f"{len(left_out)} struts overlap others, edge {left_out[0]} first: they can be united "
+            f"with --levels 2 at most, not {options.levels} (or lower the radius)"
+        )
+    return fine_surface(scaffold, options.levels, options.caps)
+
+
+def _is_fine(options: argparse.Namespace) -> bool:
+    """Return whether the mesh is finer than `solidified` makes it."""
+    return bool(options.smooth) and options.product != "shell" and options.levels > 2

@@ -11,7 +11,7 @@ import numpy as np
 
 from scaffold_cad import brep
 from scaffold_cad.arrays import Floats
-from scaffold_cad.cli.progress import Progress
+from scaffold_cad.cli.progress import SCAFFOLD_RATE, SMOOTH_RATE, SOLID_RATE, Progress
 from scaffold_cad.errors import FormatError
 from scaffold_cad.export import BREP_SUFFIXES, check_writable, write
 from scaffold_cad.lattice import fill
@@ -32,9 +32,6 @@ BOX_QUADS = np.array(
 
 SMOOTH_SIDES = 8
 """Sides of a smooth strut."""
-
-SCAFFOLD_RATE, SOLID_RATE, SMOOTH_RATE = 30_000.0, 2_000.0, 1_000.0
-"""Struts a second, about, that scaffolds and solids are made of."""
 
 _log = logging.getLogger(__name__)
 

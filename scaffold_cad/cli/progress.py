@@ -15,6 +15,9 @@ PERIOD = 0.5
 QUIET_TIME = 1.0
 """A stage that takes no longer shows nothing, s."""
 
+SCAFFOLD_RATE, SOLID_RATE, SMOOTH_RATE, FILE_RATE = 30_000.0, 2_000.0, 1_000.0, 5_000.0
+"""Struts a second, about, that scaffolds, solids, smooth solids and files are made of."""
+
 
 class Progress:
     """The stages of a command, each with a number of things to work on.
