@@ -338,8 +338,11 @@ def draw_options() -> None:
         else:
             stage.add(patches(scaffold.mesh), SAND, opacity=0.55)
             stage.add(wires(scaffold.mesh.vertices, scaffold.mesh.edges, 0.07), INK, specular=0.0)
-            struts = pv.wrap(to_trimesh(thicken(node, 1.3, sides=16)))
-            stage.add(struts.compute_normals(), BLUE)
+            stage.add(pv.Sphere(radius=1.3), BLUE)
+            for tip in node.nodes[1:]:
+                height = float(np.linalg.norm(tip))
+                strut = pv.Cylinder(center=tip / 2, direction=tip, radius=1.3, height=height)
+                stage.add(strut, BLUE)
         pictures[label] = stage.picture()
     _save(_sheet(pictures, columns=3), "options")
 
