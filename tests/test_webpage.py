@@ -106,6 +106,7 @@ def shown_kinds() -> dict[str, Any]:
         "quads": scaffold.mesh,
         "triangles": CUBE,
         "open": OPEN_CUBE,
+        "no nodes": Skeleton(np.zeros((0, 3)), np.zeros((0, 2), dtype=int), np.zeros(0)),
         "no triangles": TriangleMesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=int)),
         "no quads": QuadMesh(np.zeros((0, 3)), np.zeros((0, 4), dtype=int)),
         "solid": solidified(scaffold),
@@ -228,18 +229,24 @@ def test_branch_points_have_the_color_of_their_valency(tmp_path: Path) -> None:
 
 
 @needs_chromium
-def test_the_worst_clearance_is_marked(tmp_path: Path) -> None:
+def test_the_worst_clearance_is_marked_and_found_by_a_click(tmp_path: Path) -> None:
     seen = seen_in(
         model_page(build_scaffold(STICK_FIGURE), title="figure"),
         f"""
-        const marked = count(pixels(), "{CRIMSON}");
+        const first = pixels(), marked = count(first, "{CRIMSON}");
+        document.querySelector("li[data-layer=worst]").click();
+        const near = pixels();
         box("worst").click();
-        return [marked, count(pixels(), "{CRIMSON}")];
+        return [marked, unlike(first, near), count(near, "{CRIMSON}"),
+                count(pixels(), "{CRIMSON}")];
         """,
         tmp_path,
     )
-    assert seen[0] > 50
-    assert seen[1] == 0
+    marked, moved, near, hidden = seen
+    assert marked > 50
+    assert moved > 1000
+    assert near > marked  # the strut that is marked is longer now
+    assert hidden == 0
 
 
 @needs_chromium

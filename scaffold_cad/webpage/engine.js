@@ -9,7 +9,11 @@ function showScene(canvas, scene) {
   const gl = canvas.getContext("webgl2", { antialias: true, alpha: false });
   if (!gl) return null;
 
-  const bytes = text => Uint8Array.from(atob(text), c => c.charCodeAt(0)).buffer;
+  const bytes = text => {
+    const raw = atob(text), made = new Uint8Array(raw.length);
+    for (let k = 0; k < raw.length; k++) made[k] = raw.charCodeAt(k);
+    return made.buffer;
+  };
   const rgb = hex => [1, 3, 5].map(k => parseInt(hex.slice(k, k + 2), 16) / 255);
   const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
@@ -91,7 +95,8 @@ function showScene(canvas, scene) {
       made.array = vertexArray(() => places(points));
     } else {
       const ends = new Float32Array(3 * rows.length);
-      rows.forEach((row, k) => ends.set(points.subarray(3 * row, 3 * row + 3), 3 * k));
+      for (let k = 0; k < rows.length; k++)
+        for (let x = 0; x < 3; x++) ends[3 * k + x] = points[3 * rows[k] + x];
       made.count = rows.length / 2;
       made.array = segmentArray(ends);
     }

@@ -35,6 +35,8 @@ class ShownLayer:
     label: str
     legend: tuple[tuple[str, str], ...] = ()
     """A color and what it means, a row each."""
+    is_place: bool = False
+    """Whether it marks one place, to be looked at by a click on the legend."""
 
 
 def skeleton_layer(skeleton: Skeleton) -> ShownLayer:
@@ -84,7 +86,9 @@ def worst_layer(scaffold: Scaffold) -> ShownLayer | None:
         f"{np.degrees(worst.clearance):.1f}° between edge {worst.edge} and the side of its quad "
         f"at node {worst.node}: {worst.relative:.3f} of half the angle to the nearest edge"
     )
-    return ShownLayer(Layer("worst", parts), "worst clearance", ((CRIMSON, meaning),))
+    return ShownLayer(
+        Layer("worst", parts), "worst clearance", ((CRIMSON, meaning),), is_place=True
+    )
 
 
 @dataclass(frozen=True)

@@ -169,8 +169,9 @@ def _page(title: str, summary: str, layers: Iterable[ShownLayer]) -> str:
 def _switch(shown: ShownLayer) -> str:
     """Return the checkbox of a layer, and its legend."""
     checked = " checked" if shown.layer.shown else ""
+    place = f' data-layer="{shown.layer.name}" title="look at it"' if shown.is_place else ""
     rows = "".join(
-        f'<li><i style="background: {color}"></i>{escape(meaning)}</li>'
+        f'<li{place}><i style="background: {color}"></i>{escape(meaning)}</li>'
         for color, meaning in shown.legend
     )
     return (
