@@ -1,0 +1,29 @@
+"""Shapes for CadQuery, and so for CQ-editor, which takes none of build123d's."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+from scaffold_cad.backends import need
+from scaffold_cad.viewers.shapes import to_shape
+
+
+def to_cadquery(what: Any) -> Any:
+    """Return `what` as a `cadquery.Shape`: the same OCCT shape, not a copy.
+
+    `cadquery.Workplane(to_cadquery(part))` goes on from it.
+
+    Parameters
+    ----------
+    what : a build123d shape, or anything else that `to_shape` knows
+
+    Raises
+    ------
+    OptionError
+        If it is nothing that has a shape.
+    MissingBackendError
+        If CadQuery or build123d is not installed.
+    """
+    need("cadquery", "a CadQuery shape")
+    return import_module("cadquery").Shape.cast(to_shape(what).wrapped)

@@ -1,0 +1,117 @@
+"""Finding the viewer at hand, and showing objects in it."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from importlib import import_module
+from importlib.util import find_spec
+from types import FrameType
+from typing import Any, TypeAlias
+
+from scaffold_cad.errors import MissingBackendError
+from scaffold_cad.viewers.cadquery import to_cadquery
+from scaffold_cad.viewers.shapes import to_shape
+
+OCP_VIEWERS = ("ocp_vscode", "ocp_viewer")
+"""Modules with the same functions: OCP CAD Viewer in VS Code, and by itself in a browser."""
+
+Display: TypeAlias = Callable[[Any, str], None]
+"""Shows an object under a name."""
+
+
+def show(what: Any, name: str | None = None) -> None:
+    """Show `what` in CQ-editor, in a notebook, or in an OCP CAD Viewer that is open.
+
+    Objects are added to those that a script has shown before. In CQ-editor and OCP CAD Viewer a
+    skeleton is shown by its edges, and a scaffold by its faces; a notebook shows what the object
+    shows of itself there.
+
+    Parameters
+    ----------
+    what : anything that `to_shape` knows
+    name : of the object in the viewer; by default the name of the caller's variable that holds it
+
+    Raises
+    ------
+    MissingBackendError
+        If there is no viewer; the message says what was looked for.
+    OptionError
+        If it is nothing that can be shown.
+    """
+    caller = sys._getframe(1)
+    display = _in_cq_editor(caller) or _in_loaded_ocp_viewer() or _in_notebook() or _in_ocp_viewer()
+    if display is None:
+        raise MissingBackendError(
+            "there is no viewer: looked for CQ-editor (running the script), a Jupyter notebook, "
+            "and an open OCP CAD Viewer (ocp_vscode or ocp_viewer; run: python -m ocp_viewer); "
+            "need one of them, or a file of write() for another program"
+        )
+    display(what, _name_of(what, caller) if name is None else name)
+
+
+def _in_cq_editor(caller: FrameType) -> Display | None:
+    """Return how to show in CQ-editor, which puts `show_object` in its scripts' globals."""
+    if "cq_editor" not in sys.modules:
+        return None
+    for frame in _and_callers(caller):
+        show_object = frame.f_globals.get("show_object")
+        if callable(show_object) and frame.f_globals.get("__name__") == "__cq_main__":
+            return lambda what, name: show_object(
+                to_cadquery(what), name=name, options=_cq_options(what)
+            )
+    return None
+
+
+def _cq_options(what: Any) -> dict[str, Any]:
+    """Return what CQ-editor calls the colour of a build123d shape."""
+    color = getattr(what, "color", None)
+    if color is None:
+        return {}
+    *rgb, alpha = (float(part) for part in color)
+    return {"color": tuple(rgb), "alpha": alpha}
+
+
+def _in_loaded_ocp_viewer() -> Display | None:
+    """Return how to show in an OCP CAD Viewer that the script itself has imported."""
+    return _first(name for name in OCP_VIEWERS if name in sys.modules)
+
+
+def _in_ocp_viewer() -> Display | None:
+    """Return how to show in an OCP CAD Viewer that is open."""
+    return _first(name for name in OCP_VIEWERS if find_spec(name) is not None)
+
+
+def _first(modules: Iterator[str]) -> Display | None:
+    """Return how to show in the first of these OCP CAD Viewers that is open."""
+    for viewer in map(import_module, modules):
+        if viewer.get_port() is not None:
+            show_object = viewer.show_object
+            return lambda what, name: show_object(to_shape(what), name=name)
+    return None
+
+
+def _in_notebook() -> Display | None:
+    """Return how to show in the notebook that is running, if any."""
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython is not None else None
+    if shell is None or not hasattr(shell, "kernel"):  # a terminal has none
+        return None
+    display = import_module("IPython.display").display
+    return lambda what, _name: display(what)
+
+
+def _name_of(what: Any, caller: FrameType) -> str:
+    """Return the caller's variable that is `what`, its label, or the name of its class."""
+    for variables in (caller.f_locals, caller.f_globals):
+        for name, value in variables.items():
+            if value is what and not name.startswith("_"):
+                return name
+    return getattr(what, "label", "") or type(what).__name__
+
+
+def _and_callers(frame: FrameType | None) -> Iterator[FrameType]:
+    """Yield a frame and those that called it."""
+    while frame is not None:
+        yield frame
+        frame = frame.f_back

@@ -1,0 +1,69 @@
+"""What viewers of build123d can show of everything that the package makes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from scaffold_cad.beziermesh import BezierMesh
+from scaffold_cad.brep import to_brep
+from scaffold_cad.errors import OptionError, ScaffoldCadError
+from scaffold_cad.parts.meshshapes import to_mesh_shape
+from scaffold_cad.parts.surfaces import is_instance
+from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.scaffold import Scaffold
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.smooth import Patches, Subdivision
+
+if TYPE_CHECKING:
+    from build123d import Shape
+
+MOST_QUADS = 5000
+"""Quads that are shown as faces with their edges; more of them are shown as bare triangles."""
+
+
+def to_shape(what: Any) -> Shape:
+    """Return a build123d shape to look at.
+
+    Parameters
+    ----------
+    what : a Skeleton, which becomes straight edges; a Scaffold, a QuadMesh, or smooth patches,
+        whose quads become faces, as they are; a subdivision, a TriangleMesh, a manifold3d Manifold
+        or a trimesh Trimesh, see `to_mesh_shape`; a build123d shape or a builder, as it is
+
+    Raises
+    ------
+    OptionError
+        If it is nothing that can be shown.
+    MissingBackendError
+        If build123d is not installed.
+    """
+    if is_instance(what, "build123d", "Shape"):
+        return what
+    if is_instance(what, "build123d", "Builder"):
+        return _built(what)
+    if isinstance(what, Skeleton):
+        return what.to_wire_compound()
+    if isinstance(what, Patches | BezierMesh):
+        return to_brep(what.bezier if isinstance(what, Patches) else what, "shell")
+    if isinstance(what, Scaffold | Subdivision):
+        what = what.mesh
+    if isinstance(what, QuadMesh) and len(what.quads) <= MOST_QUADS:
+        return _faces(what)
+    return to_mesh_shape(what)
+
+
+def _built(builder: Any) -> Shape:
+    """Return what a builder of build123d has made so far."""
+    for name in ("part", "sketch", "line"):
+        shape = getattr(builder, name, None)
+        if shape is not None:
+            return shape
+    raise OptionError(f"the {type(builder).__name__} holds no shape yet; need one")
+
+
+def _faces(mesh: QuadMesh) -> Shape:
+    """Return the quads as faces, or as triangles where CAD takes no such faces."""
+    try:
+        return to_brep(mesh, "shell")
+    except ScaffoldCadError:
+        return to_mesh_shape(mesh)
