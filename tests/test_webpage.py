@@ -20,6 +20,7 @@ from scaffold_cad import (
     partition_sphere,
     smooth_mesh,
     solidified,
+    tile,
     to_solid,
 )
 from scaffold_cad.errors import FormatError, MeshError, OptionError
@@ -89,6 +90,22 @@ def test_far_from_the_origin_points_keep_their_digits() -> None:
     lines = layers_of(model_page(far, title="far"))["skeleton"]["parts"][0]
     spans = np.ptp(points_of(lines), axis=0)
     assert spans == pytest.approx(np.ptp(TRIPOD.nodes, axis=0), rel=1e-6)
+
+
+def test_high_valencies_are_shown_as_one() -> None:
+    corners = np.stack(np.meshgrid(*[[-1, 0, 1]] * 3), axis=-1).reshape(-1, 3)
+    ends = corners[np.abs(corners).sum(axis=1) % 2 == 1]  # 14
+    star = Skeleton([[0, 0, 0], *(9 * ends)], [[0, 1 + end] for end in range(len(ends))], 1.0)
+    assert "1 of valency 13 or more" in model_page(star, title="star")
+
+
+def test_many_edges_do_not_shine_through() -> None:
+    lines = {
+        count: layers_of(model_page(tile("octet", 10.0, count, radius=0.5), title="octet"))
+        for count in (1, 5)
+    }
+    through = [layers["skeleton"]["parts"][0]["through"] for layers in lines.values()]
+    assert through == [True, False]
 
 
 def test_another_solid_may_be_shown() -> None:

@@ -187,8 +187,9 @@ function showScene(canvas, scene) {
     gl.depthMask(true);
     gl.disable(gl.CULL_FACE);
     // What is behind a surface shines through it.
-    for (const [test, opacity] of [[gl.GREATER, 0.35], [gl.LEQUAL, 1]]) {
+    for (const [test, opacity] of [[gl.GREATER, 0.5], [gl.LEQUAL, 1]]) {
       gl.depthFunc(test);
+      gl.depthMask(test === gl.LEQUAL);
       for (const part of kind("lines")) if (part.through) drawSegments(part, opacity);
       for (const part of kind("dots")) {
         use(dots, part, opacity, part.size, LIFT);

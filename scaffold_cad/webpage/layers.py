@@ -22,9 +22,17 @@ VALENCIES = {
     6: "#e08a00",
     7: "#00a3b4",
     8: "#c2569b",
-    9: "#5b3a1e",
+    9: "#7a5230",
+    10: "#4b5fa5",
+    11: "#a3a300",
+    12: "#0b6e4f",
+    13: "#3d1f5c",
 }
 """Color of branch points by valency; the last one stands for all higher ones too."""
+
+
+MANY_EDGES = 2000
+"""Edges of a skeleton from which on they no more shine through surfaces: they would hide them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,11 +49,13 @@ class ShownLayer:
 
 def skeleton_layer(skeleton: Skeleton) -> ShownLayer:
     """Return the edges of a skeleton and its nodes, branch points colored by valency."""
-    parts: list[Part] = [Lines(skeleton.nodes, skeleton.edges, INK, width=2.5, through=True)]
+    few = len(skeleton.edges) < MANY_EDGES
+    parts: list[Part] = [Lines(skeleton.nodes, skeleton.edges, INK, width=2.5, through=few)]
     legend = []
+    size = 11.0 if few else 7.0  # pixels
     others = np.flatnonzero(skeleton.valency < 3)
     if len(others):
-        parts.append(Dots(skeleton.nodes[others], GREY, 7.0))
+        parts.append(Dots(skeleton.nodes[others], GREY, 0.6 * size))
         legend.append((GREY, f"{len(others)} joints and extremities"))
     highest = max(VALENCIES)
     kinds = np.minimum(skeleton.valency, highest)
@@ -53,7 +63,7 @@ def skeleton_layer(skeleton: Skeleton) -> ShownLayer:
         nodes = np.flatnonzero(kinds == valency)
         if len(nodes):
             more = " or more" if valency == highest else ""
-            parts.append(Dots(skeleton.nodes[nodes], color, 11.0))
+            parts.append(Dots(skeleton.nodes[nodes], color, size))
             legend.append((color, f"{len(nodes)} of valency {valency}{more}"))
     return ShownLayer(Layer("skeleton", tuple(parts)), "skeleton", tuple(legend))
 
