@@ -48,37 +48,44 @@ class Process:
         return self.least_opening > 0
 
 
+# "Rules" is the table of 3D Hubs, Design Rules for 3D Printing: scribd.com/document/739102674.
 PROCESSES: dict[str, Process] = {
-    # 45°: arti90.com/en/design-clues, which also asks for pins of 3 mm, walls of 1 mm and gaps of
-    # 0.2 mm. Not checked: 0.8 mm, two passes of a 0.4 mm nozzle; gap, bridge, slenderness, layer,
-    # build volume.
-    "fdm": Process("fdm", 0.8, 0.5, 20.0, math.radians(45), 10.0, 0.0, 0.2, (250, 210, 220)),
-    # Openings of 2.5 mm: support.jlcpcb.com/article/170-3d-printing-design-guidelines.
-    # Not checked: diameter, gap, angle, bridge, slenderness, layer, build volume.
+    # Rules: walls of 0.8 mm, taken for struts, though it asks for pins of 3 mm; gaps of 0.5 mm,
+    # 45°, bridges of 10 mm. Layers: bicester3d.co.uk/guides/design-for-3d-printing. Volume: the
+    # Original Prusa i3 MK3 in PrusaSlicer 2.5.0. Not checked: slenderness.
+    "fdm": Process("fdm", 0.8, 0.5, 20.0, math.radians(45), 10.0, 0.0, 0.2, (250, 210, 210)),
+    # Rules: pins of 0.5 mm, gaps of 0.5 mm, though it would support every overhang and asks for
+    # openings of 4 mm; 2.5 mm: support.jlcpcb.com/article/170-3d-printing-design-guidelines.
+    # Volume and layers: the Form 4 in github.com/VT-DISCO-LAB/Getting-Started-in-the-Discovery-Lab.
+    # Not checked: slenderness, angle, bridge.
     "sla": Process("sla", 0.5, 0.5, 15.0, math.radians(45), 2.0, 2.5, 0.05, (200, 125, 210)),
     # Pins 0.8 mm, gaps 0.5 mm: hlhprototypes.com/sls-3d-printing-design-tips; features 0.8 mm and
     # openings of 3.5 mm: addema.se/guides-sls. Powder supports every face.
     # Not checked: slenderness, layer, build volume.
     "sls": Process("sls", 0.8, 0.5, 30.0, 0.0, 0.0, 3.5, 0.11, (165, 165, 300)),
-    # 45°, openings of 2 mm, gaps of 0.2 mm (for parts that fit, 0.5 mm for parts that move), walls
-    # of 0.4 mm, taken for struts, though it asks for pins of 1 mm: arti90.com/en/design-clues.
-    # Not checked: bridge, slenderness, layer, build volume.
+    # 45°, openings of 2 mm, gaps of 0.2 mm (for parts that fit, 0.5 mm for parts that move):
+    # arti90.com/en/design-clues. Rules: bridges of 2 mm; walls of 0.4 mm, taken for struts, though
+    # it asks for pins of 1 mm. Layers of 40 µm: the EOS M 290 in EOS's data sheet of Ti64 Grade 5.
+    # Not checked: slenderness, build volume.
     "lpbf": Process("lpbf", 0.4, 0.2, 20.0, math.radians(45), 2.0, 2.0, 0.04, (250, 250, 325)),
 }
 """The presets by name."""
 
 
 MATERIALS: dict[str, float] = {
-    # Customary values, not checked against data sheets.
+    # Generic filaments of PrusaSlicer 2.5.0.
     "pla": 1.24,
     "petg": 1.27,
     "abs": 1.04,
-    "resin": 1.18,
+    "tpu": 1.22,
+    # additive.tools/materials/pa12, sintered.
     "pa12": 0.93,
-    "tpu": 1.20,
-    "ti6al4v": 4.41,
-    "alsi10mg": 2.67,
+    # EOS's data sheets for the M 290: at least that.
     "316l": 7.97,
+    "alsi10mg": 2.66,
+    # Customary values, not checked against a source.
+    "resin": 1.18,
+    "ti6al4v": 4.41,
     "in718": 8.15,
 }
 """Density of each material by name, g/cm³."""
