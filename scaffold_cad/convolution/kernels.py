@@ -111,7 +111,7 @@ class CompactCubic:
     @cached_property
     def norm(self) -> float:
         """The integral at distance 1 from an endless edge of radius 1."""
-        return 32 / 35 * (self.width**2 - 1) ** 3.5 / self.width**6
+        return float(32 / 35 * (self.width**2 - 1) ** 3.5 / self.width**6)
 
     def over(self, pairs: Pairs) -> Integrals:
         """Return the kernel integrated along the edge of each pair."""

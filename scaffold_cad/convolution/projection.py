@@ -18,6 +18,9 @@ from scaffold_cad.vectors import dot, length, normalize
 TOLERANCE = 1e-9
 """Greatest acceptable difference of the field from 1 on the surface."""
 
+LEAST_CHANGE = 1e-12
+"""Least change of the field over a step, as a part of it, that its rounding does not hide."""
+
 MOST_STEPS = 30
 """Most steps of a vertex along the gradient; four are enough near the surface."""
 
@@ -27,7 +30,7 @@ MOST_HALVINGS = 60
 OUTWARD_STEP = 0.25
 """Step in which the surface is looked for along a line from the skeleton, in radii."""
 
-MOST_OUTWARD_STEPS = 40
+MOST_OUTWARD_STEPS = 400
 """Most of those steps."""
 
 MOST_ROUNDS = 20
@@ -114,30 +117,23 @@ def _around(quads: Quads, marked: Bools, count: int) -> tuple[Ints, Ints]:
     vertices = np.zeros(count, dtype=np.bool_)
     for _ in range(1 + RINGS):
         vertices[quads[marked]] = True
-        marked = vertices[quads].any(axis=1)
+        marked = np.asarray(vertices[quads].any(axis=1))
     return np.flatnonzero(vertices), np.flatnonzero(marked)
 
 
 def _spreading(points: Points, quads: Quads, gradients: Floats) -> Points:
     """Return the step of each vertex along the surface to between its neighbours, (v, 3), mm.
 
-    Near ones count more, by the inverse of their distance: no step is much longer than to the
-    nearest.
-
     Parameters
     ----------
     quads : all those at each vertex whose step matters
     """
     here, there = quads.reshape(-1), np.roll(quads, -1, axis=1).reshape(-1)
-    spans = points[there] - points[here]
-    distances = length(spans)
-    weights = np.divide(1, distances, out=np.zeros_like(distances), where=distances > 0)
-    columns = (weights[:, None] * spans).T
-    sums = np.stack([np.bincount(here, column, len(points)) for column in columns], axis=1)
-    total = np.bincount(here, weights, len(points))[:, None]
-    steps = np.divide(sums, total, out=np.zeros_like(points), where=total > 0)
+    spans = (points[there] - points[here]).T
+    sums = np.stack([np.bincount(here, column, len(points)) for column in spans], axis=1)
+    steps = sums / np.maximum(np.bincount(here, minlength=len(points)), 1)[:, None]
     normals = normalize(gradients)
-    return steps - dot(steps, normals)[:, None] * normals
+    return np.asarray(steps - dot(steps, normals)[:, None] * normals)
 
 
 def _onto(start: Points, field: ConvolutionField, longest: Floats) -> Points:
@@ -153,13 +149,13 @@ def _onto(start: Points, field: ConvolutionField, longest: Floats) -> Points:
 
 
 def _shortest_edges(mesh: QuadMesh) -> Floats:
-    """Return the length of the shortest edge at each vertex, (v,), mm; infinite where none is."""
+    """Return the length of the shortest edge at each vertex, (v,), mm; 0 where there is none."""
     ends = mesh.vertices[mesh.edges]
     lengths = length(ends[:, 1] - ends[:, 0])
     shortest = np.full(len(mesh.vertices), np.inf)
     for column in mesh.edges.T:
         np.minimum.at(shortest, column, lengths)
-    return shortest
+    return np.where(np.isfinite(shortest), shortest, 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,18 +190,19 @@ def _walked(start: Points, field: ConvolutionField, longest: Floats) -> Path:
         inside[active[more]], outside[active[~more]] = here[more], here[~more]
         is_inside[active[more]], is_outside[active[~more]] = True, True
         resting[active] = np.abs(samples.values - 1) <= TOLERANCE
-        steps = _newton_steps(samples, field.integrand.exponent)
-        wanted = length(steps)
-        going = ~resting[active] & (wanted > 0)
-        active, steps, wanted = active[going], steps[going], wanted[going]
+        sure = length(samples.gradients) * longest[active] > LEAST_CHANGE * samples.values
+        going = sure & ~resting[active]
+        steps = _newton_steps(samples, field.integrand.exponent)[going]
+        active = active[going]
         if len(active) == 0:
             break
-        points[active] += np.minimum(1, longest[active] / wanted)[:, None] * steps
+        share = longest[active] / np.maximum(length(steps), longest[active])
+        points[active] += share[:, None] * steps
     return Path(points, resting, inside, is_inside, outside, is_outside)
 
 
 def _newton_steps(samples: FieldSamples, exponent: float) -> Points:
-    """Return the steps to where the field should be 1, (k, 3), mm; 0 where it has no gradient.
+    """Return the steps to where the field should be 1, (k, 3), mm; 0 where it has no slope.
 
     Newton's steps for the power of the field that is nearly linear in the squared distance: the
     field itself is so flat far from the skeleton that its own would lead too far.
