@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import io
+import re
 import time
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -13,7 +15,7 @@ import trimesh
 from scaffold_cad.cli import main
 from scaffold_cad.cli.progress import PERIOD, QUIET_TIME, Progress, progress_line
 from scaffold_cad.io import read_skeleton
-from scaffold_cad.lattice import cells, tile
+from scaffold_cad.lattice import cells, drawing, tile
 
 BCC = ["lattice", "--cell", "bcc", "--size", "8", "--radius", "0.6"]
 
@@ -130,6 +132,27 @@ def test_cells_are_listed_with_valency_and_density(capsys: pytest.CaptureFixture
     (octet,) = [line for line in lines if line.startswith("octet ")]
     assert "valency 12" in octet
     assert "53.31 (r/a)²" in octet
+
+
+def test_cells_are_drawn_on_a_page(tmp_path: Path) -> None:
+    page = tmp_path / "cells.html"
+    assert main(["cells", "-o", str(page)]) == 0
+    text = page.read_text(encoding="utf-8")
+    pictures = [ElementTree.fromstring(part) for part in re.findall("<svg.*?</svg>", text)]
+    assert [svg.findtext("{*}title") for svg in pictures] == list(cells())
+    for svg, cell in zip(pictures, cells().values(), strict=True):
+        assert len(svg.findall("{*}line")) == 12 + len(cell.edges)
+        ends = [float(line.get(end)) for line in svg.findall("{*}line") for end in ("x1", "y2")]
+        assert 0 < min(ends) < max(ends) < float(svg.get("width"))
+
+
+def test_the_page_of_cells_is_a_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["cells", "-o", str(tmp_path / "cells.png")]) == 2
+    assert "need .html" in capsys.readouterr().err
+
+
+def test_notebooks_show_the_picture_of_a_cell() -> None:
+    assert cells()["octet"]._repr_svg_() in {drawing(cell) for cell in cells().values()}
 
 
 class Terminal(io.StringIO):

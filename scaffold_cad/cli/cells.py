@@ -3,8 +3,28 @@
 from __future__ import annotations
 
 import argparse
+import logging
+from html import escape
+from pathlib import Path
 
-from scaffold_cad.lattice import cells
+from scaffold_cad.errors import FormatError
+from scaffold_cad.files import replacing
+from scaffold_cad.lattice import UnitCell, cells, drawing
+
+PAGE = """\
+<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>Unit cells</title><style>
+body {{ font: 15px sans-serif; margin: 2em; color: #222; }}
+div {{ display: grid; grid-template-columns: repeat(auto-fill, minmax(240px, 1fr)); gap: 1em; }}
+figure {{ margin: 0; }}
+</style></head><body><h1>Unit cells</h1>
+<p>Relative density of thin round struts of radius r in a cell of size a.</p>
+<div>
+{figures}
+</div></body></html>
+"""
+
+_log = logging.getLogger(__name__)
 
 
 def add_parser(
@@ -18,14 +38,43 @@ def add_parser(
         description="A line a cell: its name, the valency of its nodes, its relative density "
         "for thin struts of radius r in a cell of size a, and what it is.",
     )
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="PAGE",
+        help="write them as a page with pictures, .html",
+    )
     parser.set_defaults(run=run)
 
 
-def run(_: argparse.Namespace) -> None:
-    """Print a line a cell."""
+def run(options: argparse.Namespace) -> None:
+    """Print a line a cell, or write the page."""
     known = cells()
+    if options.output is not None:
+        if options.output.suffix.lower() != ".html":
+            raise FormatError(f"cannot write {options.output}: it is a page; need .html")
+        with replacing(options.output) as fresh:
+            figures = "\n".join(_figure(name, cell) for name, cell in known.items())
+            fresh.write_text(PAGE.format(figures=figures), encoding="utf-8")
+        _log.info("%s written", options.output)
+        return
     width = max(len(name) for name in known)
     for name, cell in known.items():
-        valency = "+".join(str(n) for n in cell.valencies)
-        density = f"{cell.density_coefficient:.4g} (r/a)²"
+        valency, density = _valency(cell), _density(cell)
         print(f"{name:<{width}}  valency {valency:<6}  {density:<14}  {cell.description}")
+
+
+def _figure(name: str, cell: UnitCell) -> str:
+    return (
+        f"<figure>{drawing(cell)}<figcaption><b>{escape(name)}</b>, valency {_valency(cell)}, "
+        f"{_density(cell)}<br>{escape(cell.description)}</figcaption></figure>"
+    )
+
+
+def _valency(cell: UnitCell) -> str:
+    return "+".join(str(n) for n in cell.valencies)
+
+
+def _density(cell: UnitCell) -> str:
+    return f"{cell.density_coefficient:.4g} (r/a)²"

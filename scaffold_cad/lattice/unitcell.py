@@ -68,6 +68,12 @@ class UnitCell:
             f"relative density about {self.density_coefficient:.4g} (r/a)²."
         )
 
+    def _repr_svg_(self) -> str:
+        """Return a picture for notebooks."""
+        from scaffold_cad.lattice.drawing import drawing
+
+        return drawing(self)
+
     @cached_property
     def motif(self) -> Motif:
         """The nodes and struts of one cell of an endless lattice, each of them once."""
