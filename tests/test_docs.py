@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+import scaffold_cad
 from scaffold_cad import Skeleton, export, write
 from scaffold_cad.cli import main
 from scaffold_cad.io import _formats
@@ -86,6 +87,12 @@ def test_links_lead_to_pages_and_pictures(page: Path) -> None:
 def test_every_page_has_its_place_in_the_site() -> None:
     configuration = CONFIGURATION.read_text(encoding="utf-8")
     assert [name(page) for page in PAGES if f" {name(page)}\n" not in configuration] == []
+
+
+def test_every_public_name_is_in_the_reference() -> None:
+    reference = "".join(page.read_text(encoding="utf-8") for page in (DOCS / "api").glob("*.md"))
+    listed = {line.split(".")[-1] for line in reference.splitlines() if line.startswith("::: ")}
+    assert [name for name in scaffold_cad.__all__ if name not in listed] == []
 
 
 @pytest.mark.skipif(
