@@ -29,7 +29,7 @@ from scaffold_cad import (
     to_trimesh,
 )
 from scaffold_cad.arrays import Floats, Points, UnitVectors
-from scaffold_cad.smooth import smooth_mesh
+from scaffold_cad.smooth import Patches, smooth_mesh, smooth_patches
 from scaffold_cad.vectors import normalize
 
 ROOT = Path(__file__).parents[1]
@@ -94,6 +94,15 @@ def _grid_cells(count: int) -> Floats:
 
 def _polydata(points: Points, cells: Any) -> pv.PolyData:
     return pv.PolyData(points, np.insert(cells, 0, cells.shape[1], axis=1).reshape(-1))
+
+
+def smooth_surface(smooth: Patches) -> pv.PolyData:
+    """Return Bézier patches as fine grids with their own normals."""
+    points, normals = smooth.sampled(STEPS + 1)
+    surface = _polydata(points.reshape(-1, 3), _grid_cells(len(points)))
+    surface.point_data["Normals"] = normals.reshape(-1, 3)
+    surface.point_data.active_normals_name = "Normals"
+    return surface
 
 
 def wires(points: Points, pairs: Any, radius: float) -> pv.PolyData:
@@ -379,6 +388,36 @@ def _sheet(pictures: dict[str, Image.Image], columns: int) -> Image.Image:
     return sheet
 
 
+def draw_smooth_stick_woman() -> None:
+    """Draw the stick woman as a smooth solid."""
+    smooth = smooth_patches(build_scaffold(skeleton("stick_woman"), collars=True))
+    stage = Stage((-0.32, -1.0, 0.16), 780, 1060)
+    stage.add(smooth_surface(smooth), SAND)
+    stage.save("smooth_stick_woman")
+
+
+def draw_smooth_octet() -> None:
+    """Draw eight octet cells, with nodes of valencies up to 12, as a smooth solid."""
+    smooth = smooth_patches(build_scaffold(tile("octet", 20.0, 2, radius=1.3), collars=True))
+    stage = Stage((-0.42, -1.0, 0.5), 740, 740)
+    stage.add(smooth_surface(smooth), BLUE)
+    stage.save("smooth_octet")
+
+
+def draw_smooth_star() -> None:
+    """Draw eight struts around a node, with flat ends, and the borders of the patches."""
+    smooth = smooth_patches(build_scaffold(skeleton("star_8"), collars=True), caps="flat")
+    points, _ = smooth.sampled(4 * STEPS + 1)
+    rims = points[:, [0, -1]].reshape(-1, 4 * STEPS + 1, 3)
+    rims = np.concatenate([rims, points[:, :, [0, -1]].swapaxes(1, 2).reshape(rims.shape)])
+    first = np.arange(rims.shape[0])[:, None] * rims.shape[1] + np.arange(4 * STEPS)
+    pairs = np.stack([first, first + 1], axis=2).reshape(-1, 2)
+    stage = Stage((-0.15, -1.0, 0.35), 740, 740)
+    stage.add(smooth_surface(smooth), SAND)
+    stage.add(wires(rims.reshape(-1, 3), pairs, 0.02), INK, specular=0.0)
+    stage.save("smooth_star")
+
+
 PICTURES: dict[str, Callable[[], None]] = {
     "stick_woman": draw_stick_woman,
     "spiral": draw_spiral,
@@ -386,6 +425,9 @@ PICTURES: dict[str, Callable[[], None]] = {
     "overlapping_tree": draw_overlapping_tree,
     "twist": draw_twist,
     "lattice": draw_lattice,
+    "smooth_stick_woman": draw_smooth_stick_woman,
+    "smooth_octet": draw_smooth_octet,
+    "smooth_star": draw_smooth_star,
     "cells": draw_cells,
     "options": draw_options,
     **{f"gallery/{name}": partial(draw_gallery, name) for name in VIEWS},
