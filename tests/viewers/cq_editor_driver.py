@@ -42,6 +42,7 @@ def main(folder: Path, scripts: list[Path]) -> None:
         for _ in range(2):
             debugger.render()
             settle()
+        window.components["console"].execute_command('show(skeleton, name="from the console")')
         models = window.components["object_tree"].CQ
         window.components["viewer"].fit()
         settle()

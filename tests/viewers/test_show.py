@@ -43,7 +43,7 @@ class Viewer(ModuleType):
 @pytest.fixture(autouse=True)
 def no_viewer(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing is at hand unless a test says so."""
-    for name in ("cq_editor", "ocp_vscode", "ocp_viewer", "IPython"):
+    for name in ("ocp_vscode", "ocp_viewer", "IPython"):
         monkeypatch.setitem(sys.modules, name, None)  # as if not installed
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setattr("scaffold_cad.viewers.hosts.find_spec", lambda name: None)
@@ -174,14 +174,14 @@ def test_ipython_in_a_terminal_is_no_notebook(monkeypatch: pytest.MonkeyPatch) -
         show(TRIPOD)
 
 
-def run_in_cq_editor(program: str, monkeypatch: pytest.MonkeyPatch) -> list[tuple[Any, str, dict]]:
+def run_in_cq_editor(program: str) -> list[tuple[Any, str, dict]]:
     """Run a program as CQ-editor does; return what it shows."""
     shown: list[tuple[Any, str, dict]] = []
 
     def show_object(what: Any, name: str | None = None, options: dict = {}) -> None:  # noqa: B006
         shown.append((what, name or "", options))
 
-    monkeypatch.setitem(sys.modules, "cq_editor", ModuleType("cq_editor"))
+    show_object.__module__ = "cq_editor.widgets.debugger"
     script = ModuleType("__cq_main__")
     script.__dict__["show_object"] = show_object
     exec(compile(program, "<cq_editor-string>", "exec"), script.__dict__)
@@ -201,12 +201,10 @@ from_within()
 
 
 @pytest.mark.skipif(not HAS_CADQUERY, reason="CadQuery is not installed")
-def test_cq_editor_gets_cadquery_shapes_with_names_and_colours(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_cq_editor_gets_cadquery_shapes_with_names_and_colours() -> None:
     import cadquery
 
-    (box, name, options), (small, other, none) = run_in_cq_editor(PROGRAM, monkeypatch)
+    (box, name, options), (small, other, none) = run_in_cq_editor(PROGRAM)
     assert isinstance(box, cadquery.Shape)
     assert (name, other) == ("box", "small")
     assert box.Volume() == pytest.approx(6)
@@ -225,16 +223,15 @@ def test_cadquery_goes_on_from_a_part() -> None:
 
 
 @pytest.mark.skipif(HAS_CADQUERY, reason="CadQuery is installed")
-def test_without_cadquery_the_error_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_cadquery_the_error_says_so() -> None:
     with pytest.raises(MissingBackendError, match="a CadQuery shape needs cadquery"):
         to_cadquery(bd.Box(1, 1, 1))
     with pytest.raises(MissingBackendError, match="a CadQuery shape needs cadquery"):
-        run_in_cq_editor(PROGRAM, monkeypatch)
+        run_in_cq_editor(PROGRAM)
 
 
-def test_show_object_of_another_program_is_not_cq_editors(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_show_object_of_another_program_is_not_cq_editors() -> None:
     script = ModuleType("__main__")
     script.__dict__["show_object"] = lambda *_: None
-    monkeypatch.setitem(sys.modules, "cq_editor", ModuleType("cq_editor"))
     with pytest.raises(MissingBackendError, match="no viewer"):
         exec(PROGRAM, script.__dict__)
