@@ -440,12 +440,18 @@ def test_vertex_inside_a_blend_comes_out() -> None:
     assert np.abs(field.value(moved.vertices) - 1).max() <= 1e-9
 
 
-def test_vertex_that_has_no_way_to_the_surface_is_named() -> None:
+def test_vertices_on_the_skeleton_find_a_way_out_between_their_neighbours() -> None:
     mesh = around(JACK)
     points = np.array(mesh.vertices)
-    points[[7, 9]] = 0.0  # between six edges, nothing says which way is out
-    with pytest.raises(MeshError, match=r"vertex 7 at \[0.0, 0.0, 0.0\] mm finds no .*\(2 vert"):
-        project(mesh.moved(points), ConvolutionField(JACK))
+    points[[7, 9]] = 0.0  # between six edges, nothing else says which way is out
+    check_projected(mesh.moved(points), JACK, ConvolutionField(JACK))
+
+
+def test_vertex_that_has_no_way_to_the_surface_is_named() -> None:
+    mesh = around(JACK, 0)
+    flat = mesh.moved(np.zeros_like(mesh.vertices))
+    with pytest.raises(MeshError, match=r"vertex 0 at \[0.0, 0.0, 0.0\] mm finds no .*\(74 vert"):
+        project(flat, ConvolutionField(JACK))
 
 
 @pytest.mark.parametrize("width", [1.5, 2.0])

@@ -235,7 +235,7 @@ def _across(points: Points, field: ConvolutionField) -> tuple[Points, Points]:
     feet, radii = _feet(points, field.skeleton)
     outward = normalize(points - feet)
     inside, outside = feet, points.copy()
-    hidden = np.arange(len(points))
+    hidden = np.flatnonzero(outward.any(axis=1))
     for _ in range(MOST_OUTWARD_STEPS):
         hidden = hidden[field.value(outside[hidden]) > 1]
         if len(hidden) == 0:
