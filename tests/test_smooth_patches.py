@@ -2,17 +2,30 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from scaffold_cad.arrays import Floats
+from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.brep import to_brep
 from scaffold_cad.errors import MeshError, OptionError
+from scaffold_cad.lattice import tile
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.smooth import Caps, catmull_clark, deviation, limit, smooth_mesh, smooth_patches
+from scaffold_cad.smooth import (
+    Caps,
+    Deviation,
+    catmull_clark,
+    deviation,
+    limit,
+    smooth_mesh,
+    smooth_patches,
+)
 from scaffold_cad.smooth.alike import alike_parts
 from scaffold_cad.smooth.bernstein import bernstein, elevation, gram, product, thin_plate
 from scaffold_cad.smooth.catmull_clark import NO_CREASES, Connectivity
@@ -81,6 +94,38 @@ def test_collared_struts_of_patches_have_the_asked_radius() -> None:
         radii = deviation(smooth_patches(scaffold, caps=caps), scaffold).strut_radii
         assert radii[:, 1] == pytest.approx(np.ones(4), rel=0.005)
         assert radii[:, [0, 2]] == pytest.approx(np.ones((4, 2)), rel=0.02)
+
+
+@pytest.mark.parametrize(("cell", "around"), [("bcc", 0.02), ("octet", 0.025)])
+@pytest.mark.parametrize("caps", ["round", "flat"])
+def test_struts_of_lattices_have_the_asked_radius(cell: str, around: float, caps: Caps) -> None:
+    scaffold = build_scaffold(tile(cell, 20.0, 1, radius=1.0), fit="enclose", collars=True)
+    found = deviation(smooth_patches(scaffold, caps=caps), scaffold)
+    assert found.strut_radii[:, 1] == pytest.approx(np.ones(len(found.strut_radii)), rel=0.005)
+    assert found.radius_range == pytest.approx((1, 1), abs=around)
+
+
+def test_the_deviation_tells_what_is_wrong() -> None:
+    scaffold = build_scaffold(TRIPOD, collars=True)
+    patches = smooth_patches(scaffold)
+
+    def found_with(points: Floats) -> Deviation:
+        bezier = BezierMesh(patches.bezier.quads, points)
+        return deviation(replace(patches, bezier=bezier), scaffold)
+
+    right = patches.bezier.control_points
+    dented, folded = right.copy(), right.copy()
+    dented[0, 1:-1, 1:-1] += 0.5
+    found = found_with(dented)
+    assert found.normal_jump > 0.1
+    assert found.limit_distance > found_with(right).limit_distance + 0.1
+    assert len(found.turned) == 0
+    # Its inner points turned by half a turn.
+    folded[5, 1:-1, 1:-1] = folded[5, -2:0:-1, -2:0:-1]
+    assert found_with(folded).turned.tolist() == [5]
+    thick = found_with(1.5 * right - 0.5 * right.mean(axis=(0, 1, 2)))
+    assert thick.radius_range[1] > 1.4
+    assert f"radii in mid-strut: {thick.radius_range[0]:.3f} to" in str(thick)
 
 
 @pytest.mark.parametrize("split", [0, 1])

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from scaffold_cad.arrays import Floats, Ints
+from scaffold_cad.arrays import Floats, Ints, Radii
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
@@ -36,21 +36,58 @@ class Deviation:
     turned: Ints
     """Patches whose normal turns over; none if all is well."""
     strut_radii: Floats
-    """Least, mean and greatest radius in the middle of each strut, shape (m, 3), mm."""
+    """Least, mean and greatest radius in the middle of each strut, shape (m, 3), mm; nan for a
+    strut whose surface does not reach there."""
+    asked_radii: Radii
+    """Radius of the skeleton there, shape (m,), mm."""
+
+    @property
+    def radius_range(self) -> tuple[float, float]:
+        """Least and greatest radius in the middle of a strut, as parts of those asked."""
+        parts = self.strut_radii / self.asked_radii[:, None]
+        return float(np.nanmin(parts[:, 0])), float(np.nanmax(parts[:, 2]))
+
+    def __str__(self) -> str:
+        least, greatest = self.radius_range
+        return "\n".join(
+            [
+                f"normals across edges: {np.degrees(self.normal_jump):.1e}° apart at most",
+                f"Catmull-Clark limit: {self.limit_distance:.3g} mm away at most",
+                f"patches that turn over: {len(self.turned)}",
+                f"radii in mid-strut: {least:.3f} to {greatest:.3f} of those asked",
+            ]
+        )
 
 
 def deviation(patches: Patches, scaffold: Scaffold) -> Deviation:
-    """Return how far the smooth patches of `scaffold` are from what was asked."""
+    """Return how far the smooth patches of `scaffold` are from what was asked.
+
+    Parameters
+    ----------
+    patches : of `smooth_patches(scaffold)`, with any options
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, build_scaffold, smooth_patches
+    >>> from scaffold_cad.smooth import deviation
+    >>> elbow = Skeleton([[0, 0, 0], [20, 0, 0], [20, 20, 0]], [[0, 1], [1, 2]], 1.0)
+    >>> scaffold = build_scaffold(elbow, collars=True)
+    >>> print(deviation(smooth_patches(scaffold), scaffold))  # doctest: +ELLIPSIS
+    normals across edges: ...° apart at most
+    Catmull-Clark limit: ... mm away at most
+    patches that turn over: 0
+    radii in mid-strut: 0.985 to 1.013 of those asked
+    """
     points, _ = patches.sampled(2 * PATCH_SAMPLES - 1)
     strut = scaffold.edge_of_quad[patches.quad_of_patch]
     fine = _grid_mesh(points)
+    skeleton = scaffold.skeleton
     return Deviation(
         normal_jump=float(normal_jumps(patches).max(initial=0.0)),
         limit_distance=float(limit_distances(patches).max(initial=0.0)),
         turned=turned_patches(patches),
-        strut_radii=strut_radii(
-            fine, np.repeat(strut, len(fine.quads) // len(strut)), scaffold.skeleton
-        ),
+        strut_radii=strut_radii(fine, np.repeat(strut, len(fine.quads) // len(strut)), skeleton),
+        asked_radii=skeleton.radii[skeleton.edges].mean(axis=1),
     )
 
 
