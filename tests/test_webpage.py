@@ -300,3 +300,10 @@ def test_the_report_shows_the_places_of_a_clicked_row(tmp_path: Path) -> None:
     assert seen["chosen"]
     assert not seen["released"]
     assert seen["moved"] > 1000
+
+
+@needs_chromium
+def test_a_browser_without_webgl_says_so(tmp_path: Path) -> None:
+    page = model_page(build_scaffold(K4), title="k4")
+    script = 'return document.getElementById("hint").textContent;'
+    assert "has no WebGL 2" in seen_in(page, script, tmp_path, webgl=False)
