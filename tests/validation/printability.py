@@ -442,12 +442,12 @@ def lines_of_reports() -> Iterator[str]:
 
 
 def lines_of_outputs() -> Iterator[str]:
-    """Yield a line for each mesh file that an example writes."""
-    for script in sorted((ROOT / "examples").glob("[!_]*.py")):
+    """Yield a line for each mesh file that a program of the examples or the gallery writes."""
+    for script in sorted((ROOT / "examples").glob("**/[!_]*.py")):
         with tempfile.TemporaryDirectory() as folder:
-            # As an example is run by hand; what it says is not wanted here.
-            command = [sys.executable, str(script), "--out", folder]
-            subprocess.run(command, capture_output=True, timeout=600, check=True)
+            # As a program is run by hand; what it says is not wanted here.
+            command = [sys.executable, str(script)]
+            subprocess.run(command, cwd=folder, capture_output=True, timeout=600, check=True)
             for path in sorted(Path(folder).glob("*.stl")):
                 mesh = read_triangles(path)
                 report = check_printability(mesh, "sls", name=f"{script.stem}/{path.name}")
