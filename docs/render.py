@@ -6,7 +6,9 @@ Needs the extra `pictures`, and no screen.
 from __future__ import annotations
 
 import runpy
+import subprocess
 import sys
+import tempfile
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -29,8 +31,10 @@ from scaffold_cad import (
     to_trimesh,
 )
 from scaffold_cad.arrays import Floats, Points, UnitVectors
+from scaffold_cad.convolution import ConvolutionField
 from scaffold_cad.smooth import Patches, smooth_mesh, smooth_patches
 from scaffold_cad.vectors import normalize
+from scaffold_cad.webpage import write_page
 
 ROOT = Path(__file__).parents[1]
 IMAGES = ROOT / "docs" / "images"
@@ -38,6 +42,7 @@ GALLERY = ROOT / "examples" / "gallery"
 sys.path[:0] = [str(ROOT / "examples"), str(GALLERY)]
 
 # The examples' folders must be found first.
+import convolution  # noqa: E402
 import lattice  # noqa: E402
 import overlapping_tree  # noqa: E402
 import stick_woman  # noqa: E402
@@ -418,6 +423,41 @@ def draw_smooth_star() -> None:
     stage.save("smooth_star")
 
 
+def draw_convolution() -> None:
+    """Draw the dog's scaffold, and beside it its convolution surface with its quads."""
+    scaffold = build_scaffold(skeleton("dog"), collars=True)
+    mesh = convolution.surface(scaffold, ConvolutionField(scaffold.skeleton))
+    stage = Stage((0.35, -1.0, 0.35), 720, 360)
+    stage.add_mesh(scaffold.mesh, SAND, 0.06)
+    beside = mesh.moved(mesh.vertices + 30 * stage.right)
+    stage.add(_polydata(beside.vertices, beside.quads), BLUE)
+    stage.add(wires(beside.vertices, beside.edges, 0.025), INK, specular=0.0)
+    stage.save("convolution")
+
+
+def draw_page() -> None:
+    """Draw a page as a browser shows it; needs Chromium."""
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        page, picture = Path(folder, "stick_woman.html"), Path(folder, "page.png")
+        write_page(build_scaffold(skeleton("stick_woman")), page)
+        subprocess.run(
+            [
+                "chromium",
+                "--headless",
+                "--no-sandbox",
+                "--use-angle=swiftshader",
+                "--enable-unsafe-swiftshader",
+                "--window-size=860,560",
+                f"--user-data-dir={folder}/profile",
+                f"--screenshot={picture}",
+                f"{page.as_uri()}#skeleton,scaffold,worst",
+            ],
+            check=True,
+            capture_output=True,
+        )
+        _save(Image.open(picture).convert("RGB"), "page")
+
+
 PICTURES: dict[str, Callable[[], None]] = {
     "stick_woman": draw_stick_woman,
     "spiral": draw_spiral,
@@ -430,6 +470,8 @@ PICTURES: dict[str, Callable[[], None]] = {
     "smooth_star": draw_smooth_star,
     "cells": draw_cells,
     "options": draw_options,
+    "page": draw_page,
+    "convolution": draw_convolution,
     **{f"gallery/{name}": partial(draw_gallery, name) for name in VIEWS},
 }
 
