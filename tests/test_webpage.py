@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from base64 import b64decode
+from collections.abc import Callable
 from html import unescape
 from pathlib import Path
 from typing import Any
@@ -115,23 +116,26 @@ def test_another_solid_may_be_shown() -> None:
     assert len(b64decode(surface["rows"])) == 4 * 3 * smooth.num_tri()
 
 
-def shown_kinds() -> dict[str, Any]:
-    scaffold = build_scaffold(K4)
-    return {
-        "skeleton": K4,
-        "scaffold": scaffold,
-        "quads": scaffold.mesh,
-        "triangles": CUBE,
-        "open": OPEN_CUBE,
-        "no nodes": Skeleton(np.zeros((0, 3)), np.zeros((0, 2), dtype=int), np.zeros(0)),
-        "no triangles": TriangleMesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=int)),
-        "no quads": QuadMesh(np.zeros((0, 3)), np.zeros((0, 4), dtype=int)),
-        "solid": solidified(scaffold),
-    }
+NO_TRIANGLES = TriangleMesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=int))
+NO_QUADS = QuadMesh(np.zeros((0, 3)), np.zeros((0, 4), dtype=int))
+NO_NODES = Skeleton(np.zeros((0, 3)), np.zeros((0, 2), dtype=int), np.zeros(0))
+
+SHOWN: dict[str, Callable[[], Any]] = {
+    "skeleton": lambda: K4,
+    "scaffold": lambda: build_scaffold(K4),
+    "quads": lambda: build_scaffold(K4).mesh,
+    "triangles": lambda: CUBE,
+    "open": lambda: OPEN_CUBE,
+    "no nodes": lambda: NO_NODES,
+    "no triangles": lambda: NO_TRIANGLES,
+    "no quads": lambda: NO_QUADS,
+    "solid": lambda: solidified(build_scaffold(K4)),
+}
 
 
-@pytest.mark.parametrize(("kind", "what"), shown_kinds().items(), ids=shown_kinds())
-def test_notebooks_show_a_page_in_a_frame(kind: str, what: Any) -> None:
+@pytest.mark.parametrize("kind", SHOWN)
+def test_notebooks_show_a_page_in_a_frame(kind: str) -> None:
+    what = SHOWN[kind]()
     shown = what._repr_html_()
     assert shown.startswith("<iframe srcdoc=")
     assert shown.count('"') == 8  # of four attributes
