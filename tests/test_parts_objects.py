@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from scaffold_cad.brep import tessellated
 from scaffold_cad.errors import BrepError, MeshError, OptionError, SkeletonError
 from scaffold_cad.lattice import fill
 from scaffold_cad.manifolds import to_manifold
@@ -327,6 +328,36 @@ def test_filled_part_is_trimmed_by_an_intersection() -> None:
     assert trimmed.volume < lattice.volume
     assert tuple(trimmed.bounding_box().max) == pytest.approx((5, 5, 5), abs=1e-5)
     assert (body - lattice).volume == pytest.approx(body.volume - trimmed.volume, rel=1e-6)
+
+
+BALL = bd.Sphere(11)
+"""Cuts struts at any place."""
+
+
+@pytest.mark.parametrize("smooth", [False, True])
+def test_stubs_that_overlap_are_left_out(smooth: bool) -> None:
+    lattice = LatticeFill(BALL, "octet", 9.0, 0.5, smooth=smooth)
+    assert lattice.is_valid
+    every = fill(tessellated(BALL), "octet", 9.0, 0.5)
+    assert len(every.edges) - 70 < len(lattice.skeleton.edges) < len(every.edges)
+    inner = every.valency[every.edges].min(axis=1) > 1
+    ends = {tuple(np.round(end, 6)) for end in every.nodes[every.edges[inner]].mean(axis=1)}
+    left = lattice.skeleton.nodes[lattice.skeleton.edges].mean(axis=1)
+    assert ends <= {tuple(np.round(end, 6)) for end in left}  # no strut within goes
+
+
+def test_stubs_that_overlap_are_kept_if_asked() -> None:
+    with pytest.raises(BrepError, match=r"of 240 struts may overlap others"):
+        LatticeFill(BALL, "octet", 9.0, 0.5, drop_stubs=False)
+    small = bd.Sphere(8)
+    united = LatticeFill(small, "octet", 9.0, 0.5, unite=True)
+    assert len(united.skeleton.edges) == len(fill(tessellated(small), "octet", 9.0, 0.5).edges)
+    assert united.is_valid
+
+
+def test_struts_within_that_overlap_are_refused_all_the_same() -> None:
+    with pytest.raises(BrepError, match=r"struts may overlap others"):
+        LatticeBox("octet", 5.0, 10, 10, 10, 1.5)
 
 
 def test_lattice_joints_are_made_if_asked() -> None:

@@ -52,7 +52,7 @@ def sound_body(
     BrepError
         If struts overlap and `unite` is not asked for, or the union has too many triangles.
     """
-    overlapping = _overlapping(scaffold, smooth)
+    overlapping = overlapping_struts(scaffold, smooth)
     if len(overlapping) == 0:
         return to_brep(scaffold, smooth=smooth, caps=caps)
     if not unite:
@@ -63,6 +63,14 @@ def sound_body(
             "their union, or to_mesh_shape(to_solid(scaffold)) for a mesh"
         )
     return solid_of_union(scaffold, sides=ROUND_SIDES if smooth else 4)
+
+
+def overlapping_struts(scaffold: Scaffold, smooth: bool) -> Ints:
+    """Return the struts that are not known to keep apart from the others, ascending."""
+    if smooth:
+        # The subdivision runs close to the patches and can be tested.
+        return round_surface(scaffold, 8).left_out
+    return scaffold.embedding().left_out
 
 
 def solid_of_union(scaffold: Scaffold, *, sides: int) -> Shape:
@@ -86,14 +94,6 @@ def solid_of_union(scaffold: Scaffold, *, sides: int) -> Shape:
     shell = _shell_of_triangle(mesh)
     shells = [mesh.triangles[shell == k] for k in range(int(shell.max()) + 1)]
     return _occt_meshes.solid_of_triangles(mesh.vertices, shells)
-
-
-def _overlapping(scaffold: Scaffold, smooth: bool) -> Ints:
-    """Return the struts that are not known to keep apart from the others, ascending."""
-    if smooth:
-        # The subdivision runs close to the patches and can be tested.
-        return round_surface(scaffold, 8).left_out
-    return scaffold.embedding().left_out
 
 
 def _shell_of_triangle(mesh: TriangleMesh) -> Ints:

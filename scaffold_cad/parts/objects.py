@@ -18,6 +18,7 @@ from scaffold_cad.lattice import UnitCell, fill
 from scaffold_cad.lattice.clipping import Keep
 from scaffold_cad.lattice.struts import Radius
 from scaffold_cad.parts.bodies import sound_body
+from scaffold_cad.parts.stubs import without_overlapping_stubs
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
@@ -228,6 +229,7 @@ class LatticeBox(SkeletonPart):
         *,
         keep: Keep = "clip",
         dangling: bool = True,
+        drop_stubs: bool = True,
         smooth: bool = False,
         unite: bool = False,
         with_joints: bool = False,
@@ -247,6 +249,8 @@ class LatticeBox(SkeletonPart):
         radius : of the struts, mm; one number, or a function of positions (n, 3) in the box before
             it is rotated and placed, that returns (n,)
         keep, dangling : what becomes of struts that the box cuts, see `fill`
+        drop_stubs : whether struts that end free and overlap others are left out, unless they are
+            united
         smooth : whether struts are round and nodes smooth; struts are square otherwise
         unite : whether struts that overlap are united; the faces are then triangles
         with_joints : whether extremities get joints
@@ -265,7 +269,7 @@ class LatticeBox(SkeletonPart):
             raise OptionError(f"the box is {length:g} x {width:g} x {height:g} mm; need > 0")
         low = -sides * [ALIGNED[one] for one in tuplify(align, 3) or [Align.NONE] * 3]
         skeleton = fill([low, low + sides], cell, size, radius, keep=keep, dangling=dangling)
-        scaffold = build_scaffold(skeleton, collars=True)
+        scaffold = lattice_scaffold(skeleton, smooth=smooth, drop_stubs=drop_stubs and not unite)
         super().__init__(
             sound_body(scaffold, smooth=smooth, unite=unite),
             scaffold,
@@ -294,6 +298,7 @@ class LatticeFill(SkeletonPart):
         *,
         keep: Keep = "clip",
         dangling: bool = True,
+        drop_stubs: bool = True,
         origin: ArrayLike | None = None,
         smooth: bool = False,
         unite: bool = False,
@@ -312,8 +317,9 @@ class LatticeFill(SkeletonPart):
         cell : a unit cell or its name, see `cells`
         size : of one cell, mm: three numbers, or one
         radius : of the struts, mm; one number, or a function of positions (n, 3) that returns (n,)
-        keep, dangling, origin : see `fill`; `keep="whole"` cuts no struts, which keeps more of them
-            apart
+        keep, dangling, origin : see `fill`
+        drop_stubs : whether struts that end free and overlap others, as cut ones do, are left out,
+            unless they are united
         smooth : whether struts are round and nodes smooth; struts are square otherwise
         unite : whether struts that overlap are united; the faces are then triangles
         with_joints : whether extremities get joints
@@ -331,7 +337,7 @@ class LatticeFill(SkeletonPart):
         """
         region = brep.tessellated(part) if isinstance(part, Shape) else part
         skeleton = fill(region, cell, size, radius, keep=keep, dangling=dangling, origin=origin)
-        scaffold = build_scaffold(skeleton, collars=True)
+        scaffold = lattice_scaffold(skeleton, smooth=smooth, drop_stubs=drop_stubs and not unite)
         super().__init__(
             sound_body(scaffold, smooth=smooth, unite=unite),
             scaffold,
@@ -359,6 +365,13 @@ def as_scaffold(what: Skeleton | Scaffold, options: dict[str, Any]) -> Scaffold:
             f"{', '.join(options)} given for a Scaffold, which is built; need a Skeleton"
         )
     return what
+
+
+def lattice_scaffold(skeleton: Skeleton, *, smooth: bool, drop_stubs: bool) -> Scaffold:
+    """Return the scaffold of a lattice, with collars, without stubs that overlap if asked."""
+    if drop_stubs:
+        return without_overlapping_stubs(skeleton, smooth=smooth)
+    return build_scaffold(skeleton, collars=True)
 
 
 def add_joints(body: Shape, scaffold: Scaffold) -> None:

@@ -53,7 +53,7 @@ def show(what: Any, name: str | None = None) -> None:
 def _in_cq_editor(caller: FrameType) -> Display | None:
     """Return how to show in CQ-editor, which gives its scripts a global `show_object`."""
     for frame in _and_callers(caller):
-        show_object = frame.f_globals.get("show_object")
+        show_object: Any = frame.f_globals.get("show_object")
         if (getattr(show_object, "__module__", None) or "").startswith("cq_editor."):
             return lambda what, name: show_object(
                 to_cadquery(what), name=name, options=_cq_options(what)
