@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from itertools import pairwise
 from pathlib import Path
 
@@ -22,7 +23,7 @@ from scaffold_cad import (
     smooth_mesh,
     to_trimesh,
 )
-from scaffold_cad.arrays import Floats, Points
+from scaffold_cad.arrays import Floats, Ints, Points
 from scaffold_cad.convolution import ConvolutionField, KernelName, project
 from scaffold_cad.convolution.kernels import Cauchy, CompactCubic, Kernel, Pairs, tip_reach
 from scaffold_cad.convolution.nearby import all_pairs, nearby_pairs
@@ -305,15 +306,19 @@ def test_compact_field_is_the_sum_over_all_edges_and_0_beyond_its_width(
     assert (field.gradient(points[~is_near]) == 0).all()
 
 
+def together(blocks: Iterable[tuple[Ints, Ints]]) -> Ints:
+    """Return the pairs of a point and an edge that the blocks stand for, (2, k)."""
+    parts = [np.stack(np.broadcast_arrays(*block)).reshape(2, -1) for block in blocks]
+    return np.concatenate(parts, axis=1)
+
+
 def test_nearby_pairs_are_few_and_hold_all_within_reach() -> None:
     random = np.random.default_rng(2)
     starts = random.uniform(0, 100, (300, 3))
     ends = starts + random.normal(size=(300, 3)) * random.choice([1, 30], (300, 1))
     reaches = random.uniform(0.5, 3, 300)
     points = random.uniform(-10, 110, (4000, 3))
-    found = np.concatenate(
-        [np.stack(pair) for pair in nearby_pairs(points, starts, ends, reaches)], 1
-    )
+    found = together(nearby_pairs(points, starts, ends, reaches))
     spans = ends - starts
     share = np.einsum("pex,ex->pe", points[:, None] - starts, spans) / dot(spans, spans)
     feet = starts + np.clip(share, 0, 1)[..., None] * spans
@@ -325,7 +330,7 @@ def test_nearby_pairs_are_few_and_hold_all_within_reach() -> None:
 
 
 def test_all_pairs_come_once() -> None:
-    pairs = np.concatenate([np.stack(pair) for pair in all_pairs(70, 1000)], axis=1)
+    pairs = together(all_pairs(70, 1000))
     assert np.array_equal(pairs[0] * 1000 + pairs[1], np.arange(70000))
 
 

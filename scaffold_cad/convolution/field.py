@@ -133,7 +133,7 @@ class ConvolutionField:
         total = np.zeros(len(places))
         for rows, edges in self._pairs(places):
             pairs, _ = self._seen(places, rows, edges)
-            np.add.at(total, rows, self.integrand.over(pairs).values())
+            _add(total, rows, self.integrand.over(pairs).values())
         return total
 
     def gradient(self, points: ArrayLike) -> Floats:
@@ -148,15 +148,15 @@ class ConvolutionField:
             pairs, offsets = self._seen(places, rows, edges)
             integrals = self.integrand.over(pairs)
             slopes = integrals.slopes()
-            np.add.at(values, rows, integrals.values())
-            directions = self.axes.directions[edges]
-            parts = slopes.along[:, None] * directions + slopes.off[:, None] * offsets
-            for total, part in zip(gradients, parts.T, strict=True):
-                np.add.at(total, rows, part)
+            _add(values, rows, integrals.values())
+            for axis in range(3):
+                direction = self.axes.directions[edges, axis]
+                slope = slopes.along * direction + slopes.off * offsets[..., axis]
+                _add(gradients[axis], rows, slope)
         return FieldSamples(values, np.ascontiguousarray(gradients.T))
 
     def _pairs(self, points: Points) -> Iterator[tuple[Ints, Ints]]:
-        """Yield blocks of pairs of a point and an edge that may have an influence there."""
+        """Yield pairs of a point and an edge that may have an influence there, to broadcast."""
         axes, support = self.axes, self.integrand.support
         if len(points) == 0:
             return iter(())
@@ -165,12 +165,19 @@ class ConvolutionField:
         return nearby_pairs(points, axes.starts, axes.ends, support * axes.radii.max(axis=1))
 
     def _seen(self, points: Points, rows: Ints, edges: Ints) -> tuple[Pairs, Floats]:
-        """Return how each point lies to each edge, and its offset from the edge's line, (k, 3)."""
+        """Return how each point lies to each edge, and its offset from the edge's line."""
         axes = self.axes
-        offsets = points[rows] - axes.starts[edges]
         directions = axes.directions[edges]
+        offsets = points[rows] - axes.starts[edges]
         along = dot(offsets, directions)
-        offsets -= along[:, None] * directions
-        first, last = axes.radii[edges].T
-        pairs = Pairs(along, dot(offsets, offsets), axes.lengths[edges], first, last)
+        offsets -= along[..., None] * directions
+        radii = axes.radii[edges]
+        pairs = Pairs(
+            along, dot(offsets, offsets), axes.lengths[edges], radii[..., 0], radii[..., 1]
+        )
         return pairs, offsets
+
+
+def _add(total: Floats, rows: Ints, parts: Floats) -> None:
+    """Add `parts` to the entries `rows` of `total` (n,)."""
+    np.add.at(total, np.broadcast_to(rows, parts.shape).reshape(-1), parts.reshape(-1))

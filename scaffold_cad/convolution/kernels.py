@@ -39,18 +39,21 @@ SERIES_TERMS = 15
 
 @dataclass(frozen=True, eq=False)
 class Pairs:
-    """Points and edges that each other's field is asked for, one of each a row."""
+    """Points, and edges whose field is asked for there.
+
+    The first two are of one shape, to which the others are broadcast.
+    """
 
     along: Floats
-    """How far along the edge's line the foot of the point lies, from its start, shape (k,), mm."""
+    """How far along the edge's line the foot of the point lies, from its start, mm."""
     off: Floats
-    """Squared distance of the point from that line, shape (k,), mm²."""
+    """Squared distance of the point from that line, mm²."""
     length: Floats
-    """Length of the edge, shape (k,), mm."""
+    """Length of the edge, mm."""
     start_radius: Floats
-    """Radius at the edge's start, shape (k,), mm."""
+    """Radius at the edge's start, mm."""
     end_radius: Floats
-    """Radius at its end, shape (k,), mm."""
+    """Radius at its end, mm."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,16 +61,16 @@ class Slopes:
     """Gradients of integrals, in the plane through the point and the edge."""
 
     along: Floats
-    """Component along the edge, shape (k,), 1/mm."""
+    """Component along the edge, 1/mm."""
     off: Floats
-    """Component away from the edge's line, over the distance from it, shape (k,), 1/mm²."""
+    """Component away from the edge's line, over the distance from it, 1/mm²."""
 
 
 class Integrals(Protocol):
     """A kernel integrated along the edge of each pair."""
 
     def values(self) -> Floats:
-        """Return the integrals, (k,)."""
+        """Return the integrals."""
 
     def slopes(self) -> Slopes:
         """Return their gradients."""
@@ -161,7 +164,7 @@ class _CubicIntegrals:
         self.along, self.span = start + middle * span, span
 
     def values(self) -> Floats:
-        """Return the integrals, (k,)."""
+        """Return the integrals."""
         a, b, c, e = self.g0, self.g1, self.g2, self.tilt
         moment = self._sixth_moment()
         total = c * c * c * moment
@@ -181,7 +184,7 @@ class _CubicIntegrals:
         return np.maximum(total, 0)  # rounding
 
     def _sixth_moment(self) -> Floats:
-        """Return ∫ z⁶ / (1 − e z) dz over −1 ≤ z ≤ 1, (k,).
+        """Return ∫ z⁶ / (1 − e z) dz over −1 ≤ z ≤ 1.
 
         Moment j − 1 is e times moment j plus ∫ zʲ⁻¹ dz: the lower ones follow without loss.
         """
@@ -284,7 +287,7 @@ class _CauchyIntegrals:
         )
 
     def values(self) -> Floats:
-        """Return the integrals, (k,)."""
+        """Return the integrals."""
         third = np.log(self.high / self.low) + self.least * (1 / self.high - 1 / self.low)
         total = self._with_cubic((*self.squares, third / (2 * self.alpha * self.alpha)))
         total *= self.kernel.width**4 / self.kernel.norm
@@ -312,7 +315,7 @@ class _CauchyIntegrals:
         return Slopes(self.shift * off - factor * self._with_cubic(moments[1:]), off)
 
     def _with_cubic(self, moments: Sequence[Floats]) -> Floats:
-        """Return the integral of r³ times that of which the first four moments are given, (k,)."""
+        """Return the integral of r³ times that of which the first four moments are given."""
         total = self.cubic[0] * moments[0]
         for coefficient, moment in zip(self.cubic[1:], moments[1:], strict=True):
             total += coefficient * moment

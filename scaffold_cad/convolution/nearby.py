@@ -20,7 +20,9 @@ PAIRS_AT_ONCE = 1 << 15
 def nearby_pairs(
     points: Points, starts: Points, ends: Points, reaches: Floats
 ) -> Iterator[tuple[Ints, Ints]]:
-    """Yield blocks of pairs of a point and an edge, among them all that are within reach.
+    """Yield pairs of a point and an edge, among them all that are within reach.
+
+    They come as arrays of points and of edges that are to be broadcast against each other.
 
     Parameters
     ----------
@@ -34,7 +36,6 @@ def nearby_pairs(
     """
     order = order_in_space(points, points)
     firsts = np.arange(0, len(points), BLOCK)
-    sizes = np.diff(np.append(firsts, len(points)))
     low = np.minimum.reduceat(points[order], firsts, axis=0)
     high = np.maximum.reduceat(points[order], firsts, axis=0)
     block, edge = _overlaps(low, high, starts, ends, reaches)
@@ -46,22 +47,22 @@ def nearby_pairs(
     gaps = length(offsets - np.clip(share, 0, 1)[:, None] * spans[edge])
     near = gaps <= (radii[block] + reaches[edge]) * (1 + 1e-9)
     block, edge = block[near], edge[near]
+    full = len(points) // BLOCK
+    of_block = order[: full * BLOCK].reshape(full, BLOCK)
     at_once = PAIRS_AT_ONCE // BLOCK
-    for start in range(0, len(block), at_once):
-        part = block[start : start + at_once]
-        counts = sizes[part]
-        ahead = np.cumsum(counts) - counts
-        place = np.arange(counts.sum()) + np.repeat(firsts[part] - ahead, counts)
-        yield order[place], np.repeat(edge[start : start + at_once], counts)
+    in_full = np.flatnonzero(block < full)
+    for start in range(0, len(in_full), at_once):
+        part = in_full[start : start + at_once]
+        yield of_block[block[part]], edge[part, None]
+    yield order[None, full * BLOCK :], edge[block == full, None]
 
 
 def all_pairs(point_count: int, edge_count: int) -> Iterator[tuple[Ints, Ints]]:
-    """Yield all pairs of a point and an edge in blocks."""
+    """Yield all pairs of a point and an edge, as `nearby_pairs` does."""
     at_once = max(PAIRS_AT_ONCE // edge_count, 1)
-    edges = np.arange(edge_count)
+    edges = np.arange(edge_count)[None]
     for start in range(0, point_count, at_once):
-        rows = np.arange(start, min(start + at_once, point_count))
-        yield np.repeat(rows, edge_count), np.tile(edges, len(rows))
+        yield np.arange(start, min(start + at_once, point_count))[:, None], edges
 
 
 def _overlaps(

@@ -68,40 +68,60 @@ def project(mesh: QuadMesh, field: ConvolutionField) -> QuadMesh:
     fewer holes than the scaffold, and the mesh crosses itself: `self_intersections` tells.
     """
     longest = _shortest_edges(mesh)
-    points = _unfolded(_onto(mesh.vertices, field, longest), mesh.quads, field, longest)
-    missed = np.flatnonzero(~(np.abs(field.value(points) - 1) <= TOLERANCE))
+    placed = _onto(mesh.vertices, field, longest)
+    _unfold(placed, mesh.quads, field, longest)
+    missed = np.flatnonzero(~(np.abs(placed.values - 1) <= TOLERANCE))
     if len(missed):
         raise MeshError(
             f"vertex {missed[0]} at {mesh.vertices[missed[0]].tolist()} mm finds no place on the "
             f"convolution surface ({len(missed)} vertices in all do not); need a mesh near it"
         )
-    return mesh.moved(points)
+    return mesh.moved(placed.points)
 
 
-def _unfolded(start: Points, quads: Quads, field: ConvolutionField, longest: Floats) -> Points:
-    """Return the points `start` (v, 3) on the surface, spread where quads are folded, (v, 3), mm.
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """Where vertices came to, and the field there."""
+
+    points: Points
+    """Place of each, shape (v, 3), mm."""
+    values: Floats
+    """The field there, shape (v,)."""
+    gradients: Floats
+    """Its gradient, shape (v, 3), 1/mm."""
+
+    def put(self, where: Ints | Bools, other: Placed) -> None:
+        """Move the vertices `where` to the places of `other`."""
+        self.points[where] = other.points
+        self.values[where] = other.values
+        self.gradients[where] = other.gradients
+
+    def taken(self, where: Ints | Bools) -> Placed:
+        """Return a copy of the vertices `where`."""
+        return Placed(self.points[where], self.values[where], self.gradients[where])
+
+
+def _unfold(placed: Placed, quads: Quads, field: ConvolutionField, longest: Floats) -> None:
+    """Spread the vertices along the surface where quads are folded.
 
     Folds come where the surface is far from where the mesh was, as in the crotch of a fork. What
     does not unfold stays as it was.
     """
-    points = np.array(start)
-    gradients = field.gradient(points)
-    folded = _folded(points, quads, gradients)
-    touched = np.zeros(len(points), dtype=np.bool_)
+    before = placed.taken(np.arange(len(placed.points)))
+    folded = _folded(placed.points, quads, placed.gradients)
+    touched = np.zeros(len(placed.points), dtype=np.bool_)
     for _ in range(MOST_ROUNDS):
         if not folded.any():
-            return points
-        where, near = _around(quads, folded, len(points))
-        steps = _spreading(points, quads[near], gradients)[where]
-        points[where] = _onto(points[where] + steps, field, longest[where])
-        gradients[where] = field.gradient(points[where])
-        folded[near] = _folded(points, quads[near], gradients)
+            return
+        where, near = _around(quads, folded, len(touched))
+        steps = _spreading(placed.points, quads[near], placed.gradients)[where]
+        placed.put(where, _onto(placed.points[where] + steps, field, longest[where]))
+        folded[near] = _folded(placed.points, quads[near], placed.gradients)
         touched[where] = True
     sides = np.concatenate([quads[:, :2], quads[:, 1:3], quads[:, 2:], quads[:, ::3]])
-    part = component_labels(sides[touched[sides].all(axis=1)], len(points))
+    part = component_labels(sides[touched[sides].all(axis=1)], len(touched))
     hopeless = touched & np.isin(part, part[quads[folded]])
-    points[hopeless] = start[hopeless]
-    return points
+    placed.put(hopeless, before.taken(hopeless))
 
 
 def _folded(points: Points, quads: Quads, gradients: Floats) -> Bools:
@@ -136,16 +156,20 @@ def _spreading(points: Points, quads: Quads, gradients: Floats) -> Points:
     return np.asarray(steps - dot(steps, normals)[:, None] * normals)
 
 
-def _onto(start: Points, field: ConvolutionField, longest: Floats) -> Points:
-    """Return where the points `start` come to on the surface, (k, 3), mm; some may miss it."""
+def _onto(start: Points, field: ConvolutionField, longest: Floats) -> Placed:
+    """Return where the points `start` (k, 3) come to on the surface; some may miss it."""
     path = _walked(start, field, longest)
-    points = path.points
-    passing = ~path.resting & path.is_inside & path.is_outside
+    placed = path.placed
+    resting = np.abs(placed.values - 1) <= TOLERANCE
+    passing = ~resting & path.is_inside & path.is_outside
+    lost = ~resting & ~passing
+    points = placed.points
     points[passing] = _between(path.inside[passing], path.outside[passing], field)
-    lost = ~path.resting & ~passing
     if lost.any():
         points[lost] = _between(*_across(start[lost], field), field)
-    return points
+    samples = field.samples(points[~resting])
+    placed.put(~resting, Placed(points[~resting], samples.values, samples.gradients))
+    return placed
 
 
 def _shortest_edges(mesh: QuadMesh) -> Floats:
@@ -162,10 +186,8 @@ def _shortest_edges(mesh: QuadMesh) -> Floats:
 class Path:
     """Where vertices came to along the gradient."""
 
-    points: Points
-    """Last place of each, shape (v, 3), mm."""
-    resting: Bools
-    """Whether it is on the surface, shape (v,)."""
+    placed: Placed
+    """Their last places."""
     inside: Points
     """Last place where the field was more than 1, shape (v, 3), mm."""
     is_inside: Bools
@@ -178,27 +200,26 @@ class Path:
 
 def _walked(start: Points, field: ConvolutionField, longest: Floats) -> Path:
     """Return where the points `start` (v, 3) come to with steps of at most `longest` (v,), mm."""
-    points = np.array(start)
-    resting = np.zeros(len(points), dtype=np.bool_)
-    inside, outside = points.copy(), points.copy()
-    is_inside, is_outside = resting.copy(), resting.copy()
-    active = np.arange(len(points))
+    placed = Placed(np.array(start), np.zeros(len(start)), np.zeros_like(start))
+    inside, outside = placed.points.copy(), placed.points.copy()
+    is_inside, is_outside = np.zeros((2, len(start)), dtype=np.bool_)
+    active = np.arange(len(start))
     for _ in range(MOST_STEPS):
-        here = points[active]
+        here = placed.points[active]
         samples = field.samples(here)
+        placed.put(active, Placed(here, samples.values, samples.gradients))
         more = samples.values > 1
         inside[active[more]], outside[active[~more]] = here[more], here[~more]
         is_inside[active[more]], is_outside[active[~more]] = True, True
-        resting[active] = np.abs(samples.values - 1) <= TOLERANCE
         sure = length(samples.gradients) * longest[active] > LEAST_CHANGE * samples.values
-        going = sure & ~resting[active]
+        going = sure & (np.abs(samples.values - 1) > TOLERANCE)
         steps = _newton_steps(samples, field.integrand.exponent)[going]
         active = active[going]
         if len(active) == 0:
             break
         share = longest[active] / np.maximum(length(steps), longest[active])
-        points[active] += share[:, None] * steps
-    return Path(points, resting, inside, is_inside, outside, is_outside)
+        placed.points[active] += share[:, None] * steps
+    return Path(placed, inside, is_inside, outside, is_outside)
 
 
 def _newton_steps(samples: FieldSamples, exponent: float) -> Points:
