@@ -22,7 +22,7 @@ def to_brep(
     *,
     smooth: bool = False,
     caps: Caps = "round",
-    split: int = 0,
+    split: int | None = None,
 ) -> Shape:
     """Return the B-rep of a scaffold or a mesh: one face a quad, neighbours sharing their edges.
 

@@ -29,7 +29,7 @@ from scaffold_cad.smooth import (
 from scaffold_cad.smooth.alike import alike_parts
 from scaffold_cad.smooth.bernstein import bernstein, elevation, gram, product, thin_plate
 from scaffold_cad.smooth.catmull_clark import NO_CREASES, Connectivity
-from scaffold_cad.smooth.deviation import limit_distances, normal_jumps, turned_patches
+from scaffold_cad.smooth.deviation import limit_distances, normal_jumps
 from tests.meshes import CUBE as CUBE_MESH
 from tests.skeletons import BCC_STAR, JACK, NAMED, RING, STRUT, TETRAPOD, TREFOIL, TRIPOD
 from tests.strategies import skeletons
@@ -66,7 +66,7 @@ def test_split_patches_join_smoothly_and_lie_closer_to_the_limit(degree: int) ->
     assert split.bezier.degree == degree
     assert np.array_equal(split.quad_of_patch, np.repeat(whole.quad_of_patch, 4))
     assert normal_jumps(split).max() < ROUNDING
-    assert len(turned_patches(split)) == 0
+    assert len(split.turned) == 0
     if degree == 5:
         assert limit_distances(split).max() < 0.5 * limit_distances(whole).max()
 
@@ -103,6 +103,28 @@ def test_struts_of_lattices_have_the_asked_radius(cell: str, around: float, caps
     found = deviation(smooth_patches(scaffold, caps=caps), scaffold)
     assert found.strut_radii[:, 1] == pytest.approx(np.ones(len(found.strut_radii)), rel=0.005)
     assert found.radius_range == pytest.approx((1, 1), abs=around)
+
+
+def test_quads_are_cut_where_patches_would_fold() -> None:
+    long = Skeleton(
+        30 * np.vstack([[0, 0, 0], BCC_STAR.directions[::2]]), BCC_STAR.edges, BCC_STAR.radii
+    )
+    scaffold = build_scaffold(long)
+    plain = smooth_patches(scaffold, split=0)
+    assert len(plain.turned) > 0
+    patches = smooth_patches(scaffold)
+    assert len(patches.turned) == 0
+    assert len(patches.bezier.quads) == 4 * len(plain.bezier.quads)
+    assert normal_jumps(patches).max() < ROUNDING
+
+
+def test_patches_that_turn_over_all_the_same_are_logged(caplog: pytest.LogCaptureFixture) -> None:
+    nodes = [[0, 0, 0], [10, 0, 0], [10, 1, 0.2], [0, 1.2, 0.4], [5, 5, 5]]
+    overlapping = Skeleton(nodes, [[0, 1], [1, 2], [2, 3], [3, 0], [0, 4]], 1.0)
+    patches = smooth_patches(build_scaffold(overlapping))
+    quad = patches.quad_of_patch[patches.turned[0]]
+    assert f"patches turn over, that on quad {quad} first; collars or" in caplog.text
+    assert len(patches.bezier.quads) == len(patches.control.mesh.quads)
 
 
 def test_the_deviation_tells_what_is_wrong() -> None:
@@ -157,6 +179,7 @@ def test_a_mesh_without_a_skeleton_becomes_patches_too() -> None:
     radius = np.linalg.norm(points, axis=3)
     assert (radius.min(), radius.max()) == pytest.approx((0.84, 0.87), abs=0.03)
     assert np.array_equal(patches.quad_of_patch, np.arange(6))
+    assert len(smooth_patches(CUBE_MESH, degree=4).bezier.quads) == 4 * 6
 
 
 def test_patches_turn_and_grow_with_their_mesh() -> None:
@@ -237,7 +260,7 @@ def test_bad_arguments_are_named() -> None:
     with pytest.raises(OptionError, match="degree is 3; need 4 or 5"):
         smooth_patches(CUBE_MESH, degree=3)
     with pytest.raises(OptionError, match="degree is 4 and split 0; need split 1 or more"):
-        smooth_patches(CUBE_MESH, degree=4)
+        smooth_patches(CUBE_MESH, degree=4, split=0)
     with pytest.raises(OptionError, match="levels is -1; need 0 or more"):
         smooth_patches(CUBE_MESH, split=-1)
     with pytest.raises(MeshError, match="belongs to one quad only"):

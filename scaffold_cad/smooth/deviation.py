@@ -34,7 +34,7 @@ class Deviation:
     limit_distance: float
     """Largest distance of a patch from the Catmull-Clark limit surface, mm."""
     turned: Ints
-    """Patches whose normal turns over; none if all is well."""
+    """Patches that are folded or inside out; none if all is well."""
     strut_radii: Floats
     """Least, mean and greatest radius in the middle of each strut, shape (m, 3), mm; nan for a
     strut whose surface does not reach there."""
@@ -85,7 +85,7 @@ def deviation(patches: Patches, scaffold: Scaffold) -> Deviation:
     return Deviation(
         normal_jump=float(normal_jumps(patches).max(initial=0.0)),
         limit_distance=float(limit_distances(patches).max(initial=0.0)),
-        turned=turned_patches(patches),
+        turned=patches.turned,
         strut_radii=strut_radii(fine, np.repeat(strut, len(fine.quads) // len(strut)), skeleton),
         asked_radii=skeleton.radii[skeleton.edges].mean(axis=1),
     )
@@ -103,24 +103,6 @@ def normal_jumps(patches: Patches, samples: int = EDGE_SAMPLES) -> Floats:
     one, other = (_along_sides(normals, sides[smooth, k]) for k in range(2))
     jumps: Floats = angle_between(one, other[:, ::-1]).max(axis=1)
     return jumps
-
-
-def turned_patches(patches: Patches, samples: int = PATCH_SAMPLES) -> Ints:
-    """Return the patches that are folded or inside out.
-
-    Those whose normals at two neighbouring points are more than a right angle apart, or whose
-    normal in the middle points into the limit surface.
-    """
-    _, normals = patches.sampled(samples)
-    least = np.minimum(
-        dot(normals[:, 1:], normals[:, :-1]).min(axis=(1, 2)),
-        dot(normals[:, :, 1:], normals[:, :, :-1]).min(axis=(1, 2)),
-    )
-    fine = catmull_clark(patches.control.mesh, 1, patches.control.creases)
-    middles = len(fine.mesh.vertices) - len(patches.is_flat)
-    outward = limit(fine.mesh, fine.creases).normals[middles:]
-    centre = normals[:, samples // 2, samples // 2]
-    return np.flatnonzero(~patches.is_flat & ((least <= 0) | (dot(centre, outward) <= 0)))
 
 
 def limit_distances(patches: Patches, samples: int = PATCH_SAMPLES) -> Floats:

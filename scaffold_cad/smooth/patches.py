@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -16,16 +18,23 @@ from scaffold_cad.smooth.bicubic import bicubic_patches
 from scaffold_cad.smooth.catmull_clark import (
     NO_CREASES,
     Connectivity,
+    catmull_clark,
+    limit,
     limit_points,
     subdivided,
 )
 from scaffold_cad.smooth.control import Caps, ControlMesh, control_mesh
 from scaffold_cad.smooth.controlnet import ControlNet
 from scaffold_cad.smooth.g1 import G1System
-from scaffold_cad.vectors import normalize
+from scaffold_cad.vectors import dot, normalize
+
+_log = logging.getLogger(__name__)
 
 DEGREES = (4, 5)
 """Degrees that leave a surface free enough to be smooth; 4 does on patches that are not long."""
+
+TURN_SAMPLES = 9
+"""Points in each direction at which a patch is looked at for folds."""
 
 SAMPLE_LEVELS = 3
 """Subdivisions after which the limit surface is sampled: 9 × 9 points a patch."""
@@ -48,6 +57,24 @@ class Patches:
         """Quad of the scaffold, or of the mesh given, that each patch is a part of, shape (f,)."""
         return self.control.quad_of_quad
 
+    @cached_property
+    def turned(self) -> Ints:
+        """Patches that are folded or inside out; none if all is well.
+
+        Those whose normals at two neighbouring points are more than a right angle apart, or whose
+        normal in the middle points into the limit surface.
+        """
+        _, normals = self.sampled(TURN_SAMPLES)
+        least = np.minimum(
+            dot(normals[:, 1:], normals[:, :-1]).min(axis=(1, 2)),
+            dot(normals[:, :, 1:], normals[:, :, :-1]).min(axis=(1, 2)),
+        )
+        fine = catmull_clark(self.control.mesh, 1, self.control.creases)
+        middles = len(fine.mesh.vertices) - len(self.is_flat)
+        outward = limit(fine.mesh, fine.creases).normals[middles:]
+        centre = normals[:, TURN_SAMPLES // 2, TURN_SAMPLES // 2]
+        return np.flatnonzero(~self.is_flat & ((least <= 0) | (dot(centre, outward) <= 0)))
+
     def sampled(self, count: int) -> tuple[Floats, UnitVectors]:
         """Return points (f, count, count, 3), mm, of an even grid on each patch, and normals there.
 
@@ -66,16 +93,21 @@ class Patches:
 
 
 def smooth_patches(
-    surface: Scaffold | QuadMesh, degree: int = 5, split: int = 0, caps: Caps = "round"
+    surface: Scaffold | QuadMesh, degree: int = 5, split: int | None = None, caps: Caps = "round"
 ) -> Patches:
     """Return the smooth solid around a scaffold as Bézier patches: one a quad, all joins G1.
+
+    Where one a quad would fold, as long struts between nodes of high valency without collars may,
+    the quads are cut in four. Where that does not help, because struts overlap or leave a node
+    close to each other without collars, a warning is logged.
 
     Parameters
     ----------
     surface : a scaffold, whose struts get the radii of its skeleton; or a closed quad mesh, whose
         Catmull-Clark limit is followed as it is
-    degree : 5, or 4 with `split`: of the patches in both directions; 5 is fairer
-    split : how often each quad is cut in four first, for patches closer to the limit
+    degree : 5 or 4, of the patches in both directions; 5 is fairer, and 4 needs quads cut in four
+    split : how often each quad is cut in four first, for patches closer to the limit; by default as
+        rarely as will do, and not more than once
     caps : of a scaffold, see `control_mesh`; a flat cap meets its strut in an edge
 
     Raises
@@ -87,14 +119,32 @@ def smooth_patches(
     """
     if degree not in DEGREES:
         raise OptionError(f"degree is {degree}; need 4 or 5")
-    if degree < 5 and split < 1:
-        raise OptionError(
-            f"degree is {degree} and split {split}; need split 1 or more, or degree 5"
-        )
+    if degree < 5 and split == 0:
+        raise OptionError(f"degree is {degree} and split 0; need split 1 or more, or degree 5")
     if isinstance(surface, Scaffold):
         control = control_mesh(surface, caps)
     else:
         control = ControlMesh(surface, NO_CREASES, np.arange(len(surface.quads)))
+    if split is not None:
+        return _patched(control, degree, split)
+    if degree < 5:
+        return _patched(control, degree, 1)
+    patches = _patched(control, degree, 0)
+    if len(patches.turned) == 0:
+        return patches
+    finer = _patched(control, degree, 1)
+    if len(finer.turned) == 0:
+        return finer
+    _log.warning(
+        "%d patches turn over, that on quad %d first; collars or smaller radii may help",
+        len(patches.turned),
+        patches.quad_of_patch[patches.turned[0]],
+    )
+    return patches
+
+
+def _patched(control: ControlMesh, degree: int, split: int) -> Patches:
+    """Return the patches of a control mesh whose quads are cut in four `split` times."""
     coarse = Connectivity.of(control.mesh, control.creases)
     is_cap = coarse.is_crease[coarse.edge_of_side].all(axis=1)
     is_flat = np.repeat(is_cap, 4**split)

@@ -68,7 +68,7 @@ class Case:
     name: str
     skeleton: Callable[[], Skeleton]
     caps: Caps = "round"
-    split: int = 0
+    split: int | None = None
     with_union: bool = False
     collars: bool = True
     fit: Fit = "enclose"
