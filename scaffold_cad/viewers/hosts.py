@@ -9,7 +9,13 @@ from importlib.util import find_spec
 from types import FrameType
 from typing import Any, TypeAlias
 
-from scaffold_cad.errors import MissingBackendError
+from scaffold_cad.errors import MissingBackendError, OptionError
+from scaffold_cad.parts.surfaces import triangles_of
+from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.scaffold import Scaffold
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.solid import Solidified
+from scaffold_cad.trianglemesh import TriangleMesh
 from scaffold_cad.viewers.cadquery import to_cadquery
 from scaffold_cad.viewers.shapes import to_shape
 
@@ -24,8 +30,8 @@ def show(what: Any, name: str | None = None) -> None:
     """Show `what` in CQ-editor, in a notebook, or in an OCP CAD Viewer that is open.
 
     Objects are added to those that a script has shown before. In CQ-editor and OCP CAD Viewer a
-    skeleton is shown by its edges, and a scaffold by its faces; a notebook shows what the object
-    shows of itself there.
+    skeleton is shown by its edges, and a scaffold by its faces; a notebook draws what the package
+    has made as at the end of a cell, and the triangles of anything else.
 
     Parameters
     ----------
@@ -96,7 +102,17 @@ def _in_notebook() -> Display | None:
     if shell is None or not hasattr(shell, "kernel"):  # a terminal has none
         return None
     display = import_module("IPython.display").display
-    return lambda what, _name: display(what)
+    return lambda what, _name: display(_drawable(what))
+
+
+def _drawable(what: Any) -> Any:
+    """Return what a notebook draws of `what`: itself, or its triangles."""
+    if isinstance(what, Skeleton | Scaffold | QuadMesh | TriangleMesh | Solidified):
+        return what
+    try:
+        return triangles_of(what)
+    except OptionError:
+        return triangles_of(to_shape(what))
 
 
 def _name_of(what: Any, caller: FrameType) -> str:

@@ -13,6 +13,7 @@ from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import Patches, Subdivision
+from scaffold_cad.solid import Solidified
 
 if TYPE_CHECKING:
     from build123d import Shape
@@ -27,8 +28,9 @@ def to_shape(what: Any) -> Shape:
     Parameters
     ----------
     what : a Skeleton, which becomes straight edges; a Scaffold, a QuadMesh, or smooth patches,
-        whose quads become faces, as they are; a subdivision, a TriangleMesh, a manifold3d Manifold
-        or a trimesh Trimesh, see `to_mesh_shape`; a build123d shape or a builder, as it is
+        whose quads become faces, as they are; a subdivision, a TriangleMesh, a Solidified, a
+        manifold3d Manifold or a trimesh Trimesh, see `to_mesh_shape`; a build123d shape or a
+        builder, as it is
 
     Raises
     ------
@@ -47,6 +49,8 @@ def to_shape(what: Any) -> Shape:
         return to_brep(what.bezier if isinstance(what, Patches) else what, "shell")
     if isinstance(what, Scaffold | Subdivision):
         what = what.mesh
+    if isinstance(what, Solidified):
+        what = what.manifold
     if isinstance(what, QuadMesh) and len(what.quads) <= MOST_QUADS:
         return _faces(what)
     return to_mesh_shape(what)

@@ -17,6 +17,7 @@ from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import smooth_mesh, smooth_patches
+from scaffold_cad.solid import Solidified
 from scaffold_cad.trianglemesh import TriangleMesh
 from scaffold_cad.viewers import show, to_cadquery, to_shape
 from tests.meshes import CUBE
@@ -77,8 +78,13 @@ def test_patches_are_shown_by_their_faces() -> None:
 
 @pytest.mark.parametrize(
     "mesh_of",
-    [to_manifold, lambda mesh: TriangleMesh(mesh.vertices, mesh.triangles), to_trimesh],
-    ids=["manifold", "triangles", "trimesh"],
+    [
+        to_manifold,
+        lambda mesh: Solidified(to_manifold(mesh), np.zeros(0, dtype=np.intp), []),
+        lambda mesh: TriangleMesh(mesh.vertices, mesh.triangles),
+        to_trimesh,
+    ],
+    ids=["manifold", "solidified", "triangles", "trimesh"],
 )
 def test_triangles_are_shown_as_triangles(mesh_of: Any) -> None:
     shape = to_shape(mesh_of(CUBE))
@@ -165,6 +171,12 @@ def test_notebook_displays_the_object_itself(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setitem(sys.modules, "IPython.display", display)
     show(TRIPOD)
     assert shown == [TRIPOD]
+    patches = smooth_patches(build_scaffold(TRIPOD))
+    for what in (to_manifold(CUBE), bd.Box(1, 2, 3), patches):
+        show(what)
+    triangles = [len(one.triangles) for one in shown[1:] if isinstance(one, TriangleMesh)]
+    assert triangles[:2] == [12, 12]
+    assert triangles[2] > 2 * len(patches.bezier.quads)
 
 
 def test_ipython_in_a_terminal_is_no_notebook(monkeypatch: pytest.MonkeyPatch) -> None:
