@@ -17,11 +17,15 @@ import numpy as np
 from scaffold_cad.arrays import Bools, Edges, Floats, Ints, Points, Triangles
 from scaffold_cad.boxes import order_in_space, overlapping_neighbors
 from scaffold_cad.errors import MeshError, OptionError
+from scaffold_cad.threads import in_order
 from scaffold_cad.trianglemesh import TriangleMesh
 from scaffold_cad.vectors import dot, normalize, triple
 
 LARGEST_COORDINATE = 1e70
 """Products of four greater lengths would overflow, mm."""
+
+ONE_THREAD = 1 << 15
+"""Triangles that are not worth a second thread."""
 
 EXACT_PAIRS_AT_ONCE = 1 << 10
 """Pairs tested in whole numbers before a limit is looked at."""
@@ -182,23 +186,32 @@ def _picked(rows_of_three: Floats, rows: Ints, number: Ints | int) -> Floats:
 
 def _meeting_pairs(faces: _Faces, part: Ints, tolerance: float | None) -> Iterator[Edges]:
     """Yield blocks of the pairs of triangles that meet where they may not, shape (k, 2)."""
-    for i, j in overlapping_neighbors(*_boxes(faces.corners)):
-        together = part[i] == part[j]
-        i, j = i[together], j[together]
-        i, j, same = _left_open(faces, i, j)
-        if len(i) == 0:
-            continue
-        if tolerance is not None:
-            deep = _depth(faces, i, j) > tolerance
-            i, j, same = i[deep], j[deep], same[deep]
-        sure = same | _pierces(faces, i, j) | _pierces(faces, j, i)
-        pairs = np.stack([i, j], axis=1)
+
+    def left_open(block: tuple[Ints, Ints]) -> tuple[Edges, Bools]:
+        return _neither_apart_nor_crossing(faces, part, tolerance, *block)
+
+    blocks = overlapping_neighbors(*_boxes(faces.corners))
+    several = len(part) > ONE_THREAD
+    for pairs, sure in (in_order if several else map)(left_open, blocks):
         yield pairs[sure]
         unsure = pairs[~sure]
         for start in range(0, len(unsure), EXACT_PAIRS_AT_ONCE):
             some = unsure[start : start + EXACT_PAIRS_AT_ONCE]
             meets = [_meets_exactly(faces, i, j) for i, j in some.tolist()]
             yield some[np.array(meets)]
+
+
+def _neither_apart_nor_crossing(
+    faces: _Faces, part: Ints, tolerance: float | None, i: Ints, j: Ints
+) -> tuple[Edges, Bools]:
+    """Return the pairs not surely apart, shape (k, 2), and which of them surely meet, (k,)."""
+    together = part[i] == part[j]
+    i, j, same = _left_open(faces, i[together], j[together])
+    if tolerance is not None:
+        deep = _depth(faces, i, j) > tolerance
+        i, j, same = i[deep], j[deep], same[deep]
+    sure = same | _pierces(faces, i, j) | _pierces(faces, j, i)
+    return np.stack([i, j], axis=1), sure
 
 
 def _boxes(corners: Floats) -> tuple[Points, Points]:

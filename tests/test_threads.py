@@ -1,0 +1,53 @@
+"""Blocks of work in several threads: in order, few ahead, and errors come through."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from scaffold_cad.intersections import ONE_THREAD, self_intersections
+from scaffold_cad.scaffold import build_scaffold
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.smooth import smooth_mesh
+from scaffold_cad.threads import MOST_THREADS, in_order
+
+
+def test_results_come_in_the_order_of_the_items() -> None:
+    def work(item: int) -> int:
+        if item == 0:
+            time.sleep(0.05)  # others are done before the first
+        return item * item
+
+    assert list(in_order(work, range(100))) == [k * k for k in range(100)]
+
+
+def test_few_items_are_taken_ahead() -> None:
+    taken = []
+
+    def items() -> Iterator[int]:
+        for k in range(1000):
+            taken.append(k)
+            yield k
+
+    results = in_order(abs, items())
+    assert next(results) == 0
+    assert len(taken) <= 2 * MOST_THREADS + 1
+
+
+def test_an_error_in_a_thread_is_raised() -> None:
+    with pytest.raises(ZeroDivisionError):
+        list(in_order(lambda k: 1 // k, [2, 1, 0]))
+
+
+def test_large_meshes_are_tested_as_small_ones_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    nodes = [[-9, 0, 0], [9, 0, 0], [0, -9, 0.5], [0, 9, 0.5]]
+    crossing = build_scaffold(Skeleton(nodes, [[0, 1], [2, 3]], 1.0))
+    mesh = smooth_mesh(crossing, 6).mesh
+    assert len(mesh.triangles) > ONE_THREAD
+    found = self_intersections(mesh)
+    assert len(found) > 0
+    monkeypatch.setattr("scaffold_cad.intersections.ONE_THREAD", len(mesh.triangles))
+    np.testing.assert_array_equal(self_intersections(mesh), found)
