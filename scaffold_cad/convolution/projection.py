@@ -33,6 +33,10 @@ OUTWARD_STEP = 0.25
 MOST_OUTWARD_STEPS = 400
 """Most of those steps."""
 
+LEAST_FACINGS = (0.05, 0.5)
+"""Least cosines between a quad's corner and the surface that need no spreading, first to unfold
+quads, then to give them a shape."""
+
 MOST_ROUNDS = 20
 """Most times that vertices of folded quads are spread."""
 
@@ -69,7 +73,8 @@ def project(mesh: QuadMesh, field: ConvolutionField) -> QuadMesh:
     """
     longest = _shortest_edges(mesh)
     placed = _onto(mesh.vertices, field, longest)
-    _unfold(placed, mesh.quads, field, longest)
+    for least in LEAST_FACINGS:
+        _spread(placed, mesh.quads, field, longest, least)
     missed = np.flatnonzero(~(np.abs(placed.values - 1) <= TOLERANCE))
     if len(missed):
         raise MeshError(
@@ -101,35 +106,49 @@ class Placed:
         return Placed(self.points[where], self.values[where], self.gradients[where])
 
 
-def _unfold(placed: Placed, quads: Quads, field: ConvolutionField, longest: Floats) -> None:
-    """Spread the vertices along the surface where quads are folded.
+def _spread(
+    placed: Placed, quads: Quads, field: ConvolutionField, longest: Floats, least: float
+) -> None:
+    """Spread the vertices along the surface around quads that face it less than `least`.
 
-    Folds come where the surface is far from where the mesh was, as in the crotch of a fork. What
-    does not unfold stays as it was.
+    Folds come where the surface is far from where the mesh was, as in the crotch of a fork. Where
+    the worst corner is none the better for it all stays as it was.
     """
-    before = placed.taken(np.arange(len(placed.points)))
-    folded = _folded(placed.points, quads, placed.gradients)
+    facing = _facing(placed, quads)
+    before, facing_before = placed.taken(np.arange(len(placed.points))), facing.copy()
     touched = np.zeros(len(placed.points), dtype=np.bool_)
     for _ in range(MOST_ROUNDS):
-        if not folded.any():
-            return
-        where, near = _around(quads, folded, len(touched))
+        if facing.min(initial=1) >= least:
+            break
+        where, near = _around(quads, facing < least, len(touched))
         steps = _spreading(placed.points, quads[near], placed.gradients)[where]
         placed.put(where, _onto(placed.points[where] + steps, field, longest[where]))
-        folded[near] = _folded(placed.points, quads[near], placed.gradients)
+        facing[near] = _facing(placed, quads[near])
         touched[where] = True
-    sides = np.concatenate([quads[:, :2], quads[:, 1:3], quads[:, 2:], quads[:, ::3]])
-    part = component_labels(sides[touched[sides].all(axis=1)], len(touched))
-    hopeless = touched & np.isin(part, part[quads[folded]])
-    placed.put(hopeless, before.taken(hopeless))
+    vain = _not_better(quads, touched, facing_before, facing)
+    placed.put(vain, before.taken(vain))
 
 
-def _folded(points: Points, quads: Quads, gradients: Floats) -> Bools:
-    """Return which quads have a corner that looks inwards, (f,)."""
-    corners = points[quads]
+def _not_better(quads: Quads, touched: Bools, before: Floats, after: Floats) -> Ints:
+    """Return the `touched` vertices (v,) in parts whose least of `before` (f,) did not rise."""
+    pairs = np.concatenate([quads[:, [i, j]] for i in range(4) for j in range(i)])
+    part = component_labels(pairs[touched[pairs].all(axis=1)], len(touched))
+    part_of_quad = np.where(touched[quads], part[quads], -1).max(axis=1)
+    in_part = part_of_quad >= 0
+    leasts = []
+    for values in (before, after):
+        least = np.full(len(touched), np.inf)
+        np.minimum.at(least, part_of_quad[in_part], values[in_part])
+        leasts.append(least)
+    return np.flatnonzero(touched & (leasts[1] <= leasts[0])[part])
+
+
+def _facing(placed: Placed, quads: Quads) -> Floats:
+    """Return the least cosine between a quad's corners' normals and the surface's, (f,)."""
+    corners = placed.points[quads]
     ahead = np.roll(corners, -1, axis=1) - corners
-    normals = np.cross(ahead, -np.roll(ahead, 1, axis=1))
-    return np.asarray((dot(normals, gradients[quads]) >= 0).any(axis=1))
+    normals = normalize(np.cross(ahead, -np.roll(ahead, 1, axis=1)))
+    return np.asarray(-dot(normals, normalize(placed.gradients)[quads]).max(axis=1))
 
 
 def _around(quads: Quads, marked: Bools, count: int) -> tuple[Ints, Ints]:
