@@ -6,8 +6,10 @@ from typing import Any
 
 import numpy as np
 from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 
+from scaffold_cad.boxes import overlapping_boxes
 from scaffold_cad.intersections import self_intersections
 from scaffold_cad.manifolds import manifold_triangles
 from scaffold_cad.skeleton import Skeleton
@@ -38,22 +40,51 @@ def check_watertight(mesh: TriangleMesh) -> None:
 def contains(mesh: TriangleMesh, points: np.ndarray) -> np.ndarray:
     """Return whether each point is inside, by its winding number, (k,).
 
-    The solid angle of all triangles seen from the point: van Oosterom and Strackee, 1983.
+    The triangles above a point that face up count 1, those that face down -1: seen along a
+    direction at random, so that hardly any point is exactly above an edge. Those that are nearly
+    so are looked at from all sides.
     """
-    inside = np.empty(len(points), dtype=np.bool_)
-    corners = mesh.vertices[mesh.triangles]  # (t, 3, 3)
-    for k, point in enumerate(points):
-        a, b, c = np.moveaxis(corners - point, 1, 0)
-        la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
-        volume = np.einsum("ij,ij->i", np.cross(a, b), c)
-        cosine = (
-            la * lb * lc
-            + np.einsum("ij,ij->i", a, b) * lc
-            + np.einsum("ij,ij->i", b, c) * la
-            + np.einsum("ij,ij->i", c, a) * lb
-        )
-        inside[k] = np.arctan2(volume, cosine).sum() > np.pi
-    return inside
+    turn = Rotation.random(random_state=0).as_matrix()
+    corners, points = mesh.vertices[mesh.triangles] @ turn, points @ turn
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    tops = np.column_stack([points[:, :2], np.full(len(points), high[:, 2].max(initial=0.0))])
+    inside, unsure = np.zeros(len(points)), np.zeros(len(points), dtype=np.bool_)
+    boxes = overlapping_boxes(np.concatenate([low, points]), np.concatenate([high, tops]))
+    for triangle, point in boxes:  # the points come last
+        point = point - len(corners)
+        some = (triangle < len(corners)) & (point >= 0)
+        triangle, point = triangle[some], point[some]
+        rays = corners[triangle] - points[point, None]  # (p, 3, 3)
+        flat = rays[:, :, :2]
+        areas = np.linalg.det(np.stack([flat[:, [1, 2, 0]], flat[:, [2, 0, 1]]], axis=2))  # (p, 3)
+        total, height = areas.sum(axis=1), (areas * rays[:, :, 2]).sum(axis=1)
+        size = (np.abs(flat).max(axis=(1, 2)) + 1e-300) ** 2
+        hit = (np.sign(areas) == np.sign(total)[:, None]).all(axis=1)
+        above = height * np.sign(total) > 0
+        np.add.at(inside, point[hit & above], np.sign(total[hit & above]))
+        close = (np.abs(areas) < 1e-12 * size[:, None]).any(axis=1)
+        close |= hit & (np.abs(height) < 1e-12 * size * np.abs(rays[:, :, 2]).max(axis=1))
+        unsure[point[close]] = True
+    found = inside > 0.5
+    found[unsure] = [seen_from_all_sides(corners, point) for point in points[unsure]]
+    return found
+
+
+def seen_from_all_sides(corners: np.ndarray, point: np.ndarray) -> bool:
+    """Return whether triangles (t, 3, 3) surround a point: their solid angle is 4 pi.
+
+    van Oosterom, Strackee, The solid angle of a plane triangle, 1983.
+    """
+    a, b, c = np.moveaxis(corners - point, 1, 0)
+    la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
+    volume = np.einsum("ij,ij->i", np.cross(a, b), c)
+    cosine = (
+        la * lb * lc
+        + np.einsum("ij,ij->i", a, b) * lc
+        + np.einsum("ij,ij->i", b, c) * la
+        + np.einsum("ij,ij->i", c, a) * lb
+    )
+    return bool(np.arctan2(volume, cosine).sum() > np.pi)
 
 
 def distance_to_axes(skeleton: Skeleton, points: np.ndarray, samples: int = 200) -> np.ndarray:
