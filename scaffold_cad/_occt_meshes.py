@@ -29,6 +29,7 @@ TOLERANCE = 1e-7
 
 def triangulated_face(points: Points, triangles: Triangles) -> Face:
     """Return one face without a surface that carries triangles (t, 3), as of an STL file."""
+    # Triangles share their corners: OCCT would draw sides that belong to one triangle in black.
     mesh = Poly_Triangulation(len(points), len(triangles), False)
     for i, (x, y, z) in enumerate(points.tolist(), start=1):
         mesh.SetNode(i, gp_Pnt(x, y, z))
