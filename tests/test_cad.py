@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from scaffold_cad.cad import to_brep
@@ -12,7 +13,7 @@ from scaffold_cad.export import write
 from scaffold_cad.io import read_skeleton
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.smooth import smooth_mesh, smooth_patches
-from tests.skeletons import K4, TRIPOD, TWO_STRUTS
+from tests.skeletons import JACK, K4, TRIPOD, TWO_STRUTS
 
 build123d = pytest.importorskip("build123d")
 
@@ -46,6 +47,20 @@ def test_a_smooth_step_file_reads_back_valid(tmp_path: Path) -> None:
     solid = build123d.import_step(str(tmp_path / "tripod.step")).solids()[0]
     assert solid.is_valid
     assert len(solid.faces()) == len(patches.bezier.quads)
+
+
+@pytest.mark.parametrize("caps", ["round", "flat"])
+def test_faces_read_back_join_with_one_tangent_plane(tmp_path: Path, caps: str) -> None:
+    pytest.importorskip("manifold3d")
+    from tests.benchmarks.smooth import jumps_of_shape
+
+    patches = smooth_patches(build_scaffold(JACK, collars=True), caps=caps)  # type: ignore[arg-type]
+    write(patches, tmp_path / "jack.step")
+    jumps = jumps_of_shape(build123d.import_step(str(tmp_path / "jack.step")))
+    curved = np.count_nonzero(~patches.is_flat)
+    # Each side of a curved face but those along a flat cap.
+    assert len(jumps) == 4 * curved - 4 * (len(patches.is_flat) - curved)
+    assert np.degrees(jumps.max()) < 1e-6
 
 
 def test_a_box_cuts_the_smooth_stick_woman_in_two_valid_halves() -> None:

@@ -71,6 +71,15 @@ def test_split_patches_join_smoothly_and_lie_closer_to_the_limit(degree: int) ->
         assert limit_distances(split).max() < 0.5 * limit_distances(whole).max()
 
 
+def test_rings_are_split_too() -> None:
+    scaffold = build_scaffold(RING)
+    patches = smooth_patches(scaffold, split=1)
+    assert len(patches.bezier.quads) == 4 * len(scaffold.mesh.quads)
+    found = deviation(patches, scaffold)
+    assert found.normal_jump < ROUNDING
+    assert found.radius_range == pytest.approx((1, 1), abs=0.025)
+
+
 def test_regular_patches_are_the_limit_itself() -> None:
     patches = smooth_patches(build_scaffold(TREFOIL))
     points, normals = patches.sampled(9)

@@ -60,7 +60,7 @@ def control_mesh(scaffold: Scaffold, caps: Caps = "round") -> ControlMesh:
     """Return the mesh whose Catmull-Clark limit has the radii of the scaffold's skeleton.
 
     The limit's radius in the middle of each strut is the strut's, whatever the scaffold's
-    `section`: exactly on average, and to 1.5 % all around, where every strut has sections of its
+    `section`: within 2.5 % all around, and on average exactly, where every strut has sections of its
     own, and so with `collars=True`; else struts that share sections come as near as these allow.
     The limit encloses the spheres of branch points.
 
