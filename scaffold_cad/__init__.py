@@ -8,6 +8,7 @@
 
 from scaffold_cad.beams import BeamLattice
 from scaffold_cad.cad import to_brep
+from scaffold_cad.convolution import ConvolutionField, project
 from scaffold_cad.embedding import Embedding
 from scaffold_cad.export import write
 from scaffold_cad.frames import rotation_minimizing_frames
@@ -44,9 +45,11 @@ from scaffold_cad.smooth import (
 from scaffold_cad.solid import Solidified, solidified, to_solid
 from scaffold_cad.thicken import frame_scaffold, thicken
 from scaffold_cad.trianglemesh import TriangleMesh
+from scaffold_cad.viewers import show
 
 __all__ = [
     "BeamLattice",
+    "ConvolutionField",
     "Embedding",
     "FineSurface",
     "Partition",
@@ -73,11 +76,13 @@ __all__ = [
     "mapped",
     "partition_sphere",
     "partition_spheres",
+    "project",
     "read_skeleton",
     "register_cell",
     "relative_density",
     "rotation_minimizing_frames",
     "self_intersections",
+    "show",
     "smooth_mesh",
     "smooth_patches",
     "solidified",

@@ -35,7 +35,7 @@ def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.mark.parametrize("program", blocks("python"), ids=["first", "api"])
+@pytest.mark.parametrize("program", blocks("python"), ids=["first", "api", "build123d"])
 def test_program_runs_and_writes_what_it_names(program: str, checkout: Path) -> None:
     exec(compile(program, "README.md", "exec"), {})
     named = re.findall(r'write\(.*"([\w.]+)"\)', program)
