@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 from importlib.util import find_spec
 from types import ModuleType, SimpleNamespace
@@ -54,6 +55,15 @@ def open_viewer(monkeypatch: pytest.MonkeyPatch, name: str, port: int | None = 3
     viewer = Viewer(name, port)
     monkeypatch.setitem(sys.modules, name, viewer)
     return viewer
+
+
+def test_viewers_are_imported_without_build123d() -> None:
+    program = (
+        "import sys, scaffold_cad.viewers; "
+        "print({'build123d', 'OCP', 'IPython', 'cadquery', 'ocp_vscode'} & set(sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stdout.strip() == "set()", done.stderr
 
 
 # --- what is shown ---
