@@ -34,10 +34,12 @@ from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 from scaffold_cad.smooth import (
+    Deviation,
     FineSurface,
     Patches,
     Subdivision,
     catmull_clark,
+    deviation,
     fine_surface,
     smooth_mesh,
     smooth_patches,
@@ -50,6 +52,7 @@ from scaffold_cad.viewers import show
 __all__ = [
     "BeamLattice",
     "ConvolutionField",
+    "Deviation",
     "Embedding",
     "FineSurface",
     "Partition",
@@ -69,6 +72,7 @@ __all__ = [
     "check_printability",
     "check_skeleton",
     "delaunay_foam",
+    "deviation",
     "fill",
     "fine_surface",
     "frame_scaffold",
