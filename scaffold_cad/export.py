@@ -14,7 +14,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from os import PathLike
@@ -22,18 +21,18 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from scaffold_cad import brep
+from scaffold_cad.backends import is_instance
 from scaffold_cad.beams import BeamLattice
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.files import check_target, replacing
 from scaffold_cad.io import skeleton_to_json
-from scaffold_cad.manifolds import manifold_triangles
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.shells import check_solid
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import FineSurface, Patches, Subdivision
-from scaffold_cad.solid import to_solid
+from scaffold_cad.surfaces import surface_of
 from scaffold_cad.trianglemesh import TriangleMesh
 from scaffold_cad.writers.glb import write_glb
 from scaffold_cad.writers.obj import write_obj, write_obj_lines
@@ -244,7 +243,7 @@ def _face_names(what: Any) -> list[str] | None:
 
 def _shape(what: Any) -> Any:
     """Return `what` as a build123d shape."""
-    if _is_instance(what, "build123d", "Shape"):
+    if is_instance(what, "build123d", "Shape"):
         return what
     patches = _patches(what)
     if patches is None:
@@ -263,40 +262,17 @@ def _triangles(what: Any) -> TriangleMesh:
 
 def _mesh(what: Any) -> QuadMesh | TriangleMesh:
     """Return the surface of `what` as quads, or as triangles if it has no quads."""
-    mesh = _any_mesh(what)
+    if isinstance(what, FineSurface):
+        raise FormatError("a FineSurface goes to .stl and .ply only; need smooth_mesh for others")
+    mesh = surface_of(what)
+    if mesh is None:
+        raise FormatError(
+            f"a mesh file cannot hold a {_kind(what)}; need a Scaffold, a mesh, a manifold3d "
+            "Manifold, a trimesh Trimesh or a build123d shape"
+        )
     if len(mesh.triangles) == 0:
         raise FormatError(f"the {_kind(what)} has no faces; need at least one")
     return mesh
-
-
-def _any_mesh(what: Any) -> QuadMesh | TriangleMesh:
-    if isinstance(what, QuadMesh | TriangleMesh):
-        return what
-    if isinstance(what, Subdivision):
-        return what.mesh
-    if isinstance(what, Scaffold):
-        # The quads as they are where they are one solid, the union of overlapping struts elsewhere.
-        return what.mesh if what.embedding().certified else manifold_triangles(to_solid(what))
-    if _is_instance(what, "manifold3d", "Manifold"):
-        return manifold_triangles(what)
-    if _is_instance(what, "trimesh", "Trimesh"):
-        return TriangleMesh(what.vertices, what.faces)
-    if isinstance(what, BezierMesh | Patches):
-        return brep.tessellated(_shape(what))
-    if _is_instance(what, "build123d", "Shape"):
-        return brep.tessellated(what)
-    if isinstance(what, FineSurface):
-        raise FormatError("a FineSurface goes to .stl and .ply only; need smooth_mesh for others")
-    raise FormatError(
-        f"a mesh file cannot hold a {_kind(what)}; need a Scaffold, a mesh, a manifold3d Manifold, "
-        "a trimesh Trimesh or a build123d shape"
-    )
-
-
-def _is_instance(what: Any, module: str, name: str) -> bool:
-    """Return whether `what` is of a class of an optional package, without importing that."""
-    loaded = sys.modules.get(module)
-    return loaded is not None and isinstance(what, getattr(loaded, name))
 
 
 def _kind(what: Any) -> str:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from scaffold_cad.backends import is_instance
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.brep import to_brep
 from scaffold_cad.errors import OptionError, ScaffoldCadError
 from scaffold_cad.parts.meshshapes import to_mesh_shape
-from scaffold_cad.parts.surfaces import is_instance
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton

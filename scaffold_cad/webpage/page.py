@@ -13,12 +13,11 @@ import numpy as np
 
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.files import replacing
-from scaffold_cad.manifolds import manifold_triangles
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.smooth import Subdivision
 from scaffold_cad.solid import Solidified, solidified
+from scaffold_cad.surfaces import surface_of
 from scaffold_cad.trianglemesh import TriangleMesh
 from scaffold_cad.webpage.layers import (
     ShownLayer,
@@ -31,6 +30,8 @@ from scaffold_cad.webpage.scene import Scene, filled
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
+
+    from scaffold_cad.smooth import Subdivision
 
 NOTEBOOK_FACES = 100_000
 """Most triangles, or edges, of what is shown in a notebook: they are kept in its file."""
@@ -127,18 +128,13 @@ def _face_count(what: Skeleton | Scaffold | QuadMesh | TriangleMesh | Solidified
 
 
 def _surface(what: Shown) -> QuadMesh | TriangleMesh:
-    if isinstance(what, QuadMesh | TriangleMesh):
-        return what
-    if isinstance(what, Subdivision):
-        return what.mesh
-    if isinstance(what, Solidified):
-        what = what.manifold
-    if type(what).__name__ != "Manifold":
+    mesh = surface_of(what)
+    if mesh is None:
         raise OptionError(
             f"a page cannot show a {type(what).__name__}; need a Skeleton, a Scaffold, a mesh or a "
             "manifold3d Manifold"
         )
-    return manifold_triangles(what)
+    return mesh
 
 
 def _counts(skeleton: Skeleton) -> str:

@@ -1,0 +1,64 @@
+"""The surface of whatever has one: what the package makes, and what other packages call a solid."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from scaffold_cad import brep
+from scaffold_cad.backends import is_instance
+from scaffold_cad.beziermesh import BezierMesh
+from scaffold_cad.errors import OptionError
+from scaffold_cad.manifolds import manifold_triangles
+from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.scaffold import Scaffold
+from scaffold_cad.smooth import Patches, Subdivision
+from scaffold_cad.solid import Solidified, to_solid
+from scaffold_cad.trianglemesh import TriangleMesh
+
+
+def surface_of(what: Any) -> QuadMesh | TriangleMesh | None:
+    """Return the surface of `what`, as quads if it has any; None if it has no surface.
+
+    Parameters
+    ----------
+    what : a mesh or a subdivision; a Scaffold, whose quads are taken as they are where they are
+        one solid and whose overlapping struts are united elsewhere; a manifold3d Manifold; a
+        build123d shape or smooth patches, within 0.01 mm; anything with arrays `vertices`, and
+        `triangles` or `faces` (t, 3), such as a trimesh Trimesh
+    """
+    if isinstance(what, QuadMesh | TriangleMesh):
+        return what
+    if isinstance(what, Subdivision):
+        return what.mesh
+    if isinstance(what, Scaffold):
+        return what.mesh if what.embedding().certified else manifold_triangles(to_solid(what))
+    if isinstance(what, Solidified):
+        return manifold_triangles(what.manifold)
+    if isinstance(what, BezierMesh | Patches):
+        return brep.tessellated(brep.to_brep(what.bezier if isinstance(what, Patches) else what))
+    if is_instance(what, "manifold3d", "Manifold"):
+        return manifold_triangles(what)
+    if is_instance(what, "build123d", "Shape"):
+        return brep.tessellated(what)
+    triangles = getattr(what, "faces", None)  # of trimesh, whose `triangles` are positions
+    if triangles is None:
+        triangles = getattr(what, "triangles", None)
+    if triangles is None or not hasattr(what, "vertices"):
+        return None
+    return TriangleMesh(what.vertices, triangles)
+
+
+def triangles_of(what: Any) -> TriangleMesh:
+    """Return the surface of `what` as triangles, see `surface_of`.
+
+    Raises
+    ------
+    OptionError
+        If it has none.
+    """
+    mesh = surface_of(what)
+    if mesh is None:
+        raise OptionError(
+            f"the body is a {type(what).__name__}; need a build123d solid or a triangle mesh"
+        )
+    return TriangleMesh(mesh.vertices, mesh.triangles) if isinstance(mesh, QuadMesh) else mesh
