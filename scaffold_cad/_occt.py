@@ -1,6 +1,6 @@
 """B-rep topology and files by OCCT.
 
-Importing build123d and its OCP takes seconds, so `brep.py` imports this module inside its functions.
+Importing build123d and its OCP takes seconds: `brep.py` imports this module in its functions.
 
 Neighbouring faces share their `TopoDS_Edge` and `TopoDS_Vertex` from the start: there is nothing
 to sew, and every tolerance is `TOLERANCE`.
