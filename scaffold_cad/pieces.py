@@ -53,13 +53,14 @@ class Pieces:
     """Points whose convex hulls are the struts left out and what joins them, each (p, 3), mm."""
 
 
-def solid_pieces(scaffold: Scaffold, embedded: Embedding, wobble: float = 0.0) -> Pieces:
+def solid_pieces(scaffold: Scaffold, embedded: Embedding, wobble: Floats) -> Pieces:
     """Return the pieces of the solid of `scaffold`, given which struts are embedded.
 
     Parameters
     ----------
-    wobble : how much the prisms of struts left out are made unlike each other, as a fraction of
-        their radius: faces that lie in one plane, or edges in one line, are hard to unite
+    wobble : (n,) float64; how much the prisms of struts left out are made unlike each other at
+        each node, as a fraction of their radius: faces that lie in one plane, or edges in one
+        line, are hard to unite
     """
     struts = _struts_left_out(scaffold, embedded.kept, wobble)
     return Pieces(
@@ -149,21 +150,25 @@ class _Struts:
     """Distance of the section's corners from the axis, in radii, shape (k,)."""
 
 
-def _struts_left_out(scaffold: Scaffold, kept: Bools, wobble: float) -> _Struts:
+def _struts_left_out(scaffold: Scaffold, kept: Bools, wobble: Floats) -> _Struts:
     """Return the struts for the edges left out, without joints that their shape does not need."""
     skeleton = scaffold.skeleton
-    ends, first_edge = _thinned_runs(skeleton, kept)
+    ends, first_edge, wobbles = _thinned_runs(skeleton, kept, wobble)
     axis = normalize(skeleton.nodes[ends[:, 1]] - skeleton.nodes[ends[:, 0]])
-    turn, widening = (wobble * _spread(len(ends), power) for power in (1, 2))
+    turn, widening = (wobbles * _spread(len(ends), power) for power in (1, 2))
     x = rotate(_across(axis, _corner_directions(scaffold, first_edge)), axis, turn)
     return _Struts(ends, axis, x, scaffold.options.corner_distance * (1.0 + widening))
 
 
-def _thinned_runs(skeleton: Skeleton, kept: Bools) -> tuple[Edges, Ints]:
-    """Return the ends of straight struts along the edges left out, (k, 2), and an edge of each.
+def _thinned_runs(skeleton: Skeleton, kept: Bools, wobble: Floats) -> tuple[Edges, Ints, Floats]:
+    """Return the ends of straight struts along the edges left out, (k, 2), and more of each.
 
     Where joints follow each other more closely than the radius, as in over-sampled curves, the
     prisms of single edges would be slices with nearly the same faces.
+
+    Returns
+    -------
+    (k, 2) intp, the ends; (k,) intp, an edge of each; (k,) float64, the largest wobble along it
     """
     walk = skeleton.chains
     tails = skeleton.edges.reshape(-1)
@@ -171,7 +176,7 @@ def _thinned_runs(skeleton: Skeleton, kept: Bools) -> tuple[Edges, Ints]:
     starts_chain = np.isin(steps, walk.offsets)
     follows = np.diff(steps, prepend=-2) == 1
     runs = np.split(walk.half_edges[steps], np.flatnonzero(~follows | starts_chain)[1:])
-    struts = [np.zeros((0, 3), dtype=np.intp)]
+    struts, wobbles = [np.zeros((0, 3), dtype=np.intp)], [np.zeros(0)]
     for run in runs if len(steps) else []:
         stops = np.append(tails[run], tails[run[-1] ^ 1])
         points, radii = skeleton.nodes[stops], skeleton.radii[stops]
@@ -180,8 +185,18 @@ def _thinned_runs(skeleton: Skeleton, kept: Bools) -> tuple[Edges, Ints]:
             mask[[len(run) // 3, 2 * len(run) // 3]] = True
         keep = np.flatnonzero(mask)
         struts.append(np.stack([stops[keep[:-1]], stops[keep[1:]], run[keep[:-1]] >> 1], axis=1))
+        wobbles.append(_largest_between(wobble[stops], keep))
     rows = np.concatenate(struts)
-    return rows[:, :2], rows[:, 2]
+    return rows[:, :2], rows[:, 2], np.concatenate(wobbles)
+
+
+def _largest_between(values: Floats, stops: Ints) -> Floats:
+    """Return the value of largest size from each stop to the next, both included, (stops - 1,)."""
+    before = stops[:-1]
+    above = np.maximum(np.maximum.reduceat(values, before), values[stops[1:]])
+    below = np.minimum(np.minimum.reduceat(values, before), values[stops[1:]])
+    largest: Floats = np.where(above >= -below, above, below)
+    return largest
 
 
 def _prisms(scaffold: Scaffold, struts: _Struts) -> list[Points]:

@@ -74,12 +74,12 @@ def round_surface(scaffold: Scaffold, sides: int) -> RoundSurface:
     return RoundSurface(None, np.arange(len(skeleton.edges)))
 
 
-def prisms_and_balls(scaffold: Scaffold, edges: Ints, sides: int, wobble: float) -> list[Points]:
+def prisms_and_balls(scaffold: Scaffold, edges: Ints, sides: int, wobble: Floats) -> list[Points]:
     """Return the corners of a prism along each of `edges` and of a ball at each of their ends.
 
     Parameters
     ----------
-    wobble : how much wider they are made than asked, relative to their radius
+    wobble : (n,) float64; how much wider they are made at each node, relative to the radius
     """
     skeleton = scaffold.skeleton
     radii = skeleton.radii * circumradius(sides) * (1.0 + wobble)

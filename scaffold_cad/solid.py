@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from scaffold_cad import manifolds
-from scaffold_cad.arrays import Ints
+from scaffold_cad.arrays import Floats, Ints, Points
 from scaffold_cad.collapse import without_short_edges
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.intersections import self_intersections
@@ -18,14 +18,20 @@ from scaffold_cad.pieces import solid_pieces
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.roundstruts import check_sides, prisms_and_balls, round_surface
 from scaffold_cad.scaffold import Scaffold
+from scaffold_cad.segments import nearest_on_segments
+from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.trianglemesh import TriangleMesh
+from scaffold_cad.vectors import length
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-WOBBLES = (0.0, 1e-3, -1e-3, 3e-3, -3e-3, 0.01, -0.01)
-"""How unlike each other the prisms of overlapping struts are made, in turn, until their union
-does not cross itself; relative to their radius. The first that works is taken."""
+WOBBLES = np.array([0.0, 1e-3, -1e-3, 3e-3, -3e-3, 0.01, -0.01])
+"""How unlike each other the prisms of overlapping struts are made, in turn, where their union
+crosses itself; relative to their radius. The first that works is taken."""
+
+NEAR_FAULT = 3.0
+"""How far from a fault of a union struts are made unlike each other, in their radii."""
 
 SINGLE_PRECISION = 2.0**-22
 """Least length of an edge after a union, in greatest coordinates: a few roundings to 32 bits."""
@@ -103,12 +109,12 @@ def _square_solid(scaffold: Scaffold) -> Solidified:
     if embedded.certified:
         return Solidified(manifolds.to_manifold(scaffold.mesh), embedded.left_out, [])
 
-    def united(wobble: float) -> Manifold:
+    def united(wobble: Floats) -> Manifold:
         pieces = solid_pieces(scaffold, embedded, wobble)
         surfaces = [pieces.surface] if len(pieces.surface.triangles) else []
         return manifolds.union([*surfaces, *pieces.spheres], pieces.hulls)
 
-    return _clean_union(united, embedded.left_out)
+    return _clean_union(united, scaffold.skeleton, embedded.left_out)
 
 
 def _round_solid(scaffold: Scaffold, sides: int) -> Solidified:
@@ -119,33 +125,64 @@ def _round_solid(scaffold: Scaffold, sides: int) -> Solidified:
     if surface.mesh is not None:
         surfaces.append(TriangleMesh(surface.mesh.vertices, surface.mesh.triangles))
 
-    def united(wobble: float) -> Manifold:
+    def united(wobble: Floats) -> Manifold:
         hulls = prisms_and_balls(scaffold, surface.left_out, sides, wobble)
         return manifolds.union(surfaces, hulls)
 
-    return _clean_union(united, surface.left_out)
+    return _clean_union(united, scaffold.skeleton, surface.left_out)
 
 
-def _clean_union(united: Callable[[float], Manifold], edges: Ints) -> Solidified:
+def _clean_union(
+    united: Callable[[Floats], Manifold], skeleton: Skeleton, edges: Ints
+) -> Solidified:
     """Return the first union without a fault, its voids filled.
+
+    Struts near a fault are made anew and all others as they were, so that nothing changes where
+    all is well: with thousands of struts no try would be without any fault.
 
     Parameters
     ----------
-    united : gives the union for a wobble
+    united : gives the union for a wobble of the struts at each node, shape (n,)
     edges : whose struts are united
     """
-    fault = ""
-    for wobble in WOBBLES:
-        filled, voids = manifolds.without_voids(united(wobble))
+    tries = np.zeros(len(skeleton.nodes), dtype=np.intp)
+    while True:
+        filled, voids = manifolds.without_voids(united(WOBBLES[tries]))
         try:
             return Solidified(manifolds.to_manifold(clean_surface(filled)), edges, voids)
-        except MeshError as error:
-            fault = str(error)
-        _log.debug("with a wobble of %g the union %s", wobble, fault)
-    raise MeshError(
-        f"the union of {len(edges)} overlapping struts {fault}; need a clean surface "
-        "(try other radii)"
-    )
+        except FaultySurfaceError as fault:
+            tries[_nodes_near(fault.places, skeleton, edges)] += 1
+            _log.debug("the union of %d struts %s", len(edges), fault)
+            if tries.max() == len(WOBBLES):
+                raise MeshError(
+                    f"the union of {len(edges)} overlapping struts {fault}; need a clean surface "
+                    "(try other radii)"
+                ) from None
+
+
+def _nodes_near(places: Points, skeleton: Skeleton, edges: Ints) -> Ints:
+    """Return the ends of those of `edges` whose struts are near one of `places` (k, 3).
+
+    All of them if there are no places, or none of them is near.
+    """
+    ends = skeleton.edges[edges]
+    start, end = (skeleton.nodes[ends[:, side]] for side in (0, 1))
+    reach = NEAR_FAULT * skeleton.radii[ends].max(axis=1)
+    near = np.zeros(len(edges), dtype=np.bool_)
+    for place in places:
+        here = np.broadcast_to(place, start.shape)
+        _, nearest = nearest_on_segments(here, here, start, end)
+        near |= length(nearest - here) < reach
+    return np.unique(ends[near] if near.any() else ends)
+
+
+class FaultySurfaceError(MeshError):
+    """A surface that is not that of a solid, and where."""
+
+    def __init__(self, message: str, places: Points) -> None:
+        super().__init__(message)
+        self.places = places
+        """Points near the faults, shape (k, 3), mm; none if nobody knows."""
 
 
 def clean_surface(manifold: Manifold) -> TriangleMesh:
@@ -155,17 +192,19 @@ def clean_surface(manifold: Manifold) -> TriangleMesh:
 
     Raises
     ------
-    MeshError
+    FaultySurfaceError
         If it crosses itself, or does not stay closed in 32-bit coordinates.
     """
     mesh = manifolds.manifold_triangles(manifold)
     extent = float(np.abs(mesh.vertices).max(initial=0.0))
     mesh = without_short_edges(mesh, SINGLE_PRECISION * extent)
-    crossings = len(self_intersections(mesh))
-    if crossings:
-        raise MeshError(f"crosses itself in {crossings} places")
+    crossings = self_intersections(mesh)
+    if len(crossings):
+        places = mesh.vertices[mesh.triangles[crossings[:, 0]]].mean(axis=1)
+        raise FaultySurfaceError(f"crosses itself in {len(crossings)} places", places)
     try:
         mesh.single_precision().check_closed()
     except MeshError as error:
-        raise MeshError(f"does not stay closed in 32-bit coordinates: {error}") from None
+        message = f"does not stay closed in 32-bit coordinates: {error}"
+        raise FaultySurfaceError(message, np.zeros((0, 3))) from None
     return mesh

@@ -8,11 +8,17 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from manifold3d import Manifold
 
+from scaffold_cad import solid
+from scaffold_cad.embedding import Embedding
+from scaffold_cad.errors import MeshError
 from scaffold_cad.lattice import tile
+from scaffold_cad.pieces import Pieces, solid_pieces
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import solidified, to_solid
+from scaffold_cad.trianglemesh import TriangleMesh
 from tests import skeletons as named
 from tests.meshes import CUBE
 from tests.real_files import RADII, real_skeleton
@@ -75,3 +81,40 @@ def test_solids_of_random_skeletons(skeleton: Skeleton, factor: float, collars: 
 def test_solids_of_real_files(shared_data: Path, name: str, factor: int) -> None:
     skeleton = real_skeleton(shared_data, name, factor)
     check_solid_of(skeleton, to_solid(build_scaffold(skeleton)))
+
+
+def test_only_struts_near_a_fault_are_made_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    wide = [[0, 0, 0], [40, 0, 0]]
+    crosses = [[[x, -9, 0.5], [x, 9, 0.5]] for x in (10, 30)]
+    nodes = np.concatenate([wide, *crosses])
+    skeleton = Skeleton(nodes, [[0, 1], [2, 3], [4, 5]], 1.0)
+    asked = []
+    clean = solid.clean_surface
+
+    def faulty_twice(manifold: Manifold) -> TriangleMesh:
+        if len(asked) < 3:
+            raise solid.FaultySurfaceError("has a fault", np.array([[10.0, 5.0, 0.5]]))
+        return clean(manifold)
+
+    def pieces(scaffold: Scaffold, embedded: Embedding, wobble: np.ndarray) -> Pieces:
+        asked.append(wobble)
+        return solid_pieces(scaffold, embedded, wobble)
+
+    monkeypatch.setattr(solid, "clean_surface", faulty_twice)
+    monkeypatch.setattr(solid, "solid_pieces", pieces)
+    result = solid.solidified(build_scaffold(skeleton))
+    check_solid_of(skeleton, result.manifold)
+    assert len(asked) == 3
+    for tries, wobble in enumerate(asked):
+        expected = np.zeros(6)
+        expected[[2, 3]] = solid.WOBBLES[tries]
+        np.testing.assert_array_equal(wobble, expected)
+
+
+def test_a_fault_that_stays_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    def faulty(manifold: Manifold) -> TriangleMesh:
+        raise solid.FaultySurfaceError("has a fault", np.zeros((0, 3)))
+
+    monkeypatch.setattr(solid, "clean_surface", faulty)
+    with pytest.raises(MeshError, match="the union of 2 overlapping struts has a fault; need"):
+        solid.solidified(build_scaffold(CROSSING))
