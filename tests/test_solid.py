@@ -15,7 +15,7 @@ from scaffold_cad.embedding import Embedding
 from scaffold_cad.errors import MeshError
 from scaffold_cad.lattice import tile
 from scaffold_cad.pieces import Pieces, solid_pieces
-from scaffold_cad.scaffold import build_scaffold
+from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import solidified, to_solid
 from scaffold_cad.trianglemesh import TriangleMesh
