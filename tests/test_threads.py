@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from threading import Event, Timer
 
 import numpy as np
 import pytest
 
-from scaffold_cad.intersections import ONE_THREAD, self_intersections
+from scaffold_cad.intersections import self_intersections
+from scaffold_cad.intersections.search import ONE_THREAD
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import smooth_mesh
@@ -42,6 +44,31 @@ def test_an_error_in_a_thread_is_raised() -> None:
         list(in_order(lambda k: 1 // k, [2, 1, 0]))
 
 
+@pytest.mark.parametrize("failing", [True, False], ids=["an error", "a break"])
+def test_what_waits_is_not_begun_in_vain(monkeypatch: pytest.MonkeyPatch, failing: bool) -> None:
+    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    begun, held = [], Event()
+
+    def work(item: int) -> int:
+        begun.append(item)
+        if item == 0:
+            return 1 // (0 if failing else 1)
+        assert held.wait(10)
+        return item
+
+    results = in_order(work, range(100))
+    release = Timer(0.2, held.set)  # shutting down waits for what is begun
+    release.start()
+    if failing:
+        with pytest.raises(ZeroDivisionError):
+            next(results)
+    else:
+        next(results)
+        results.close()
+    release.join()
+    assert sorted(begun) == [0, 1, 2]
+
+
 def test_large_meshes_are_tested_as_small_ones_are(monkeypatch: pytest.MonkeyPatch) -> None:
     nodes = [[-9, 0, 0], [9, 0, 0], [0, -9, 0.5], [0, 9, 0.5]]
     crossing = build_scaffold(Skeleton(nodes, [[0, 1], [2, 3]], 1.0))
@@ -49,5 +76,5 @@ def test_large_meshes_are_tested_as_small_ones_are(monkeypatch: pytest.MonkeyPat
     assert len(mesh.triangles) > ONE_THREAD
     found = self_intersections(mesh)
     assert len(found) > 0
-    monkeypatch.setattr("scaffold_cad.intersections.ONE_THREAD", len(mesh.triangles))
+    monkeypatch.setattr("scaffold_cad.intersections.search.ONE_THREAD", len(mesh.triangles))
     np.testing.assert_array_equal(self_intersections(mesh), found)
