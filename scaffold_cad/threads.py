@@ -18,14 +18,18 @@ MOST_THREADS = 8
 def in_order(function: Callable[[T], U], items: Iterable[T]) -> Iterator[U]:
     """Yield `function` of each item, in the items' order, a few of them at a time.
 
-    Only as many items are taken ahead as keep the threads busy.
+    Only as many items are taken ahead as keep the threads busy, and none of them is begun after an
+    error or once no more results are asked for.
     """
     threads = min(os.cpu_count() or 1, MOST_THREADS)
     waiting: deque[Future[U]] = deque()
-    with ThreadPoolExecutor(threads) as pool:
+    pool = ThreadPoolExecutor(threads)
+    try:
         for item in items:
             waiting.append(pool.submit(function, item))
             if len(waiting) > 2 * threads:
                 yield waiting.popleft().result()
         while waiting:
             yield waiting.popleft().result()
+    finally:
+        pool.shutdown(cancel_futures=True)

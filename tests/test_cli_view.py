@@ -5,13 +5,15 @@ from __future__ import annotations
 import json
 import tempfile
 import webbrowser
+from base64 import b64decode
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
+import numpy as np
 import pytest
 
-from scaffold_cad import build_scaffold, write
+from scaffold_cad import build_scaffold, to_solid, write
 from scaffold_cad.cli import main
 from tests.skeletons import K4
 
@@ -62,7 +64,12 @@ def test_a_page_is_written_and_not_opened(k4: str, tmp_path: Path, opened: list[
     page = tmp_path / "page.html"
     assert main(["view", k4, "--no-open", "-o", str(page)]) == 0
     assert opened == []
-    assert page.stat().st_size > 10_000
+    layers = layers_of(page)
+    (surface,) = layers["solid"]["parts"]
+    rows = np.frombuffer(b64decode(surface["rows"]), dtype="<u4")
+    assert len(rows) == 3 * to_solid(build_scaffold(K4)).num_tri()
+    lines = layers["skeleton"]["parts"][0]
+    assert len(b64decode(lines["rows"])) == 4 * K4.edges.size
 
 
 def test_the_solid_may_be_smooth_or_a_frame(k4: str, tmp_path: Path, opened: list[str]) -> None:
