@@ -11,7 +11,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scaffold_cad.errors import MeshError, SkeletonError
+from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 
 Floats: TypeAlias = NDArray[np.float64]
 """Real numbers of any shape."""
@@ -116,18 +116,25 @@ def as_quads(values: ArrayLike, name: str, count: int) -> Quads:
     return quads
 
 
-def as_floats(values: ArrayLike, name: str) -> Floats:
+def as_floats(
+    values: ArrayLike, name: str, error: type[SkeletonError] | type[OptionError] = SkeletonError
+) -> Floats:
     """Return a copy of `values` as float64 of any shape, finite or not.
 
     Raises
     ------
-    SkeletonError
+    SkeletonError, or another `error`
         If they are not numbers.
     """
     try:
-        return np.array(values, dtype=np.float64, order="C")
-    except (TypeError, ValueError, OverflowError) as error:
-        raise SkeletonError(f"{name} is not an array of numbers: {error}") from None
+        raw = np.asarray(values)
+        if raw.dtype.kind in "SU":
+            raise TypeError(f"it holds text, {raw.reshape(-1)[0]!s:.40}")
+        if values is None:  # numpy makes it nan
+            raise TypeError("it is None")
+        return np.array(raw, dtype=np.float64, order="C")
+    except (TypeError, ValueError, OverflowError) as reason:
+        raise error(f"{name} is not an array of numbers: {reason}") from None
 
 
 def _as_index(

@@ -8,7 +8,7 @@
     ├── MeshError            (ValueError)   a mesh that is not what it must be
     ├── BrepError            (ValueError)   a B-rep that could not be made
     ├── FormatError          (ValueError)   a file that cannot be read or written
-    ├── OptionError          (ValueError)   an argument out of its range
+    ├── OptionError          (ValueError)   an argument out of its range, or of a wrong kind
     └── MissingBackendError  (ImportError)  an optional package is absent
 """
 
@@ -40,7 +40,7 @@ class FormatError(ScaffoldCadError, ValueError):
 
 
 class OptionError(ScaffoldCadError, ValueError):
-    """An argument that is out of its range; the message names it and its value."""
+    """An argument out of its range or of a wrong kind; the message names it and its value."""
 
 
 class MissingBackendError(ScaffoldCadError, ImportError):

@@ -15,8 +15,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
+from scaffold_cad.arguments import as_number
 from scaffold_cad.arrays import Bools, Edges, Floats, Ints, Points, Radii, UnitVectors
-from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.errors import SkeletonError
 from scaffold_cad.topology import component_labels, incidence
 from scaffold_cad.vectors import dot, length, normalize
 
@@ -113,8 +114,8 @@ def repaired(
     SkeletonError
         If no edge is left, or a component has no radius > 0.
     """
-    if weld_distance is not None and not 0 <= weld_distance < np.inf:
-        raise OptionError(f"weld distance is {weld_distance:g} mm; need >= 0")
+    if weld_distance is not None:
+        weld_distance = as_number(weld_distance, "weld distance", or_zero=True)
     located: Bools = np.asarray(np.isfinite(nodes).all(axis=1))
     counts = {"nodes_without_position": int(np.sum(~located))}
     placed = edges[located[edges].all(axis=1)]

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from scaffold_cad.arguments import as_number, check_kind
 from scaffold_cad.arrays import (
     Edges,
     Floats,
@@ -18,12 +19,13 @@ from scaffold_cad.arrays import (
     Radii,
     UnitVectors,
     as_edges,
+    as_floats,
     as_points,
     as_radii,
     read_only,
 )
 from scaffold_cad.backends import need
-from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.errors import SkeletonError
 from scaffold_cad.repair import LEAST_LENGTH, Repairs, overlapping_half_edges, repaired
 from scaffold_cad.thinning import farthest_sample, kept_samples
 from scaffold_cad.topology import Chains, Incidence, chains, component_labels, incidence, valencies
@@ -32,7 +34,7 @@ from scaffold_cad.vectors import length
 if TYPE_CHECKING:
     from build123d import Curve
 
-    from scaffold_cad.lattice.struts import Radius
+    from scaffold_cad.radii import Radius
     from scaffold_cad.wires import Curves
 
 LEAST_RADIUS = 1e-9
@@ -75,12 +77,12 @@ class Skeleton:
         """Return the edges of build123d shapes as a skeleton.
 
         Curves become chains of straight edges. Where edges touch, cross or cover each other, they
-        are split and share a node.
+        are split and share a node, and so is one that crosses itself.
 
         Parameters
         ----------
-        curves : edges, wires, sketches or any other shapes of build123d, one or several: all edges
-            of a face and of a solid count
+        curves : edges, wires, sketches, builders or any other shapes of build123d, one or several:
+            all edges of a face and of a solid count
         radius : mm; one number, or a function of positions (n, 3) that returns radii (n,)
         tolerance : largest distance of the skeleton from the curves, mm; a curve turns by 30° at
             most from one joint to the next
@@ -105,6 +107,8 @@ class Skeleton:
 
         Raises
         ------
+        SkeletonError
+            If an edge is too short to be one in a CAD system.
         MissingBackendError
             If build123d is not installed.
         """
@@ -175,16 +179,15 @@ class Skeleton:
 
     def moved(self, nodes: ArrayLike) -> Skeleton:
         """Return the same graph and radii at other positions, shape (n, 3), mm."""
-        return Skeleton(np.asarray(nodes), self.edges, self.radii)
+        return Skeleton(as_points(nodes, "nodes"), self.edges, self.radii)
 
     def with_radii(self, radii: ArrayLike) -> Skeleton:
         """Return the same graph with other radii, shape (n,) or one number, mm."""
-        return Skeleton(self.nodes, self.edges, np.asarray(radii))
+        return Skeleton(self.nodes, self.edges, as_floats(radii, "radii"))
 
     def scaled(self, factor: float) -> Skeleton:
         """Return the skeleton with positions and radii multiplied by `factor` > 0."""
-        if not 0 < factor < np.inf:
-            raise OptionError(f"scale factor is {factor:g}; need > 0")
+        factor = as_number(factor, "scale factor", unit="")
         return Skeleton(self.nodes * factor, self.edges, self.radii * factor)
 
     def cleaned(
@@ -225,8 +228,7 @@ class Skeleton:
         ----------
         tolerance : mm, ≥ 0
         """
-        if not 0 <= tolerance < np.inf:
-            raise OptionError(f"simplification tolerance is {tolerance:g} mm; need >= 0")
+        tolerance = as_number(tolerance, "simplification tolerance", or_zero=True)
         lone, walks = self._walks()
         kept = [self._kept(stops, tolerance) for stops in walks]
         ends = np.asarray([(row[0], row[-1]) for row in kept], dtype=np.intp).reshape(-1, 2)
@@ -294,11 +296,14 @@ def check_skeleton(skeleton: Skeleton) -> None:
 
     Raises
     ------
+    OptionError
+        If it is no skeleton.
     SkeletonError
         For the first of: no edge, a self-loop, an isolated node, coincident nodes, an edge too
         short for its direction to be computed, a repeated edge, a radius too small for the
         rounding of coordinates, two edges that leave a node within 0.01° of each other.
     """
+    check_kind(skeleton, Skeleton)
     nodes, edges = skeleton.nodes, skeleton.edges
     hint = "use Skeleton.cleaned() to repair it"
     if len(edges) == 0:

@@ -7,6 +7,7 @@ from typing import Any
 from scaffold_cad import brep
 from scaffold_cad.backends import is_instance
 from scaffold_cad.beziermesh import BezierMesh
+from scaffold_cad.builders import built
 from scaffold_cad.errors import OptionError
 from scaffold_cad.manifolds import manifold_triangles
 from scaffold_cad.quadmesh import QuadMesh
@@ -23,9 +24,15 @@ def surface_of(what: Any) -> QuadMesh | TriangleMesh | None:
     ----------
     what : a mesh or a subdivision; a Scaffold, whose quads are taken as they are where they are
         one solid and whose overlapping struts are united elsewhere; a manifold3d Manifold; a
-        build123d shape or smooth patches, within 0.01 mm; anything with arrays `vertices`, and
-        `triangles` or `faces` (t, 3), such as a trimesh Trimesh
+        build123d shape, a builder's, or smooth patches, within 0.01 mm; anything with arrays
+        `vertices`, and `triangles` or `faces` (t, 3), such as a trimesh Trimesh
+
+    Raises
+    ------
+    OptionError
+        If it is a builder of build123d that holds no shape yet.
     """
+    what = built(what)
     if isinstance(what, QuadMesh | TriangleMesh):
         return what
     if isinstance(what, Subdivision):
@@ -43,9 +50,11 @@ def surface_of(what: Any) -> QuadMesh | TriangleMesh | None:
     triangles = getattr(what, "faces", None)  # of trimesh, whose `triangles` are positions
     if triangles is None:
         triangles = getattr(what, "triangles", None)
-    if triangles is None or not hasattr(what, "vertices"):
+    vertices = getattr(what, "vertices", None)
+    # Where they are methods, as of shapes of CAD packages, they are something else.
+    if triangles is None or vertices is None or callable(triangles) or callable(vertices):
         return None
-    return TriangleMesh(what.vertices, triangles)
+    return TriangleMesh(vertices, triangles)
 
 
 def triangles_of(what: Any) -> TriangleMesh:
@@ -59,6 +68,7 @@ def triangles_of(what: Any) -> TriangleMesh:
     mesh = surface_of(what)
     if mesh is None:
         raise OptionError(
-            f"the body is a {type(what).__name__}; need a build123d solid or a triangle mesh"
+            f"the body is a {type(what).__name__}; need a build123d solid, a manifold3d or trimesh "
+            "one, a Scaffold, or a mesh with arrays of vertices and triangles"
         )
     return TriangleMesh(mesh.vertices, mesh.triangles) if isinstance(mesh, QuadMesh) else mesh

@@ -7,49 +7,77 @@ they are called.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from itertools import chain
+from itertools import chain, pairwise
 from typing import TypeAlias
 
 import numpy as np
-from build123d import Curve, Edge, Shape
+from build123d import Builder, Curve, Edge, Shape
 from OCP.BOPAlgo import BOPAlgo_Builder
 from OCP.BRep import BRep_Builder, BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Curve
+from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge
 from OCP.GCPnts import GCPnts_TangentialDeflection
+from OCP.GeomAbs import GeomAbs_CurveType
 from OCP.TopExp import TopExp
 from OCP.TopoDS import TopoDS_Compound, TopoDS_Edge
 
-from scaffold_cad._occt_meshes import line_edges
+from scaffold_cad._occt_meshes import TOLERANCE, line_edges
+from scaffold_cad.arguments import as_number
 from scaffold_cad.arrays import Edges, Points
+from scaffold_cad.builders import built
 from scaffold_cad.errors import OptionError, SkeletonError
-from scaffold_cad.lattice.struts import Radius, Struts
+from scaffold_cad.radii import Radius, radii_at
 from scaffold_cad.skeleton import Skeleton
 
-Curves: TypeAlias = Shape | Iterable[Shape]
-"""A shape of build123d that has edges, or several of them."""
+Curves: TypeAlias = Shape | Builder | Iterable[Shape | Builder]
+"""A shape of build123d that has edges, or a builder that holds one, or several of them."""
 
 TURN = np.pi / 6
 """Largest turn from one joint to the next along a curve, rad: a circle gets 12 of them."""
+
+HALF_TURN = 5
+"""Joints after which a curve has turned by less than π."""
+
+NEVER_CROSSING = (
+    GeomAbs_CurveType.GeomAbs_Line,
+    GeomAbs_CurveType.GeomAbs_Circle,
+    GeomAbs_CurveType.GeomAbs_Ellipse,
+    GeomAbs_CurveType.GeomAbs_Hyperbola,
+    GeomAbs_CurveType.GeomAbs_Parabola,
+)
+"""Curves that do not cross themselves."""
 
 
 def skeleton_from_edges(
     curves: Curves, radius: Radius, *, tolerance: float, contact: float
 ) -> Skeleton:
     """Do what `Skeleton.from_edges` says."""
-    for name, value in (("tolerance", tolerance), ("contact", contact)):
-        if not 0 < value < np.inf:
-            raise OptionError(f"{name} is {value:g} mm; need > 0")
-    edges = [edge.wrapped for edge in _edges_in(curves) if not _is_degenerate(edge)]
+    tolerance, contact = as_number(tolerance, "tolerance"), as_number(contact, "contact")
+    # Each once: shapes may share edges, as a face and its wire do.
+    distinct = dict.fromkeys(edge for edge in _edges_in(curves) if not _is_degenerate(edge))
+    edges = [piece for edge in distinct for piece in _pieces(edge.wrapped, tolerance)]
     if not edges:
         raise SkeletonError("the shapes have no edges; need at least one")
     polylines = [_sampled(edge, tolerance) for edge in _split_where_they_meet(edges, contact)]
     nodes, pairs = _chained(polylines)
     clean = Skeleton(nodes, pairs, np.asarray(1.0)).cleaned(weld_distance=contact).skeleton
-    return Struts(clean.nodes, clean.edges).skeleton(radius)
+    return clean.with_radii(radii_at(clean.nodes, radius))
 
 
 def wire_compound(skeleton: Skeleton) -> Curve:
-    """Return each edge of the skeleton, in order, as a straight build123d Edge of one Curve."""
+    """Return each edge of the skeleton, in order, as a straight build123d Edge of one Curve.
+
+    Raises
+    ------
+    SkeletonError
+        If an edge is no longer than OCCT's tolerance; it is named.
+    """
+    short = np.flatnonzero(skeleton.lengths <= TOLERANCE)
+    if len(short):
+        raise SkeletonError(
+            f"edge {short[0]} is {skeleton.lengths[short[0]]:g} mm long; need more than "
+            f"{TOLERANCE:g} (use Skeleton.cleaned() to repair it)"
+        )
     compound = TopoDS_Compound()
     builder = BRep_Builder()
     builder.MakeCompound(compound)
@@ -59,12 +87,13 @@ def wire_compound(skeleton: Skeleton) -> Curve:
 
 
 def _edges_in(curves: Curves) -> Iterator[Edge]:
-    """Yield the edges of a shape or of several, one after the other."""
-    shapes = [curves] if isinstance(curves, Shape) else list(curves)
-    strange = next((shape for shape in shapes if not isinstance(shape, Shape)), None)
-    if strange is not None:
+    """Return the edges of a shape or of several, one after the other."""
+    several = isinstance(curves, Iterable) and not isinstance(curves, Shape | str)
+    shapes = [built(shape) for shape in (curves if several else [curves])]
+    strange = [shape for shape in shapes if not isinstance(shape, Shape)]
+    if strange:
         raise OptionError(
-            f"a {type(strange).__name__} is no shape of build123d; need edges, wires or sketches"
+            f"a {type(strange[0]).__name__} is no shape of build123d; need edges, wires or sketches"
         )
     return chain.from_iterable(shape.edges() for shape in shapes)
 
@@ -72,6 +101,24 @@ def _edges_in(curves: Curves) -> Iterator[Edge]:
 def _is_degenerate(edge: Edge) -> bool:
     """Return whether an edge is a single point, such as a pole of a sphere."""
     return bool(BRep_Tool.Degenerated_s(edge.wrapped))
+
+
+def _pieces(edge: TopoDS_Edge, tolerance: float) -> list[TopoDS_Edge]:
+    """Return an edge in pieces that do not cross themselves.
+
+    Only a curve that turns by more than π can come back to where it was: a loop with one corner
+    turns by 2π, no more than π of it at the corner.
+    """
+    curve = BRepAdaptor_Curve(edge)
+    if curve.GetType() in NEVER_CROSSING:
+        return [edge]
+    sampler = GCPnts_TangentialDeflection(curve, TURN, tolerance)
+    last = sampler.NbPoints()
+    cuts = [sampler.Parameter(i) for i in (*range(1, last, HALF_TURN), last)]
+    if len(cuts) == 2:
+        return [edge]
+    path = curve.Curve().Curve().Transformed(curve.Trsf())
+    return [BRepBuilderAPI_MakeEdge(path, a, b).Edge() for a, b in pairwise(cuts)]
 
 
 def _split_where_they_meet(edges: list[TopoDS_Edge], distance: float) -> list[TopoDS_Edge]:

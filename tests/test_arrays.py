@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from scaffold_cad.arrays import as_edges, as_floats, as_points, as_quads, as_radii
-from scaffold_cad.errors import MeshError, SkeletonError
+from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 
 
 @pytest.mark.parametrize(
@@ -37,6 +37,11 @@ def test_lists_and_whole_numbers_become_float64() -> None:
     assert as_floats(3, "x").dtype == np.float64
 
 
+def test_the_error_of_what_is_no_number_may_be_another() -> None:
+    with pytest.raises(OptionError, match="size is not an array of numbers: it holds text, abc"):
+        as_floats("abc", "size", OptionError)
+
+
 def test_indices_become_intp() -> None:
     assert as_edges(np.array([[0, 1]], dtype=np.uint8), "edges", 2).dtype == np.intp
 
@@ -60,7 +65,9 @@ def test_one_radius_stands_for_all() -> None:
         ([[[1.0, 2.0, 3.0]]], r"nodes has shape \(1, 1, 3\); need \(n, 3\)"),
         ([[0, 0, 0], [0, np.nan, 0]], r"nodes\[1\] is \[0.0, nan, 0.0\]; need finite numbers"),
         ([[0, 0, np.inf]], r"nodes\[0\] is \[0.0, 0.0, inf\]; need finite numbers"),
-        ([[0, 0, "far"]], "nodes is not an array of numbers: could not convert"),
+        ([[0, 0, "far"]], "nodes is not an array of numbers: it holds text"),
+        ([["1", "2", "3"]], "nodes is not an array of numbers: it holds text, 1"),
+        (None, "nodes is not an array of numbers: it is None"),
         ([[0, 0, 0], [0, 0]], "nodes is not an array of numbers"),
         ([[0, 0, 10**400]], "nodes is not an array of numbers"),
         ([[0, 0, {}]], "nodes is not an array of numbers"),

@@ -205,9 +205,11 @@ def test_a_cell_that_is_no_graph_in_the_unit_cube_is_refused(
 
 def test_a_cell_without_name_or_with_bad_proportions_is_refused() -> None:
     rod = (np.array([[0, 0, 0], [1, 1, 1]]), np.array([[0, 1]]))
-    with pytest.raises(OptionError, match="name is empty"):
+    with pytest.raises(OptionError, match="name is ''; need a text"):
         UnitCell("", *rod)
-    with pytest.raises(OptionError, match=r"proportions of unit cell 'rod' are \[1.0, 0.0, 1.0\]"):
+    with pytest.raises(OptionError, match="name is 3; need a text"):
+        UnitCell(3, *rod)  # type: ignore[arg-type]
+    with pytest.raises(OptionError, match=r"proportions of unit cell 'rod' = \[1.0, 0.0, 1.0\]"):
         UnitCell("rod", *rod, proportions=np.array([1.0, 0.0, 1.0]))
 
 

@@ -45,12 +45,12 @@ def cylinders_without_overlaps(skeleton: Skeleton) -> float:
 @pytest.mark.parametrize("name", cells())
 def test_the_coefficient_of_a_cell_is_its_strut_length_over_its_volume(name: str) -> None:
     assert cells()[name].density_coefficient == pytest.approx(COEFFICIENTS[name], rel=1e-12)
-    assert relative_density(name, 0.4, 8.0) == pytest.approx(COEFFICIENTS[name] * 0.05**2)
+    assert relative_density(name, 8.0, 0.4) == pytest.approx(COEFFICIENTS[name] * 0.05**2)
 
 
 def test_the_density_of_a_stretched_cell_counts_its_true_lengths() -> None:
     # Three struts of 2, 3 and 6 mm in 36 mm³.
-    assert relative_density("sc", 0.5, (2.0, 3.0, 6.0)) == pytest.approx(np.pi / 4 * 11 / 36)
+    assert relative_density("sc", (2.0, 3.0, 6.0), 0.5) == pytest.approx(np.pi / 4 * 11 / 36)
 
 
 @given(
@@ -58,20 +58,20 @@ def test_the_density_of_a_stretched_cell_counts_its_true_lengths() -> None:
 )
 def test_the_radius_solved_for_has_the_density(name: str, size: float, density: float) -> None:
     radius = solve_radius(name, size, density)
-    assert relative_density(name, radius, size) == pytest.approx(density, rel=1e-12)
+    assert relative_density(name, size, radius) == pytest.approx(density, rel=1e-12)
 
 
 @pytest.mark.parametrize("name", cells())
 def test_the_measured_density_of_bare_cylinders_is_that_of_first_order(name: str) -> None:
-    measured = measured_density(name, 0.3, 5.0, cylinders)
-    assert measured == pytest.approx(relative_density(name, 0.3, 5.0), rel=1e-9)
+    measured = measured_density(name, 5.0, 0.3, cylinders)
+    assert measured == pytest.approx(relative_density(name, 5.0, 0.3), rel=1e-9)
 
 
 def test_the_measured_density_has_no_part_of_the_block_s_outside() -> None:
     # Per cell of BCC two nodes of valency 8, though nodes on the block's outside have less.
     overlap = 2 * 7 * 2 / 3 * np.pi * 0.3**3 / 5.0**3
-    measured = measured_density("bcc", 0.3, 5.0, cylinders_without_overlaps)
-    assert measured == pytest.approx(relative_density("bcc", 0.3, 5.0) - overlap, rel=1e-9)
+    measured = measured_density("bcc", 5.0, 0.3, cylinders_without_overlaps)
+    assert measured == pytest.approx(relative_density("bcc", 5.0, 0.3) - overlap, rel=1e-9)
 
 
 def test_the_measured_density_of_scaffolds_is_the_growth_of_large_blocks() -> None:
@@ -82,7 +82,7 @@ def test_the_measured_density_of_scaffolds_is_the_growth_of_large_blocks() -> No
         return volume(tile("sc", 10.0, n, radius=0.5))
 
     inside = (block(5) - 3 * block(4) + 3 * block(3) - block(2)) / 6  # third difference of n³
-    assert measured_density("sc", 0.5, 10.0, volume) == pytest.approx(inside / 1000, rel=1e-6)
+    assert measured_density("sc", 10.0, 0.5, volume) == pytest.approx(inside / 1000, rel=1e-6)
 
 
 @settings(max_examples=20)
@@ -92,7 +92,7 @@ def test_the_radius_solved_for_on_solids_has_the_measured_density(
 ) -> None:
     radius = solve_radius(name, 5.0, density, volume=cylinders_without_overlaps)
     assert radius > solve_radius(name, 5.0, density)  # overlaps take something away
-    measured = measured_density(name, radius, 5.0, cylinders_without_overlaps)
+    measured = measured_density(name, 5.0, radius, cylinders_without_overlaps)
     assert measured == pytest.approx(density, rel=1e-3)
 
 
@@ -109,4 +109,12 @@ def test_a_density_out_of_range_is_refused(density: float) -> None:
 
 def test_a_radius_out_of_range_is_refused() -> None:
     with pytest.raises(OptionError, match="radius is 0 mm; need > 0"):
-        relative_density("sc", 0.0, 5.0)
+        relative_density("sc", 5.0, 0.0)
+
+
+def test_struts_too_thick_for_a_density_are_refused() -> None:
+    most = 5 / np.sqrt(COEFFICIENTS["sc"])
+    assert relative_density("sc", 5.0, most * (1 - 1e-9)) == pytest.approx(1.0)
+    # As when size and radius are given the wrong way round.
+    with pytest.raises(OptionError, match=r"radius is 5 mm, .* 942; need less than 0\.163 mm"):
+        relative_density("sc", 0.5, 5.0)

@@ -294,6 +294,19 @@ def test_triangles_with_vertices_of_their_own_are_welded() -> None:
     assert len(fill(soup, "bcc", 10.0, 0.3).edges) == 8 * 24
 
 
+def test_solids_and_builders_of_build123d_are_regions() -> None:
+    build123d = pytest.importorskip("build123d")
+    with build123d.BuildPart() as builder:
+        build123d.Box(20, 20, 20, align=build123d.Align.MIN)
+    in_box = fill([[0, 0, 0], [20, 20, 20]], "bcc", 8.0, 0.5)
+    for region in (builder, builder.part):
+        in_part = fill(region, "bcc", 8.0, 0.5)
+        assert len(in_part.edges) == len(in_box.edges)
+        assert in_part.lengths.sum() == pytest.approx(in_box.lengths.sum())
+    with pytest.raises(OptionError, match="the BuildPart holds no shape yet; need one"):
+        fill(build123d.BuildPart(), "bcc", 8.0, 0.5)
+
+
 def test_an_open_mesh_is_refused() -> None:
     mesh = box_mesh()
     with pytest.raises(MeshError, match="no triangle runs along the edge"):
@@ -321,8 +334,11 @@ def test_a_region_without_struts_is_refused() -> None:
         (BOX, {"bounds": BOX}, "bounds are given for a region that has its own"),
         (BOX[::-1], {}, r"box is from \[35.0, .* need the first below the second"),
         (BOX[0], {}, r"box has shape \(3,\); need \(2, 3\)"),
-        (SimpleNamespace(vertices=BOX), {}, "is a SimpleNamespace without arrays of vertices"),
-        (SimpleNamespace(vertices=list, faces=list), {}, "without arrays of vertices"),
+        (SimpleNamespace(vertices=BOX), {}, "the region is a SimpleNamespace; need a box"),
+        ("abc", {}, "the region is a str; need a box, a function, a triangle mesh"),
+        (None, {}, "the region is a NoneType; need a box"),
+        ([["a"] * 3, ["b"] * 3], {}, "box is not an array of numbers: it holds text, a"),
+        (SimpleNamespace(vertices=list, faces=list), {}, "the region is a SimpleNamespace; need a box"),
     ],
 )
 def test_arguments_out_of_range_are_refused(

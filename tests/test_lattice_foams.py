@@ -148,7 +148,7 @@ def test_a_truss_has_the_nodes_that_a_foam_has_cells() -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"count": 0}, "count is 0 points; need at least 1"),
+        ({"count": 0}, "count is 0; need 1 or more"),
         ({"regularity": 0.8}, r"regularity is 0\.8; need 0 to 0\.7"),
         ({"regularity": -0.1}, r"regularity is -0\.1; need 0 to 0\.7"),
         ({"box": BOX[::-1]}, "need the first below the second"),

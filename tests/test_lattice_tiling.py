@@ -140,7 +140,7 @@ def test_a_radius_that_is_no_length_is_refused() -> None:
 
 @pytest.mark.parametrize("size", [0.0, -1.0, np.nan, (1.0, 2.0), (1.0, 2.0, 0.0)])
 def test_a_size_that_is_no_length_is_refused(size: float | tuple[float, ...]) -> None:
-    with pytest.raises(OptionError, match=r"cell size in mm is .*; need three numbers > 0"):
+    with pytest.raises(OptionError, match=r"cell size in mm = .*; need three numbers > 0"):
         tile("bcc", size, 1, radius=1.0)
 
 

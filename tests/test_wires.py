@@ -123,6 +123,39 @@ def test_edges_that_cover_each_other_are_one() -> None:
     assert len(skeleton.edges) == 3
 
 
+def test_an_edge_given_twice_counts_once() -> None:
+    line, arc = bd.Edge.make_line((0, 0, 0), (10, 0, 0)), bd.Edge.make_circle(5)
+    for again in (line, bd.Edge(line.wrapped.Reversed())):
+        assert len(Skeleton.from_edges([line, again], 0.5).edges) == 1
+    once = Skeleton.from_edges(arc, 0.5)
+    assert len(Skeleton.from_edges([arc, arc], 0.5).edges) == len(once.edges)
+    sketch = bd.Rectangle(4, 3)
+    assert len(Skeleton.from_edges([sketch, sketch.wire()], 0.5).edges) == 4
+
+
+EIGHT = [(-10, 5, 0), (-10, -5, 0), (10, 5, 0), (10, -5, 0), (-10, 5, 0)]
+"""Corners of a curve that passes the origin twice."""
+
+
+@pytest.mark.parametrize(
+    "curve",
+    [
+        bd.Edge.make_spline([bd.Vector(*p) for p in EIGHT[:-1]], periodic=True),
+        bd.Edge.make_spline([(0, 0, 0), (10, 0, 0), (10, 10, 0), (5, -5, 0)]),
+        bd.Edge.make_bezier((0, 0, 0), (30, 30, 0), (-20, 30, 0), (10, 0, 0)),
+    ],
+    ids=["eight", "loop", "bezier"],
+)
+@pytest.mark.parametrize("tolerance", [0.5, 0.05])
+def test_a_curve_that_crosses_itself_is_split_there(curve: bd.Edge, tolerance: float) -> None:
+    skeleton = Skeleton.from_edges(curve, 0.2, tolerance=tolerance)
+    assert [skeleton.valency[node] for node in skeleton.branch_points] == [4]
+    assert skeleton.loop_count == 1 + curve.is_closed
+    assert distances(skeleton, along(curve)).max() <= tolerance * (1 + 1e-6)
+    crossing = bd.Vertex(*skeleton.nodes[skeleton.branch_points[0]])
+    assert curve.distance_to(crossing) < 1e-4
+
+
 def test_sketches_wires_and_lists_give_their_edges() -> None:
     sketch = bd.RectangleRounded(40, 20, 5)
     skeleton = Skeleton.from_edges(sketch, 1.0)
@@ -133,7 +166,8 @@ def test_sketches_wires_and_lists_give_their_edges() -> None:
     with bd.BuildLine() as builder:
         bd.Line((0, 0), (10, 0))
         bd.RadiusArc((10, 0), (10, 10), -6)
-    assert Skeleton.from_edges(builder.line, 1.0).component_count == 1
+    for curves in (builder.line, builder, [builder]):
+        assert Skeleton.from_edges(curves, 1.0).component_count == 1
 
 
 def test_edges_of_a_box_are_a_frame() -> None:
@@ -171,6 +205,16 @@ def test_what_has_no_edges_is_refused() -> None:
         Skeleton.from_edges(bd.Vertex(0, 0, 0), 1.0)
     with pytest.raises(OptionError, match="a str is no shape of build123d; need edges"):
         Skeleton.from_edges(["wire"], 1.0)
+    with pytest.raises(OptionError, match="a NoneType is no shape of build123d; need edges"):
+        Skeleton.from_edges(None, 1.0)  # type: ignore[arg-type]
+    with pytest.raises(OptionError, match="the BuildLine holds no shape yet; need one"):
+        Skeleton.from_edges(bd.BuildLine(), 1.0)
+
+
+def test_an_edge_of_no_length_is_no_wire() -> None:
+    skeleton = Skeleton([[0, 0, 0], [1, 0, 0], [1, 0, 0]], [[0, 1], [1, 2]], 0.1)
+    with pytest.raises(SkeletonError, match="edge 1 is 0 mm long; need more than 1e-07"):
+        skeleton.to_wire_compound()
 
 
 @pytest.mark.parametrize("skeleton", NAMED.values(), ids=NAMED)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from scaffold_cad.errors import FormatError
 from scaffold_cad.files import replacing
-from scaffold_cad.lattice import UnitCell, cells, drawing
+from scaffold_cad.lattice import UnitCell, cell_picture, cells
 
 PAGE = """\
 <!DOCTYPE html>
@@ -67,7 +67,7 @@ def run(options: argparse.Namespace) -> None:
 
 def _figure(name: str, cell: UnitCell) -> str:
     return (
-        f"<figure>{drawing(cell)}<figcaption><b>{escape(name)}</b>, valency {_valency(cell)}, "
+        f"<figure>{cell_picture(cell)}<figcaption><b>{escape(name)}</b>, valency {_valency(cell)}, "
         f"{_density(cell)}<br>{escape(cell.description)}</figcaption></figure>"
     )
 

@@ -1,7 +1,7 @@
 """Lattices and foams: graphs of struts, tiled or random, returned as skeletons."""
 
+from scaffold_cad.lattice.cellpictures import cell_picture
 from scaffold_cad.lattice.density import measured_density, relative_density, solve_radius
-from scaffold_cad.lattice.drawing import drawing
 from scaffold_cad.lattice.filling import fill
 from scaffold_cad.lattice.foams import delaunay_foam, voronoi_foam
 from scaffold_cad.lattice.registry import cells, register_cell, unit_cell
@@ -10,10 +10,10 @@ from scaffold_cad.lattice.unitcell import UnitCell, check_periodic
 
 __all__ = [
     "UnitCell",
+    "cell_picture",
     "cells",
     "check_periodic",
     "delaunay_foam",
-    "drawing",
     "fill",
     "mapped",
     "measured_density",

@@ -6,8 +6,8 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
+from scaffold_cad.arguments import as_number
 from scaffold_cad.arrays import Bools, Floats, Ints
-from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice.regions import Region
 from scaffold_cad.lattice.struts import Struts
 
@@ -58,6 +58,4 @@ def least_length(shortest: float | None, default: float) -> float:
     """Return the length below which pieces are given up, mm."""
     if shortest is None:
         return default
-    if not 0 <= shortest < np.inf:
-        raise OptionError(f"shortest length is {shortest:g} mm; need >= 0")
-    return shortest
+    return as_number(shortest, "shortest length", or_zero=True)

@@ -8,6 +8,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike
 
+from scaffold_cad.arguments import as_number, as_real
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.tiling import cell_size, tile
@@ -21,7 +22,7 @@ LARGEST_STEPS = 30
 """Densities measured before the search for a radius is given up."""
 
 
-def relative_density(cell: str | UnitCell, radius: float, size: ArrayLike) -> float:
+def relative_density(cell: str | UnitCell, size: ArrayLike, radius: float) -> float:
     """Return the volume of thin round struts over that of the space they fill: first order.
 
     The struts are counted at full length, so that what overlaps at nodes counts several times:
@@ -30,17 +31,24 @@ def relative_density(cell: str | UnitCell, radius: float, size: ArrayLike) -> fl
     Parameters
     ----------
     cell : a unit cell or its name
-    radius : of the struts, mm
     size : of one cell, mm: three numbers, or one for a cell that is not distorted
+    radius : of the struts, mm
 
     Raises
     ------
     OptionError
-        If the cell is not known, or a size or the radius is not > 0.
+        If the cell is not known, a size or the radius is not > 0, or the struts are so thick
+        that the formula gives 1 or more, which is no density.
     """
-    if not 0 < radius < np.inf:
-        raise OptionError(f"radius is {radius:g} mm; need > 0")
-    return _density_of_unit_radius(cell, size) * radius**2
+    radius = as_number(radius, "radius")
+    of_unit_radius = _density_of_unit_radius(cell, size)
+    density = of_unit_radius * radius**2
+    if not density < 1:
+        raise OptionError(
+            f"radius is {radius:g} mm, which gives relative density {density:.3g}; "
+            f"need less than {of_unit_radius**-0.5:.3g} mm for struts in cells of this size"
+        )
+    return density
 
 
 def solve_radius(
@@ -67,7 +75,7 @@ def solve_radius(
         If the cell is not known, a size is not > 0, the density is not in (0, 1), or no radius
         was found that has it.
     """
-    if not 0 < relative_density < 1:
+    if not 0 < as_real(relative_density, "relative density") < 1:
         raise OptionError(
             f"relative density is {relative_density:g}; need more than 0, less than 1"
         )
@@ -77,7 +85,7 @@ def solve_radius(
     # Secant steps on log density against log radius, which is almost a line of slope 2.
     slope, before = 2.0, (np.nan, np.nan)
     for _ in range(LARGEST_STEPS):
-        ratio = measured_density(cell, radius, size, volume) / relative_density
+        ratio = measured_density(cell, size, radius, volume) / relative_density
         if abs(ratio - 1) <= DENSITY_ACCURACY:
             return radius
         here = (np.log(radius), np.log(ratio))
@@ -92,7 +100,7 @@ def solve_radius(
 
 
 def measured_density(
-    cell: str | UnitCell, radius: float, size: ArrayLike, volume: Callable[[Skeleton], float]
+    cell: str | UnitCell, size: ArrayLike, radius: float, volume: Callable[[Skeleton], float]
 ) -> float:
     """Return the relative density of an endless lattice, measured on solids of finite ones.
 
@@ -103,8 +111,8 @@ def measured_density(
     Parameters
     ----------
     cell : a unit cell or its name
-    radius : of the struts, mm
     size : of one cell, mm: three numbers, or one for a cell that is not distorted
+    radius : of the struts, mm
     volume : function that makes the solid of a skeleton and returns its volume, mm³
     """
     cell = as_cell(cell)

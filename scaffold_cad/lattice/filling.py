@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, Protocol, TypeAlias, get_args
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arrays import Floats, Points
+from scaffold_cad.arrays import Floats, Points, as_floats
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice.clipping import Keep, clipped, least_length
 from scaffold_cad.lattice.meshregion import MeshRegion
 from scaffold_cad.lattice.regions import BoxRegion, ImplicitRegion, Region
 from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.repetition import repeated
-from scaffold_cad.lattice.struts import Radius, Struts
+from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.lattice.unitcell import UnitCell
+from scaffold_cad.radii import Radius
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.surfaces import surface_of
 from scaffold_cad.trianglemesh import TriangleMesh
+
+if TYPE_CHECKING:
+    from build123d import Shape
 
 SHORTEST_FRACTION = 1e-3
 """Length below which the rest of a cut strut is given up, as a fraction of the cell's size."""
@@ -36,8 +41,9 @@ class HasTriangles(Protocol):
         """Vertex positions, shape (v, 3), mm."""
 
 
-FillRegion: TypeAlias = ArrayLike | HasTriangles | Callable[[Points], ArrayLike]
-"""A box (two corners), a closed triangle mesh, or a function that is negative inside."""
+FillRegion: TypeAlias = "ArrayLike | Shape | HasTriangles | Callable[[Points], ArrayLike]"
+"""A box (two corners), a solid of build123d, a closed triangle mesh, or a function that is
+negative inside."""
 
 
 def fill(
@@ -56,9 +62,10 @@ def fill(
 
     Parameters
     ----------
-    region : a box (its lowest and highest corner, mm); or a closed triangle mesh, anything with
-        arrays `vertices` and `faces` or `triangles`, counter-clockwise seen from outside; or a
-        function of positions (n, 3) that returns signed distances (n,), negative inside
+    region : a box (its lowest and highest corner, mm); or a build123d solid; or a closed triangle
+        mesh, anything with arrays `vertices` and `faces` or `triangles`, counter-clockwise seen
+        from outside; or a function of positions (n, 3) that returns signed distances (n,),
+        negative inside
     cell : a unit cell or its name
     size : of one cell, mm: three numbers, or one for a cell that is not distorted
     radius : mm; one number, or a function of positions (n, 3) that returns radii (n,)
@@ -104,26 +111,25 @@ def as_region(region: FillRegion, bounds: ArrayLike | None = None) -> Region:
     """Return `region` as one of those that struts can be clipped to; see `fill`."""
     if bounds is not None and not callable(region):
         raise OptionError("bounds are given for a region that has its own; need them for none")
-    if hasattr(region, "vertices"):
-        # Of trimesh: its `triangles` are positions.
-        triangles = getattr(region, "faces", getattr(region, "triangles", None))
-        if triangles is None or callable(triangles) or callable(region.vertices):
-            raise OptionError(
-                f"the region is a {type(region).__name__} without arrays of vertices and "
-                "triangles; need a box, a function, or a triangle mesh"
-            )
-        return MeshRegion(TriangleMesh(region.vertices, triangles))
+    surface = surface_of(region)
+    if surface is not None:
+        return MeshRegion(TriangleMesh(surface.vertices, surface.triangles))
     if callable(region):
         if bounds is None:
             raise OptionError("the region is a function without bounds; need a box around it")
         return ImplicitRegion(region, bounds)
+    if not isinstance(region, Sequence | np.ndarray) or isinstance(region, str):
+        raise OptionError(
+            f"the region is a {type(region).__name__}; need a box, a function, a triangle mesh "
+            "with arrays of vertices and triangles, or a build123d solid"
+        )
     return BoxRegion(region)
 
 
 def _cells_around(region: Region, cell: UnitCell, size: Floats, origin: ArrayLike | None) -> Struts:
     """Return the struts of all cells that the bounds of a region meet."""
     low, high = region.bounds
-    corner = low if origin is None else np.asarray(origin, dtype=np.float64)
+    corner = low if origin is None else as_floats(origin, "origin", OptionError)
     if corner.shape != (3,) or not np.isfinite(corner).all():
         raise OptionError(f"origin is {corner.tolist()}; need three numbers, mm")
     first = np.floor((low - corner) / size + COUNT_SLACK)

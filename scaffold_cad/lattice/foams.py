@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import Delaunay, cKDTree
 
+from scaffold_cad.arguments import as_count, as_real
 from scaffold_cad.arrays import Floats, Ints, Points
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice.clipping import Keep, clipped, least_length
 from scaffold_cad.lattice.regions import BoxRegion, as_box
-from scaffold_cad.lattice.struts import Radius, Struts
+from scaffold_cad.lattice.struts import Struts
+from scaffold_cad.radii import Radius
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.vectors import dot
 
@@ -138,11 +140,10 @@ def random_points(count: int, box: ArrayLike, seed: int, regularity: float = 0.0
     (count, 3) float64, mm
     """
     bounds = as_box(box)
-    if count < 1:
-        raise OptionError(f"count is {count} points; need at least 1")
-    if not 0 <= regularity <= LARGEST_REGULARITY:
+    count = as_count(count, "count", least=1)
+    if not 0 <= as_real(regularity, "regularity") <= LARGEST_REGULARITY:
         raise OptionError(f"regularity is {regularity:g}; need 0 to {LARGEST_REGULARITY:g}")
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(as_count(seed, "seed"))
     least = regularity * KELVIN_SPACING * _mean_spacing(bounds, count)
     points = np.zeros((0, 3))
     while len(points) < count:

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arrays import Bools, Floats, Ints, Points, read_only
+from scaffold_cad.arrays import Bools, Floats, Ints, Points, as_floats, read_only
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice.struts import Struts
 
@@ -131,7 +131,9 @@ class ImplicitRegion:
         OptionError
             If the function returns another shape or a number that is nan.
         """
-        values = np.asarray(self.function(points), dtype=np.float64)
+        values = as_floats(
+            self.function(points), "what the region's function returned", OptionError
+        )
         if values.shape != (len(points),):
             raise OptionError(
                 f"the region's function returned shape {values.shape} for points "
@@ -152,7 +154,7 @@ def as_box(box: ArrayLike) -> Floats:
     OptionError
         If it is not two corners, the first one lower along each axis.
     """
-    corners = np.array(box, dtype=np.float64)
+    corners = as_floats(box, "box", OptionError)
     if corners.shape != (2, 3):
         raise OptionError(f"box has shape {corners.shape}; need (2, 3), its two corners")
     if not np.isfinite(corners).all() or not (corners[0] < corners[1]).all():

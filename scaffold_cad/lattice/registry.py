@@ -12,6 +12,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike
 
+from scaffold_cad.arguments import check_kind
 from scaffold_cad.arrays import Edges, Ints, Points
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice.repetition import repeated
@@ -59,10 +60,11 @@ def register_cell(cell: UnitCell, *, periodic: bool = True) -> None:
     Raises
     ------
     OptionError
-        If another cell has that name.
+        If it is no unit cell, or another one has that name.
     SkeletonError
         If the cell is not periodic, or a lattice of it is not a valid skeleton.
     """
+    check_kind(cell, UnitCell)
     key = _key(cell.name)
     if key in _CELLS:
         raise OptionError(f"a unit cell called {key!r} exists already; need another name")
@@ -73,8 +75,11 @@ def register_cell(cell: UnitCell, *, periodic: bool = True) -> None:
 
 
 def as_cell(cell: str | UnitCell) -> UnitCell:
-    """Return `cell`, looked up if it is a name."""
-    return unit_cell(cell) if isinstance(cell, str) else cell
+    """Return `cell`, looked up if it is a name; refuse anything else."""
+    if isinstance(cell, str):
+        return unit_cell(cell)
+    check_kind(cell, UnitCell, "name of one")
+    return cell
 
 
 def _key(name: str) -> str:

@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from scaffold_cad.arrays import Bools, Edges, Floats, Ints, Points
-from scaffold_cad.errors import OptionError
+from scaffold_cad.radii import Radius, radii_at
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.topology import component_labels, valencies
 from scaffold_cad.vectors import length
-
-Radius: TypeAlias = float | Callable[[Points], ArrayLike]
-"""One radius for all nodes, mm, or a function of positions (n, 3) that returns radii (n,)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,24 +105,3 @@ class Struts:
         """Return the struts as a skeleton, without repeated and overlapping ones."""
         clean = self.skeleton(1.0).cleaned(weld_distance=0.0).skeleton
         return clean.with_radii(radii_at(clean.nodes, radius))
-
-
-def radii_at(nodes: Points, radius: Radius) -> Floats:
-    """Return the radius of each node, shape (n,), or () for one of all, mm.
-
-    Raises
-    ------
-    OptionError
-        If it is one number that is not > 0, or a function that returns another shape.
-    """
-    if callable(radius):
-        radii = np.asarray(radius(nodes), dtype=np.float64)
-        if radii.shape not in {(), (len(nodes),)}:
-            raise OptionError(
-                f"radius returned shape {radii.shape} for points ({len(nodes)}, 3); "
-                f"need ({len(nodes)},)"
-            )
-        return radii
-    if not 0 < radius < np.inf:
-        raise OptionError(f"radius is {radius:g} mm; need > 0")
-    return np.asarray(radius, dtype=np.float64)

@@ -7,12 +7,13 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arrays import Floats, Points
+from scaffold_cad.arguments import check_kind
+from scaffold_cad.arrays import Floats, Points, as_floats
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.repetition import repeated
-from scaffold_cad.lattice.struts import Radius
 from scaffold_cad.lattice.unitcell import UnitCell, as_three
+from scaffold_cad.radii import Radius
 from scaffold_cad.skeleton import Skeleton
 
 
@@ -57,10 +58,11 @@ def mapped(
     Raises
     ------
     OptionError
-        If `mapping` returns another shape.
+        If `skeleton` is none, or `mapping` returns another shape.
     SkeletonError
         If a position that it returns is not finite.
     """
+    check_kind(skeleton, Skeleton)
     nodes = np.asarray(mapping(skeleton.nodes))
     if nodes.shape != skeleton.nodes.shape:
         raise OptionError(f"mapping returned shape {nodes.shape}; need {skeleton.nodes.shape}")
@@ -76,10 +78,10 @@ def cell_size(cell: UnitCell, size: ArrayLike) -> Floats:
     OptionError
         If a number is not finite and > 0.
     """
-    sizes = np.asarray(size, dtype=np.float64)
+    sizes = as_floats(size, "cell size in mm", OptionError)
     if sizes.ndim == 0:
         sizes = sizes * cell.proportions / cell.proportions[0]
-    return as_three(sizes, "cell size in mm is")
+    return as_three(sizes, "cell size in mm")
 
 
 def _counts(counts: int | tuple[int, int, int]) -> tuple[int, int, int]:

@@ -15,6 +15,7 @@ from scaffold_cad.arrays import (
     Ints,
     Points,
     as_edges,
+    as_floats,
     as_points,
     read_only,
 )
@@ -47,15 +48,15 @@ class UnitCell:
     """Size along x, y and z of a cell of size 1 that is not distorted, shape (3,)."""
 
     def __post_init__(self) -> None:
-        if not self.name:
-            raise OptionError("a unit cell's name is empty; need at least one character")
+        if not isinstance(self.name, str) or not self.name.strip():
+            raise OptionError(f"a unit cell's name is {self.name!r}; need a text that is not blank")
         try:
             nodes = _snapped(as_points(self.nodes, "nodes"))
             edges = as_edges(self.edges, "edges", count=len(nodes))
             check_skeleton(Skeleton(nodes, edges, np.asarray(1.0)))
         except SkeletonError as error:
             raise SkeletonError(f"unit cell {self.name!r}: {error}") from None
-        proportions = as_three(self.proportions, f"proportions of unit cell {self.name!r} are")
+        proportions = as_three(self.proportions, f"proportions of unit cell {self.name!r}")
         object.__setattr__(self, "nodes", nodes)
         object.__setattr__(self, "edges", edges)
         object.__setattr__(self, "proportions", proportions)
@@ -70,9 +71,9 @@ class UnitCell:
 
     def _repr_svg_(self) -> str:
         """Return a picture for notebooks."""
-        from scaffold_cad.lattice.drawing import drawing
+        from scaffold_cad.lattice.cellpictures import cell_picture
 
-        return drawing(self)
+        return cell_picture(self)
 
     @cached_property
     def motif(self) -> Motif:
@@ -173,9 +174,9 @@ def as_three(values: ArrayLike, name: str) -> Floats:
     OptionError
         If they are not three such numbers.
     """
-    three = np.array(values, dtype=np.float64)
+    three = as_floats(values, name, OptionError)
     if three.shape != (3,) or not (np.isfinite(three) & (three > 0)).all():
-        raise OptionError(f"{name} {three.tolist()}; need three numbers > 0")
+        raise OptionError(f"{name} = {three.tolist()}; need three numbers > 0")
     read_only(three)
     return three
 

@@ -15,8 +15,9 @@ from scaffold_cad.lattice import UnitCell, fill
 from scaffold_cad.lattice.filling import HasTriangles, as_region
 from scaffold_cad.lattice.meshregion import welded
 from scaffold_cad.lattice.regions import Region
-from scaffold_cad.lattice.struts import Radius, Struts
+from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.radii import Radius
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import clean_surface, to_solid

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 from scaffold_cad.backends import is_instance
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.brep import to_brep
-from scaffold_cad.errors import OptionError, ScaffoldCadError
+from scaffold_cad.builders import built
+from scaffold_cad.errors import ScaffoldCadError
 from scaffold_cad.parts.meshshapes import to_mesh_shape
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
@@ -39,10 +40,9 @@ def to_shape(what: Any) -> Shape:
     MissingBackendError
         If build123d is not installed.
     """
+    what = built(what)
     if is_instance(what, "build123d", "Shape"):
         return what
-    if is_instance(what, "build123d", "Builder"):
-        return _built(what)
     if isinstance(what, Skeleton):
         return what.to_wire_compound()
     if isinstance(what, Patches | BezierMesh):
@@ -54,15 +54,6 @@ def to_shape(what: Any) -> Shape:
     if isinstance(what, QuadMesh) and len(what.quads) <= MOST_QUADS:
         return _faces(what)
     return to_mesh_shape(what)
-
-
-def _built(builder: Any) -> Shape:
-    """Return what a builder of build123d has made so far."""
-    for name in ("part", "sketch", "line"):
-        shape = getattr(builder, name, None)
-        if shape is not None:
-            return shape
-    raise OptionError(f"the {type(builder).__name__} holds no shape yet; need one")
 
 
 def _faces(mesh: QuadMesh) -> Shape:

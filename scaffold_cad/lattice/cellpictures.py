@@ -19,7 +19,7 @@ BOX = [(a, b) for a in range(8) for b in range(8) if b > a and (a ^ b) in (1, 2,
 """Edges of a cube whose corners are numbered by x, y and z, a bit each."""
 
 
-def drawing(cell: UnitCell) -> str:
+def cell_picture(cell: UnitCell) -> str:
     """Return an SVG picture of one cell in its box."""
     up = np.cross(TOWARDS, RIGHT)
     corners = (np.arange(8)[:, None] >> np.arange(3) & 1) - 0.5
