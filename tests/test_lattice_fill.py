@@ -338,7 +338,11 @@ def test_a_region_without_struts_is_refused() -> None:
         ("abc", {}, "the region is a str; need a box, a function, a triangle mesh"),
         (None, {}, "the region is a NoneType; need a box"),
         ([["a"] * 3, ["b"] * 3], {}, "box is not an array of numbers: it holds text, a"),
-        (SimpleNamespace(vertices=list, faces=list), {}, "the region is a SimpleNamespace; need a box"),
+        (
+            SimpleNamespace(vertices=list, faces=list),
+            {},
+            "the region is a SimpleNamespace; need a box",
+        ),
     ],
 )
 def test_arguments_out_of_range_are_refused(
