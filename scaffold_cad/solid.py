@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from scaffold_cad import manifolds
+from scaffold_cad.arguments import check_kind
 from scaffold_cad.arrays import Floats, Ints, Points
 from scaffold_cad.collapse import without_short_edges
 from scaffold_cad.errors import MeshError, OptionError
@@ -74,10 +75,11 @@ def to_solid(what: Scaffold | QuadMesh | TriangleMesh, *, sides: int = 4) -> Man
     MeshError
         If a bare mesh is not closed or not outward.
     OptionError
-        If `sides` is not 4, 8 or 16, or not 4 for a bare mesh.
+        If `what` is none of these, `sides` is not 4, 8 or 16, or not 4 for a bare mesh.
     MissingBackendError
         If manifold3d is not installed.
     """
+    check_kind(what, Scaffold, QuadMesh, TriangleMesh)
     if isinstance(what, Scaffold):
         return solidified(what, sides=sides).manifold
     if sides != 4:
@@ -98,8 +100,9 @@ def solidified(scaffold: Scaffold, *, sides: int = 4) -> Solidified:
     MeshError
         If every union tried crosses itself, or does not stay closed in 32-bit coordinates.
     OptionError
-        If `sides` is not 4, 8 or 16.
+        If `scaffold` is none, or `sides` is not 4, 8 or 16.
     """
+    check_kind(scaffold, Scaffold)
     check_sides(sides)
     return _square_solid(scaffold) if sides == 4 else _round_solid(scaffold, sides)
 
