@@ -19,7 +19,9 @@ from build123d import export_brep as write_brep_file
 from build123d import export_step as write_step_file
 from build123d import import_brep as read_brep_file
 from build123d import import_step as read_step_file
-from OCP.BRep import BRep_Builder
+from OCP.BRep import BRep_Builder, BRep_Tool
+from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
+from OCP.BRepMesh import BRepMesh_IncrementalMesh
 from OCP.Geom import (
     Geom_BezierCurve,
     Geom_BezierSurface,
@@ -30,9 +32,12 @@ from OCP.Geom import (
 )
 from OCP.Geom2d import Geom2d_BSplineCurve, Geom2d_Curve, Geom2d_Line
 from OCP.gp import gp_Ax3, gp_Dir, gp_Dir2d, gp_Pnt, gp_Pnt2d
+from OCP.IMeshTools import IMeshTools_Parameters
 from OCP.Interface import Interface_Static
 from OCP.Message import Message, Message_Gravity
 from OCP.STEPControl import STEPControl_Controller
+from OCP.TopAbs import TopAbs_Orientation
+from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import (
     TopoDS_Edge,
     TopoDS_Face,
@@ -44,6 +49,7 @@ from OCP.TopoDS import (
 
 from scaffold_cad.arrays import Points, Triangles
 from scaffold_cad.beziermesh import BezierMesh
+from scaffold_cad.errors import BrepError
 from scaffold_cad.vectors import length
 
 try:  # OCP 8, of build123d 0.13
@@ -240,15 +246,38 @@ def _solid(shell: TopoDS_Shell) -> TopoDS_Solid:
 def tessellate(shape: Shape, distance: float, angle: float) -> tuple[Points, Triangles]:
     """Return vertices (v, 3), mm, and triangles (t, 3) of `shape`, each face with its own vertices.
 
+    Triangles that `shape` may already have, as from a viewer, are neither used nor changed.
+
     Parameters
     ----------
     shape : a build123d shape with faces
-    distance : largest distance of a triangle from its face, mm
+    distance : largest distance of a triangle from its face that OCCT aims at, mm
     angle : largest angle between neighbouring triangles of a face, rad
+
+    Raises
+    ------
+    BrepError
+        If OCCT finds no triangles for a face; it is named.
     """
-    points, triangles = shape.tessellate(distance, angle)
-    vertices = np.array([(p.X, p.Y, p.Z) for p in points], dtype=np.float64)
-    return vertices.reshape(-1, 3), np.array(triangles, dtype=np.intp).reshape(-1, 3)
+    asked = IMeshTools_Parameters()
+    # `Shape.mesh` would take the distance as a part of each edge's length, not in mm.
+    asked.Deflection, asked.Angle, asked.Relative, asked.InParallel = distance, angle, False, True
+    bare = BRepBuilderAPI_Copy(shape.wrapped, False, False).Shape()
+    BRepMesh_IncrementalMesh(bare, asked)
+    vertices, triangles, count = [np.zeros((0, 3))], [np.zeros((0, 3), dtype=np.intp)], 0
+    for number, face in enumerate(Shape.cast(bare).faces()):
+        place = TopLoc_Location()
+        found = BRep_Tool.Triangulation_s(face.wrapped, place)
+        if found is None:
+            raise BrepError(f"OCCT finds no triangles for face {number}; need a finite face")
+        move = place.Transformation()
+        nodes = [found.Node(i).Transformed(move) for i in range(1, found.NbNodes() + 1)]
+        vertices.append(np.array([(node.X(), node.Y(), node.Z()) for node in nodes]))
+        rows = np.array([triangle.Get() for triangle in found.Triangles()], dtype=np.intp)
+        is_reversed = face.wrapped.Orientation() == TopAbs_Orientation.TopAbs_REVERSED
+        triangles.append((rows[:, ::-1] if is_reversed else rows) - 1 + count)
+        count += len(nodes)
+    return np.concatenate(vertices), np.concatenate(triangles)
 
 
 def import_step(path: Path) -> Shape:

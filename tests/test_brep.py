@@ -12,10 +12,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from scaffold_cad.arrays import Floats, Points
 from scaffold_cad.beziermesh import BezierMesh
-from scaffold_cad.brep import export_brep, export_step, tessellated, to_brep
+from scaffold_cad.brep import TESSELLATION_DISTANCE, export_brep, export_step, tessellated, to_brep
 from scaffold_cad.errors import BrepError, MeshError, MissingBackendError, OptionError
 from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.scaffold import build_scaffold
+from scaffold_cad.segments import nearest_on_segments
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.smooth import smooth_patches
+from scaffold_cad.smooth.bernstein import bernstein
+from scaffold_cad.trianglemesh import TriangleMesh
+from scaffold_cad.vectors import dot, length, normalize
 from tests.meshes import (
     CUBE,
     DART_PRISM,
@@ -241,6 +249,63 @@ def test_triangles_of_curved_faces_are_near_and_closed() -> None:
     triangles.check_closed()
     assert triangles.signed_volume == pytest.approx(4 / 3 * np.pi * 125, rel=1e-2)
     assert np.linalg.norm(triangles.vertices, axis=1) == pytest.approx(5)
+
+
+@pytest.mark.parametrize("radius", [1, 5, 20, 50])
+def test_triangles_are_within_a_hundredth_of_a_millimetre(radius: float) -> None:
+    triangles = tessellated(build123d.Sphere(radius))
+    triangles.check_closed()
+    corners = triangles.vertices[triangles.triangles]
+    middles = (corners + np.roll(corners, 1, axis=1)) / 2
+    depths = radius - length(np.concatenate([corners.mean(axis=1), *middles]))
+    assert np.quantile(depths, 0.95) < TESSELLATION_DISTANCE
+    assert depths.max() < 2.2 * TESSELLATION_DISTANCE  # at the seam
+
+
+def gaps(points: Points, mesh: TriangleMesh) -> Floats:
+    """Return the distance of each of `points` (n, 3) from the nearest triangle, shape (n,)."""
+    corners = mesh.vertices[mesh.triangles]
+    nearest = []
+    for point in points:
+        here = np.broadcast_to(point, (len(corners), 3))
+        sides = [(corners[:, k - 1], corners[:, k]) for k in range(3)]
+        to_sides = [length(here - nearest_on_segments(here, here, *s)[1]) for s in sides]
+        normals = normalize(np.cross(*(corners[:, k] - corners[:, 0] for k in (1, 2))))
+        over = [dot(np.cross(end - start, here - start), normals) >= 0 for start, end in sides]
+        off = np.where(np.all(over, axis=0), np.abs(dot(here - corners[:, 0], normals)), np.inf)
+        nearest.append(min(off.min(), np.min(to_sides)))
+    return np.array(nearest)
+
+
+def test_thin_smooth_struts_have_few_triangles_near_their_patches() -> None:
+    strut = build_scaffold(Skeleton([[0, 0, 0], [100, 0, 0]], [[0, 1]], 0.1))
+    patches = smooth_patches(strut).bezier
+    triangles = tessellated(to_brep(patches))
+    triangles.check_closed()
+    assert len(triangles.triangles) < 10_000
+    weights = bernstein(patches.degree, np.linspace(0.1, 0.9, 5))
+    points = np.einsum("ui,vj,fijx->fuvx", weights, weights, patches.control_points)
+    assert gaps(points.reshape(-1, 3), triangles).max() < TESSELLATION_DISTANCE
+
+
+def test_triangles_that_a_shape_has_are_neither_used_nor_changed() -> None:
+    ball = build123d.Sphere(20)
+    ball.mesh(5.0, 1.5)
+    before = len(ball.tessellate(5.0, 1.5)[1])
+    assert len(tessellated(ball).triangles) > 10 * before
+    assert len(ball.tessellate(5.0, 1.5)[1]) == before
+
+
+def test_faces_without_an_end_have_no_triangles() -> None:
+    from OCP.BRep import BRep_Builder
+    from OCP.Geom import Geom_Plane
+    from OCP.gp import gp_Dir, gp_Pnt
+    from OCP.TopoDS import TopoDS_Face
+
+    face = TopoDS_Face()
+    BRep_Builder().MakeFace(face, Geom_Plane(gp_Pnt(), gp_Dir(0, 0, 1)), 1e-7)
+    with pytest.raises(BrepError, match="OCCT finds no triangles for face 0; need a finite"):
+        tessellated(build123d.Face(face))
 
 
 def test_triangles_follow_the_place_of_a_shape() -> None:
