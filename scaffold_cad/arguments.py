@@ -11,6 +11,7 @@ from scaffold_cad.errors import OptionError
 
 WAYS = {
     ("Skeleton", "Scaffold"): "build_scaffold(skeleton) makes one",
+    ("Skeleton", "QuadMesh"): "build_scaffold(skeleton).mesh is one",
     ("Scaffold", "Skeleton"): "scaffold.skeleton is one",
     ("Scaffold", "QuadMesh"): "scaffold.mesh is one",
     ("Subdivision", "QuadMesh"): "subdivision.mesh is one",

@@ -40,22 +40,24 @@ def read_only(array: NDArray[np.generic]) -> None:
     array.setflags(write=False)
 
 
-def as_points(values: ArrayLike, name: str) -> Points:
+def as_points(
+    values: ArrayLike, name: str, error: type[SkeletonError] | type[OptionError] = SkeletonError
+) -> Points:
     """Return a read-only copy of `values` as (n, 3) float64, all finite.
 
     Raises
     ------
-    SkeletonError
+    SkeletonError, or another `error`
         If the shape is wrong or a coordinate is not finite; the row is named.
     """
-    points = as_floats(values, name)
+    points = as_floats(values, name, error)
     if points.size == 0:
         points = points.reshape(0, 3)
     if points.ndim != 2 or points.shape[1] != 3:
-        raise SkeletonError(f"{name} has shape {points.shape}; need (n, 3)")
+        raise error(f"{name} has shape {points.shape}; need (n, 3)")
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if len(bad):
-        raise SkeletonError(f"{name}[{bad[0]}] is {points[bad[0]].tolist()}; need finite numbers")
+        raise error(f"{name}[{bad[0]}] is {points[bad[0]].tolist()}; need finite numbers")
     read_only(points)
     return points
 

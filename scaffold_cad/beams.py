@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arrays import Floats, read_only
+from scaffold_cad.arguments import check_kind
+from scaffold_cad.arrays import Floats, as_floats, read_only
 from scaffold_cad.errors import SkeletonError
 from scaffold_cad.skeleton import Skeleton
 
@@ -19,6 +20,8 @@ class BeamLattice:
 
     Raises
     ------
+    OptionError
+        If `skeleton` is none.
     SkeletonError
         If a ball's radius is negative or not finite, or there are not as many as nodes.
 
@@ -38,16 +41,16 @@ class BeamLattice:
     print it alone, others unite the two. A skin, or the solid of the very beams."""
 
     def __post_init__(self) -> None:
+        check_kind(self.skeleton, Skeleton)
         object.__setattr__(self, "balls", _ball_radii(self.balls, len(self.skeleton.nodes)))
 
 
 def _ball_radii(values: ArrayLike, count: int) -> Floats:
     """Return the radius of the ball at each of `count` nodes, shape (count,)."""
-    try:
-        balls = np.array(np.broadcast_to(np.asarray(values, dtype=np.float64), count))
-    except ValueError:
-        shape = np.shape(values)
-        raise SkeletonError(f"balls has shape {shape}; need a number or shape ({count},)") from None
+    balls = as_floats(values, "balls")
+    if balls.shape not in {(), (count,)}:
+        raise SkeletonError(f"balls has shape {balls.shape}; need a number or shape ({count},)")
+    balls = np.array(np.broadcast_to(balls, count))
     bad = np.flatnonzero(~np.isfinite(balls) | (balls < 0))
     if len(bad):
         raise SkeletonError(

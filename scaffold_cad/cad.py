@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from scaffold_cad import brep
+from scaffold_cad.arguments import check_kind
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.brep import Kind
 from scaffold_cad.errors import OptionError
@@ -46,10 +47,12 @@ def to_brep(
     BrepError
         If an edge or a quad is smaller than the tolerance of CAD systems.
     OptionError
-        If `smooth` is asked of patches, or an option has none of its values.
+        If `what` is none of these, `smooth` is asked of patches, or an option has none of its
+        values.
     MissingBackendError
         If build123d is not installed.
     """
+    check_kind(what, Scaffold, QuadMesh, BezierMesh, Patches)
     if smooth:
         if not isinstance(what, Scaffold | QuadMesh):
             raise OptionError("smooth is for a Scaffold or a QuadMesh; patches are what they are")

@@ -24,6 +24,7 @@ from scaffold_cad import brep
 from scaffold_cad.backends import is_instance
 from scaffold_cad.beams import BeamLattice
 from scaffold_cad.beziermesh import BezierMesh
+from scaffold_cad.builders import built
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.files import check_target, replacing
 from scaffold_cad.io import skeleton_to_json
@@ -88,10 +89,9 @@ def write(
     Parameters
     ----------
     what : a Scaffold, a QuadMesh, smooth patches, a subdivision or a BezierMesh for any format
-        that holds solids, the overlapping struts
-        of a Scaffold united in mesh formats (`to_solid`); a TriangleMesh, a
-        manifold3d Manifold or a trimesh Trimesh for mesh formats; a build123d shape, which mesh
-        formats get within 0.01 mm; a Skeleton for JSON,
+        that holds solids, the overlapping struts of a Scaffold united in mesh formats (`to_solid`);
+        a Solidified, a TriangleMesh, a manifold3d Manifold or a trimesh Trimesh for mesh formats; a
+        build123d shape, or a builder, which mesh formats get within 0.01 mm; a Skeleton for JSON,
         3MF (as a beam lattice), OBJ (as lines, without radii) and SWC (without loops); a
         BeamLattice for 3MF; a FineSurface for STL and PLY
     path : of the file; its suffix names the format
@@ -105,14 +105,15 @@ def write(
     FormatError
         If the suffix is unknown, the format cannot hold `what`, or the file cannot be written.
     MeshError, BrepError
-        If a B-rep is asked for and the mesh does not bound a solid.
+        If a B-rep is asked for and the mesh does not bound a solid, or a mesh of a BeamLattice is
+        not closed.
     OptionError
         If `write_pcurves` is asked of another format than STEP, or `slabs` for anything but a
-        FineSurface, or there are fewer than 1.
+        FineSurface, or there are fewer than 1; or `what` is a builder that holds no shape yet.
     MissingBackendError
         If the package that writes the format is not installed.
     """
-    path = Path(path)
+    path, what = Path(path), built(what)
     writer = _writer_of(path)
     if write_pcurves and writer is not _write_step:
         raise OptionError(f"write_pcurves is for STEP files only; {path.name} is none")
@@ -179,10 +180,7 @@ def _write_3mf(content: Content, path: Path) -> None:
     if isinstance(what, Skeleton):
         what = BeamLattice(what)
     if isinstance(what, BeamLattice):
-        clip, mesh = (
-            None if part is None else _triangles(part).single_precision()
-            for part in (what.clip, what.mesh)
-        )
+        clip, mesh = (_closed_triangles(part) for part in (what.clip, what.mesh))
         write_3mf_beams(replace(what, clip=clip, mesh=mesh), path)
         return
     write_3mf(_triangles(content.what).single_precision(), path)
@@ -258,6 +256,15 @@ def _triangles(what: Any) -> TriangleMesh:
     """Return the surface of `what` as triangles."""
     mesh = _mesh(what)
     return TriangleMesh(mesh.vertices, mesh.triangles) if isinstance(mesh, QuadMesh) else mesh
+
+
+def _closed_triangles(what: Any) -> TriangleMesh | None:
+    """Return the closed surface of `what` with 32-bit coordinates, or None for None."""
+    if what is None:
+        return None
+    triangles = _triangles(what).single_precision()
+    triangles.check_closed()
+    return triangles
 
 
 def _mesh(what: Any) -> QuadMesh | TriangleMesh:

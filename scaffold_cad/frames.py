@@ -14,13 +14,17 @@ from __future__ import annotations
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from scaffold_cad.arrays import Floats, Frames, Ints, Points, UnitVectors
-from scaffold_cad.vectors import any_perpendicular, dot, normalize
+from scaffold_cad.arrays import Floats, Frames, Ints, Points, UnitVectors, as_floats, as_points
+from scaffold_cad.errors import OptionError
+from scaffold_cad.vectors import any_perpendicular, dot, length, normalize
 
 Quaternions: TypeAlias = NDArray[np.float64]
 """Rotations as unit quaternions (w, x, y, z), shape (k, 4)."""
+
+LEAST_ACROSS = 1e-9
+"""Sine of the least angle between a first x axis and a polyline: rounding decides below it."""
 
 
 def double_reflection(
@@ -96,7 +100,7 @@ def polyline_tangents(points: Points, *, closed: bool = False) -> UnitVectors:
     return tangents
 
 
-def rotation_minimizing_frames(points: Points, first_x: UnitVectors | None = None) -> Frames:
+def rotation_minimizing_frames(points: ArrayLike, first_x: ArrayLike | None = None) -> Frames:
     """Return a frame at each point of an open polyline that turns about its tangent least.
 
     Parameters
@@ -107,14 +111,40 @@ def rotation_minimizing_frames(points: Points, first_x: UnitVectors | None = Non
     Returns
     -------
     (k, 3, 3) float64, rows x, y, z, with z along the polyline
+
+    Raises
+    ------
+    OptionError
+        If there are fewer than two points, two consecutive ones are equal, or `first_x` is no
+        vector or along the polyline.
     """
-    tangents = polyline_tangents(points)
-    if first_x is None:
-        x = any_perpendicular(tangents[0])
-    else:
-        x = normalize(first_x - (first_x @ tangents[0]) * tangents[0])
+    points = as_points(points, "points", OptionError)
+    if len(points) < 2:
+        raise OptionError(f"the polyline has {len(points)} points; need 2 or more")
     chords = normalize(np.diff(points, axis=0))
+    still = np.flatnonzero(~chords.any(axis=1))
+    if len(still):
+        place = points[still[0]].tolist()
+        raise OptionError(
+            f"points {still[0]} and {still[0] + 1} are both at {place} mm; need distinct ones"
+        )
+    tangents = polyline_tangents(points)
+    x = any_perpendicular(tangents[0]) if first_x is None else _across(first_x, tangents[0])
     steps = double_reflection(chords, tangents[:-1], tangents[1:])
     turned = turn(accumulate(steps, np.arange(len(steps))), np.broadcast_to(x, chords.shape))
     axes = np.vstack([x[None, :], turned])  # (k, 3)
     return np.stack([axes, np.cross(tangents, axes), tangents], axis=1)
+
+
+def _across(vector: ArrayLike, tangent: UnitVectors) -> UnitVectors:
+    """Return the direction of the part of `vector` (3,) at right angles to `tangent` (3,)."""
+    given = as_floats(vector, "first_x", OptionError)
+    if given.shape != (3,) or not np.isfinite(given).all():
+        raise OptionError(f"first_x is {given.tolist()}; need three finite numbers")
+    direction = normalize(given)
+    across = direction - dot(direction, tangent) * tangent
+    if length(across) < LEAST_ACROSS:
+        raise OptionError(
+            f"first_x is {given.tolist()}, along the polyline's start; need one across it"
+        )
+    return normalize(across)

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from scaffold_cad.arguments import check_kind
 from scaffold_cad.arrays import Points
-from scaffold_cad.backends import need
+from scaffold_cad.backends import is_instance, need
 from scaffold_cad.errors import FormatError, MeshError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.shells import check_solid
@@ -32,9 +33,12 @@ def to_manifold(mesh: QuadMesh | TriangleMesh) -> Manifold:
     ------
     MeshError
         If the mesh is not closed, not outward, or manifold3d refuses it; the reason is named.
+    OptionError
+        If it is no mesh.
     MissingBackendError
         If manifold3d is not installed.
     """
+    check_kind(mesh, QuadMesh, TriangleMesh)
     if isinstance(mesh, QuadMesh):
         check_solid(mesh)
     else:
@@ -83,15 +87,19 @@ def to_trimesh(what: QuadMesh | TriangleMesh | Manifold) -> Trimesh:
 
     Raises
     ------
+    OptionError
+        If it is none of these.
     MissingBackendError
         If trimesh is not installed.
     """
-    mesh = what if isinstance(what, QuadMesh | TriangleMesh) else manifold_triangles(what)
+    if is_instance(what, "manifold3d", "Manifold"):
+        what = manifold_triangles(what)
+    check_kind(what, QuadMesh, TriangleMesh, "Manifold")
     need("trimesh", "a trimesh object")
     import trimesh
 
     # `process` would weld close vertices, which can break a closed mesh.
-    return trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
+    return trimesh.Trimesh(what.vertices, what.triangles, process=False)
 
 
 def meshes_in(path: Path) -> list[TriangleMesh]:

@@ -9,6 +9,7 @@ from typing import get_args
 
 import numpy as np
 
+from scaffold_cad.arguments import check_kind
 from scaffold_cad.arrays import Floats, Ints, Points, Quads
 from scaffold_cad.collars import Refinement, with_collars, without_collars
 from scaffold_cad.embedding import Embedding, embedding
@@ -142,7 +143,7 @@ def build_scaffold(
     PartitionError
         If a partition of `like` fits the moved skeleton nowhere.
     OptionError
-        If an option has none of its values.
+        If `skeleton` or `like` is of another kind, or an option has none of its values.
 
     References
     ----------
@@ -153,6 +154,7 @@ def build_scaffold(
         options = ScaffoldOptions(fit, section, collars, method)
         stars = partition_stars(skeleton, options.method)
     else:
+        check_kind(like, Scaffold)
         options = like.options
         _check_same_edges(skeleton, like.skeleton)
         stars = partition_stars(skeleton, options.method, like.stars)

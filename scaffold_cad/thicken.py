@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scaffold_cad.errors import OptionError
+from scaffold_cad.arguments import as_number, check_kind
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.roundstruts import check_sides
 from scaffold_cad.scaffold import Scaffold, build_scaffold
@@ -37,7 +37,8 @@ def thicken(what: Scaffold | QuadMesh | Skeleton, radius: float, *, sides: int =
     Raises
     ------
     OptionError
-        If `radius` is not a finite number > 0, or `sides` is another number.
+        If `what` is none of these, `radius` is not a finite number > 0, or `sides` is another
+        number.
     """
     check_sides(sides)
     return to_solid(frame_scaffold(what, radius), sides=sides)
@@ -45,8 +46,8 @@ def thicken(what: Scaffold | QuadMesh | Skeleton, radius: float, *, sides: int =
 
 def frame_scaffold(what: Scaffold | QuadMesh | Skeleton, radius: float) -> Scaffold:
     """Return the scaffold of the edges of a scaffold, quad mesh or skeleton, with collars."""
-    if not 0 < radius < np.inf:
-        raise OptionError(f"strut radius is {radius:g} mm; need > 0")
+    check_kind(what, Scaffold, QuadMesh, Skeleton)
+    radius = as_number(radius, "strut radius")
     if isinstance(what, Scaffold):
         what = what.mesh
     if isinstance(what, QuadMesh):

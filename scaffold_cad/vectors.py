@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.arrays import Floats, UnitVectors
-from scaffold_cad.errors import PartitionError
 
 
 def dot(a: Floats, b: Floats) -> Floats:
@@ -58,29 +57,3 @@ def rotate(vectors: Floats, axes: UnitVectors, angles: Floats) -> Floats:
     sine = np.sin(angles)[..., None]
     along = dot(axes, vectors)[..., None] * axes
     return cosine * (vectors - along) + sine * np.cross(axes, vectors) + along
-
-
-def arc_midpoint(a: UnitVectors, b: UnitVectors) -> UnitVectors:
-    """Return the middle of the shorter great-circle arc from each row of `a` to that of `b`.
-
-    Parameters
-    ----------
-    a, b : (..., 3) float64, unit vectors
-
-    Returns
-    -------
-    (..., 3) float64, unit vectors
-
-    Raises
-    ------
-    PartitionError
-        If a row of `b` is opposite that of `a`: every great circle through them will do.
-
-    References
-    ----------
-    Panotopoulou et al., Scaffolding a Skeleton, 2018, Algorithm 1, line 18.
-    """
-    middle = a + b
-    if np.any(length(middle) < 1e-12):
-        raise PartitionError("an arc joins opposite points of the sphere; its middle is not unique")
-    return normalize(middle)

@@ -338,7 +338,7 @@ def test_a_limit_gives_so_many_of_the_pairs(tilt: float) -> None:
 
 
 def test_options_out_of_range_are_refused() -> None:
-    with pytest.raises(OptionError, match=r"limit is 0 pairs; need at least 1"):
+    with pytest.raises(OptionError, match=r"limit is 0; need 1 or more"):
         self_intersections(soup(FLOOR), limit=0)
     with pytest.raises(OptionError, match=r"tolerance is -1 mm; need >= 0"):
         self_intersections(soup(FLOOR), tolerance=-1.0)

@@ -11,9 +11,10 @@ from typing import Protocol
 
 import numpy as np
 
+from scaffold_cad.arguments import as_count, as_number, check_kind
 from scaffold_cad.arrays import Bools, Edges, Ints, Points, Triangles
 from scaffold_cad.boxes import order_in_space, overlapping_neighbors
-from scaffold_cad.errors import MeshError, OptionError
+from scaffold_cad.errors import MeshError
 from scaffold_cad.intersections.certificates import depth_of, left_open, pierces
 from scaffold_cad.intersections.exact import meet_exactly
 from scaffold_cad.intersections.faces import Faces, boxes_of, faces_of
@@ -81,17 +82,19 @@ def self_intersections(
     MeshError
         If the triangles are not a proper array of indices, or a coordinate is too large.
     OptionError
-        If `tolerance` or `limit` is out of its range.
+        If `mesh` is none, or `tolerance` or `limit` is out of its range.
 
     Notes
     -----
     The cost is O(t log t) and the pairs of triangles with overlapping boxes, of which a vertex of
     valence d brings d²/2.
     """
-    if tolerance is not None and not 0 <= tolerance < np.inf:
-        raise OptionError(f"tolerance is {tolerance:g} mm; need >= 0")
-    if limit is not None and limit < 1:
-        raise OptionError(f"limit is {limit} pairs; need at least 1")
+    if not hasattr(mesh, "triangles"):
+        check_kind(mesh, TriangleMesh, "QuadMesh")
+    if tolerance is not None:
+        tolerance = as_number(tolerance, "tolerance", or_zero=True)
+    if limit is not None:
+        limit = as_count(limit, "limit", least=1)
     checked = TriangleMesh(mesh.vertices, mesh.triangles)
     _check_size(checked)
     # What is looked up together is then together in the cache.

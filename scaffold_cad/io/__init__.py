@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from scaffold_cad.arguments import as_count, as_number
 from scaffold_cad.arrays import Floats
 from scaffold_cad.errors import FormatError, OptionError, SkeletonError
 
@@ -166,7 +167,7 @@ def read_raw(path: str | PathLike[str], max_nodes: int | None = None) -> RawSkel
         raise FormatError(f"{path} cannot be read: {error.strerror or error}") from None
     if len(raw.edges) == 0:
         raise FormatError(f"{path} has {len(raw.nodes)} nodes but no edges; need at least one")
-    if max_nodes is not None and len(raw.nodes) > max_nodes:
+    if max_nodes is not None and len(raw.nodes) > as_count(max_nodes, "max_nodes"):
         size = len(raw.edges) * BYTES_PER_EDGE / 1e9
         found = f"{path} has {len(raw.nodes)} nodes and {len(raw.edges)} edges"
         raise FormatError(
@@ -191,9 +192,7 @@ def _head(path: Path) -> bytes:
 def _radii(path: Path, raw: RawSkeleton, radius: float | None) -> Floats:
     """Return the radius of each node: the one given, or what the file holds."""
     if radius is not None:
-        if not 0 < radius < np.inf:
-            raise OptionError(f"radius is {radius:g} mm; need > 0")
-        return np.full(len(raw.nodes), float(radius))
+        return np.full(len(raw.nodes), as_number(radius, "radius"))
     if raw.radii is None:
         raise FormatError(f"{path} has no radii; need radius=, the radius of every node in mm")
     return raw.radii

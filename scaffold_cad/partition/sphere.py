@@ -115,7 +115,7 @@ def partition_spheres(
     OptionError
         If there is no such method.
     """
-    if method not in METHODS:
+    if not isinstance(method, str) or method not in METHODS:
         raise OptionError(f"method is {method!r}; need one of {', '.join(METHODS)}")
     stars = as_stars(directions)
     if like is None:

@@ -11,6 +11,7 @@ from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 
+from scaffold_cad.arguments import check_kind
 from scaffold_cad.arrays import Edges, Ints
 from scaffold_cad.errors import OptionError
 from scaffold_cad.quadmesh import QuadMesh
@@ -76,8 +77,9 @@ def control_mesh(scaffold: Scaffold, caps: Caps = "round") -> ControlMesh:
     Raises
     ------
     OptionError
-        If `caps` has none of its values.
+        If `scaffold` is none, or `caps` has none of its values.
     """
+    check_kind(scaffold, Scaffold)
     if caps not in get_args(Caps):
         raise OptionError(f"caps is {caps!r}; need one of {', '.join(get_args(Caps))}")
     rig = make_rig(scaffold, domes=caps == "round")

@@ -24,7 +24,7 @@ def smooth_mesh(scaffold: Scaffold, levels: int = 2, caps: Caps = "round") -> Su
     Raises
     ------
     OptionError
-        If `levels` is negative or `caps` has none of its values.
+        If `scaffold` is none, `levels` is no whole number ≥ 0, or `caps` has none of its values.
     """
     control = control_mesh(scaffold, caps)
     coarse = Connectivity.of(control.mesh, control.creases)

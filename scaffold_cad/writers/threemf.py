@@ -46,13 +46,13 @@ def write_3mf(mesh: TriangleMesh, path: Path) -> None:
 def write_3mf_beams(lattice: BeamLattice, path: Path) -> None:
     """Write a beam lattice with 32-bit coordinates; the same one always gives the same bytes.
 
+    A beam tapers from the radius of one node to that of the other and ends in spheres: together
+    they are the solid of round struts with a ball at each node. lib3mf writes six decimals of
+    coordinates and radii.
+
     Parameters
     ----------
     lattice : its mesh and what it is clipped to are a TriangleMesh each, or None
-
-    A beam tapers from the radius of one node to that of the other and ends in spheres: together
-    they are the solid of round struts with a ball at each node. lib3mf writes six
-    decimals of coordinates and radii.
 
     Raises
     ------

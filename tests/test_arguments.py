@@ -1,0 +1,162 @@
+"""What callers may pass: a wrong kind of object and what is no number are refused by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import scaffold_cad as sc
+from scaffold_cad.arguments import as_count, as_number, check_kind
+from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.lattice import measured_density
+from scaffold_cad.parts import LatticeFill, ScaffoldSolid, SmoothScaffold, StrutFrame
+from tests.meshes import CUBE
+from tests.skeletons import STRUT, TRIPOD
+
+BOX = [[0, 0, 0], [10, 10, 10]]
+SCAFFOLD = sc.build_scaffold(TRIPOD)
+MAKES_ONE = r"got a Skeleton; need a Scaffold: build_scaffold\(skeleton\) makes one"
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: sc.to_solid(TRIPOD), "got a Skeleton; need a Scaffold or a QuadMesh or a Tri"),
+        (lambda: sc.solidified(TRIPOD), MAKES_ONE),
+        (lambda: sc.solidified(CUBE), "got a QuadMesh; need a Scaffold"),
+        (lambda: sc.smooth_mesh(TRIPOD), MAKES_ONE),
+        (lambda: sc.fine_surface(TRIPOD, 2), MAKES_ONE),
+        (lambda: sc.smooth_patches(TRIPOD), "need a Scaffold or a QuadMesh: build_scaffold"),
+        (lambda: sc.to_brep(TRIPOD), "got a Skeleton; need a Scaffold or a QuadMesh or a Bezier"),
+        (lambda: sc.to_brep(None, smooth=True), "got None; need a Scaffold"),
+        (lambda: sc.to_trimesh(SCAFFOLD), "got a Scaffold; need a QuadMesh .*: scaffold.mesh is"),
+        (lambda: sc.to_trimesh(TRIPOD), r"need .* or a Manifold: build_scaffold\(skeleton\).mesh"),
+        (lambda: sc.self_intersections(TRIPOD), "got a Skeleton; need a TriangleMesh or a QuadM"),
+        (lambda: sc.catmull_clark(SCAFFOLD), "got a Scaffold; need a QuadMesh: scaffold.mesh is"),
+        (lambda: sc.build_scaffold(None), "got None; need a Skeleton"),
+        (lambda: sc.build_scaffold(SCAFFOLD), "got a Scaffold; need a Skeleton: scaffold.skele"),
+        (lambda: sc.build_scaffold(TRIPOD, like=TRIPOD), MAKES_ONE),
+        (lambda: sc.build_scaffold(TRIPOD, method=[]), r"method is \[\]; need one of dual"),
+        (lambda: sc.check_skeleton(TRIPOD.cleaned()), "got a Cleaning; .*: cleaning.skeleton is"),
+        (lambda: ScaffoldSolid(None), "got None; need a Skeleton or a Scaffold"),
+        (lambda: ScaffoldSolid(CUBE), "got a QuadMesh; need a Skeleton or a Scaffold"),
+        (lambda: SmoothScaffold(CUBE), "got a QuadMesh; need a Skeleton or a Scaffold"),
+        (lambda: StrutFrame("x", 1.0), "got 'x'; need a Scaffold or a QuadMesh or a Skeleton"),
+        (lambda: sc.thicken(None, 1.0), "got None; need a Scaffold or a QuadMesh or a Skeleton"),
+        (lambda: sc.frame_scaffold(3, 1.0), "got 3; need a Scaffold"),
+        (lambda: sc.BeamLattice(None), "got None; need a Skeleton"),
+        (lambda: sc.mapped(SCAFFOLD, np.asarray), "got a Scaffold; need a Skeleton"),
+        (lambda: sc.register_cell("bcc"), "got 'bcc'; need a UnitCell"),
+        (lambda: sc.tile(None, 8.0, 2, radius=1.0), "got None; need a UnitCell or a name of one"),
+        (lambda: sc.fill(BOX, TRIPOD, 8.0, 1.0), "got a Skeleton; need a UnitCell or a name"),
+        (lambda: LatticeFill(None, "bcc", 8.0, 1.0), "the region is a NoneType; need a box"),
+    ],
+)
+def test_a_wrong_kind_of_object_is_refused(call: Callable[[], object], message: str) -> None:
+    with pytest.raises(OptionError, match=message):
+        call()
+
+
+ONE_NUMBER = r"need a number, or a function of positions \(n, 3\) that returns radii \(n,\)"
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: sc.tile("bcc", 8.0, 2, radius="1"), f"radius is '1'; {ONE_NUMBER}"),
+        (lambda: sc.tile("bcc", 8.0, 2, radius=None), f"radius is None; {ONE_NUMBER}"),
+        (
+            lambda: sc.tile("bcc", 8.0, 2, radius=np.ones(35)),
+            rf"radius is an array of shape \(35,\); {ONE_NUMBER}",
+        ),
+        (
+            lambda: sc.tile("bcc", 8.0, 2, radius=lambda points: "thick"),
+            "what the function radius returned is not an array of numbers: it holds text",
+        ),
+        (lambda: sc.tile("bcc", "abc", 2, radius=1.0), "cell size in mm is not an array of num"),
+        (lambda: sc.tile("bcc", None, 2, radius=1.0), "cell size in mm is not an array of num"),
+        (lambda: sc.tile("bcc", 8.0, None, radius=1.0), "counts are None; need three whole"),
+        (lambda: sc.fill(BOX, "bcc", "abc", 1.0), "cell size in mm is not an array of numbers"),
+        (lambda: sc.fill("abc", "bcc", 8.0, 1.0), "the region is a str; need a box"),
+        (lambda: sc.fill(BOX, "bcc", 8.0, 1.0, origin="abc"), "origin is not an array of numbers"),
+        (lambda: sc.fill(BOX, "bcc", 8.0, 1.0, shortest="x"), "shortest length is 'x'; need a num"),
+        (lambda: sc.voronoi_foam(2.5, BOX, 1.0), r"count is 2\.5; need a whole number"),
+        (lambda: sc.voronoi_foam(9, BOX, 1.0, seed=None), "seed is None; need a whole number"),
+        (lambda: sc.voronoi_foam(9, BOX, 1.0, regularity="x"), "regularity is 'x'; need a number"),
+        (lambda: sc.delaunay_foam(9, "abc", 1.0), "box is not an array of numbers"),
+        (lambda: sc.relative_density("sc", 5.0, "1"), "radius is '1'; need a number"),
+        (lambda: sc.solve_radius("sc", 5.0, "x"), "relative density is 'x'; need a number"),
+        (lambda: sc.solve_radius("sc", [5.0, {}], 0.1), "cell size in mm is not an array of num"),
+        (lambda: measured_density("sc", 5.0, None, float), "radius is None; need a number"),
+        (lambda: sc.thicken(STRUT, "1"), "strut radius is '1'; need a number"),
+        (lambda: STRUT.scaled("2"), "scale factor is '2'; need a number"),
+        (lambda: STRUT.scaled([1, 2, 3]), "scale factor is a list; need a number"),
+        (lambda: STRUT.simplified(None), "simplification tolerance is None; need a number"),
+        (lambda: STRUT.cleaned(weld_distance="x"), "weld distance is 'x'; need a number"),
+        (lambda: sc.smooth_mesh(SCAFFOLD, None), "levels is None; need a whole number"),
+        (lambda: sc.smooth_mesh(SCAFFOLD, 2.5), r"levels is 2\.5; need a whole number"),
+        (lambda: sc.smooth_mesh(SCAFFOLD, -1), "levels is -1; need 0 or more"),
+        (lambda: sc.catmull_clark(CUBE, True), "levels is True; need a whole number"),
+        (lambda: sc.fine_surface(SCAFFOLD, np.nan), "levels is nan; need a whole number"),
+        (lambda: sc.fine_surface(SCAFFOLD, np.inf), "levels is inf; need a whole number"),
+        (lambda: sc.fine_surface(SCAFFOLD, 2.5), r"levels is 2\.5; need a whole number"),
+        (lambda: sc.fine_surface(SCAFFOLD, 1).cut(1.5), r"slabs is 1\.5; need a whole number"),
+        (lambda: sc.smooth_patches(SCAFFOLD, split=np.nan), "split is nan; need a whole number"),
+        (lambda: sc.smooth_patches(SCAFFOLD, split=-1), "split is -1; need 0 or more"),
+        (lambda: sc.self_intersections(CUBE, tolerance="x"), "tolerance is 'x'; need a number"),
+        (lambda: sc.self_intersections(CUBE, limit=1.5), r"limit is 1\.5; need a whole number"),
+    ],
+)
+def test_what_is_no_number_is_refused(call: Callable[[], object], message: str) -> None:
+    with pytest.raises(OptionError, match=message):
+        call()
+
+
+@pytest.mark.parametrize("balls", [{}, "1", [[1.0]], None])
+def test_balls_that_are_no_numbers_are_refused(balls: Any) -> None:
+    with pytest.raises(SkeletonError, match=r"balls (is not an array of numbers|has shape)"):
+        sc.BeamLattice(STRUT, balls)
+
+
+@pytest.mark.parametrize("value", [2, 2.0, np.float32(2), np.int8(2), np.array(2.0)])
+def test_numbers_of_any_type_are_numbers(value: Any) -> None:
+    assert as_number(value, "radius") == 2.0
+    assert type(as_number(value, "radius")) is float
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        (0.0, "gap is 0 mm; need > 0"),
+        (-1, "gap is -1 mm; need > 0"),
+        (np.nan, "gap is nan mm; need > 0"),
+        (np.inf, "gap is inf mm; need > 0"),
+        (True, "gap is True; need a number"),
+        (1j, "gap is a complex; need a number"),
+        (10**400, "gap is beyond 1e308; need a smaller number"),
+    ],
+)
+def test_numbers_out_of_range_are_refused(value: Any, message: str) -> None:
+    with pytest.raises(OptionError, match=message):
+        as_number(value, "gap")
+
+
+def test_zero_is_taken_where_it_may_be() -> None:
+    assert as_number(0, "gap", or_zero=True) == 0.0
+    with pytest.raises(OptionError, match="gap is -1; need >= 0"):
+        as_number(-1, "gap", unit="", or_zero=True)
+
+
+def test_counts_are_whole_numbers() -> None:
+    assert type(as_count(np.int64(3), "levels")) is int
+    with pytest.raises(OptionError, match="levels is 1; need 2 or more"):
+        as_count(1, "levels", least=2)
+
+
+def test_names_of_kinds_are_only_told_of() -> None:
+    check_kind(CUBE, sc.QuadMesh, "Manifold")
+    with pytest.raises(OptionError, match=r"got an Embedding; need a QuadMesh or a Manifold$"):
+        check_kind(SCAFFOLD.embedding(), sc.QuadMesh, "Manifold")
