@@ -12,14 +12,15 @@ from build123d import Align, BasePartObject, Mode, Plane, RigidJoint, Shape, tup
 from numpy.typing import ArrayLike
 
 from scaffold_cad import brep
+from scaffold_cad.arguments import check_kind
 from scaffold_cad.arrays import Floats
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import UnitCell, fill
 from scaffold_cad.lattice.clipping import Keep
-from scaffold_cad.lattice.struts import Radius
 from scaffold_cad.parts.bodies import sound_body
 from scaffold_cad.parts.stubs import without_overlapping_stubs
 from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.radii import Radius
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import Caps
@@ -356,8 +357,9 @@ def as_scaffold(what: Skeleton | Scaffold, options: dict[str, Any]) -> Scaffold:
     Raises
     ------
     OptionError
-        If options are given for a scaffold.
+        If it is neither, or options are given for a scaffold.
     """
+    check_kind(what, Skeleton, Scaffold)
     if isinstance(what, Skeleton):
         return build_scaffold(what, **options)
     if options:

@@ -14,8 +14,9 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import csc_array
 
+from scaffold_cad.arguments import as_count, check_kind
 from scaffold_cad.arrays import Bools, Edges, Floats, Ints, Points, Quads, UnitVectors, read_only
-from scaffold_cad.errors import MeshError, OptionError
+from scaffold_cad.errors import MeshError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.vectors import normalize
 
@@ -200,8 +201,9 @@ def catmull_clark(mesh: QuadMesh, levels: int = 1, creases: Edges = NO_CREASES) 
     MeshError
         If the mesh is not closed, or a crease is no edge of it.
     OptionError
-        If `levels` is negative.
+        If `mesh` is none, or `levels` is no whole number ≥ 0.
     """
+    check_kind(mesh, QuadMesh)
     connectivity, points = Connectivity.of(mesh, creases), mesh.vertices
     connectivity, points = subdivided(connectivity, points, levels)
     return as_subdivision(connectivity, points, levels)
@@ -211,9 +213,7 @@ def subdivided(
     connectivity: Connectivity, points: Points, levels: int
 ) -> tuple[Connectivity, Points]:
     """Return the connectivity and the vertices of a mesh subdivided `levels` times."""
-    if levels < 0:
-        raise OptionError(f"levels is {levels}; need 0 or more")
-    for _ in range(levels):
+    for _ in range(as_count(levels, "levels")):
         points = subdivided_points(connectivity, points)
         connectivity = connectivity.subdivided()
     return connectivity, points

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from scaffold_cad.arguments import as_count, check_kind
 from scaffold_cad.arrays import Bools, Floats, Ints, UnitVectors
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.errors import OptionError
@@ -115,8 +116,11 @@ def smooth_patches(
     MeshError
         If the mesh is not closed.
     OptionError
-        If `degree`, `split` or `caps` is out of its range.
+        If `surface` is none, or `degree`, `split` or `caps` is out of its range.
     """
+    check_kind(surface, Scaffold, QuadMesh)
+    if split is not None:
+        split = as_count(split, "split")
     if degree not in DEGREES:
         raise OptionError(f"degree is {degree}; need 4 or 5")
     if degree < 5 and split == 0:

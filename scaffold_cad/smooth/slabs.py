@@ -12,8 +12,8 @@ from functools import cached_property
 
 import numpy as np
 
+from scaffold_cad.arguments import as_count
 from scaffold_cad.arrays import Bools, Ints, Points, Quads
-from scaffold_cad.errors import OptionError
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.smooth.catmull_clark import Connectivity, limit_points, subdivided_points
 from scaffold_cad.smooth.control import Caps, control_mesh
@@ -53,8 +53,7 @@ class FineSurface:
         """
         if slabs is None:
             slabs = -(-self.quad_count // QUADS_AT_ONCE)
-        if slabs < 1:
-            raise OptionError(f"slabs is {slabs}; need 1 or more")
+        slabs = as_count(slabs, "slabs", least=1)
         quads = np.arange(len(self.control.quads))
         return [part for part in np.array_split(quads, slabs) if len(part)]
 
@@ -175,10 +174,9 @@ def fine_surface(scaffold: Scaffold, levels: int, caps: Caps = "round") -> FineS
     Raises
     ------
     OptionError
-        If `levels` is negative or `caps` has none of its values.
+        If `scaffold` is none, `levels` is no whole number ≥ 0, or `caps` has none of its values.
     """
-    if levels < 0:
-        raise OptionError(f"levels is {levels}; need 0 or more")
+    levels = as_count(levels, "levels")
     control = control_mesh(scaffold, caps)
     connectivity = Connectivity.of(control.mesh, control.creases)
     return FineSurface(connectivity, control.mesh.vertices, levels)
