@@ -355,6 +355,29 @@ def test_stubs_that_overlap_are_kept_if_asked() -> None:
     assert united.is_valid
 
 
+def test_stubs_left_out_are_counted_in_a_warning(caplog: pytest.LogCaptureFixture) -> None:
+    every = len(fill(tessellated(BALL), "octet", 9.0, 0.5).edges)
+    for smooth in (False, True):
+        caplog.clear()
+        left = len(LatticeFill(BALL, "octet", 9.0, 0.5, smooth=smooth).skeleton.edges)
+        (record,) = caplog.records
+        assert record.levelname == "WARNING"
+        assert f"{every - left} of {every} struts left out: they end free" in record.message
+
+
+def test_lattices_of_which_more_than_a_fifth_are_stubs_are_refused() -> None:
+    with pytest.raises(BrepError, match=r"61 of 125 struts end free .*need a fifth at most.*unite"):
+        LatticeBox("bcc", 10.0, 21, 21, 21, 1.2)
+
+
+def test_smooth_struts_that_just_touch_are_refused() -> None:
+    away = 1.98 * np.array([0.0, np.cos(np.radians(20)), np.sin(np.radians(20))])
+    nodes = np.array([[0.0, 0, 0], [20, 0, 0], away, [20 + away[0], *away[1:]]])
+    close = Skeleton(nodes, [[0, 1], [2, 3]], 1.0)
+    with pytest.raises(BrepError, match=r"2 of 2 struts may overlap others \(edges 0, 1\)"):
+        SmoothScaffold(close, collars=True)
+
+
 def test_struts_within_that_overlap_are_refused_all_the_same() -> None:
     with pytest.raises(BrepError, match=r"struts may overlap others"):
         LatticeBox("octet", 5.0, 10, 10, 10, 1.5)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,9 +12,10 @@ from scaffold_cad.arrays import Ints
 from scaffold_cad.backends import need
 from scaffold_cad.cad import to_brep
 from scaffold_cad.errors import BrepError
-from scaffold_cad.roundstruts import round_surface
+from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
-from scaffold_cad.smooth import Caps
+from scaffold_cad.smooth import Caps, Patches, crossing_struts
+from scaffold_cad.smooth.patches import patches_around
 from scaffold_cad.solid import to_solid
 from scaffold_cad.topology import component_labels
 from scaffold_cad.trianglemesh import TriangleMesh
@@ -31,15 +33,38 @@ NAMED = 5
 """Struts that an error names."""
 
 
-def sound_body(
-    scaffold: Scaffold, *, smooth: bool = False, caps: Caps = "round", unite: bool = False
-) -> Shape:
-    """Return the B-rep of a scaffold whose struts keep apart, or of their union.
+@dataclass(frozen=True, eq=False)
+class Faces:
+    """The faces of a scaffold's B-rep, and the struts whose faces may cross others."""
+
+    scaffold: Scaffold
+    """The scaffold."""
+    surface: QuadMesh | Patches
+    """One face a quad."""
+    overlapping: Ints
+    """Struts that are not known to keep apart from the others, ascending."""
+
+
+def faces_of(scaffold: Scaffold, *, smooth: bool = False, caps: Caps = "round") -> Faces:
+    """Return the faces of a scaffold, tested: see `crossing_struts` and `Scaffold.embedding`.
 
     Parameters
     ----------
     smooth : whether nodes are smooth and struts round, see `to_brep`
     caps : of the smooth solid, see `smooth_patches`
+    """
+    if not smooth:
+        return Faces(scaffold, scaffold.mesh, scaffold.embedding().left_out)
+    # Patches that turn over are among those that cross, and so reported.
+    patches = patches_around(scaffold, caps=caps)
+    return Faces(scaffold, patches, crossing_struts(patches, scaffold))
+
+
+def sound_body(faces: Faces, *, unite: bool = False) -> Shape:
+    """Return the B-rep of a scaffold whose struts keep apart, or of their union.
+
+    Parameters
+    ----------
     unite : whether struts that overlap are united. The union is made of triangles, each of
         which becomes a plane face; round struts get 16 sides
 
@@ -52,25 +77,18 @@ def sound_body(
     BrepError
         If struts overlap and `unite` is not asked for, or the union has too many triangles.
     """
-    overlapping = overlapping_struts(scaffold, smooth)
+    overlapping, struts = faces.overlapping, len(faces.scaffold.skeleton.edges)
     if len(overlapping) == 0:
-        return to_brep(scaffold, smooth=smooth, caps=caps)
+        return to_brep(faces.surface)
     if not unite:
         raise BrepError(
-            f"{len(overlapping)} of {len(scaffold.skeleton.edges)} struts may overlap others "
+            f"{len(overlapping)} of {struts} struts may overlap others "
             f"(edges {_listed(overlapping)}) and the faces of a B-rep would cross; need struts "
             "apart (smaller radii, larger cells), or unite=True for a B-rep of the triangles of "
             "their union, or to_mesh_shape(to_solid(scaffold)) for a mesh"
         )
-    return solid_of_union(scaffold, sides=ROUND_SIDES if smooth else 4)
-
-
-def overlapping_struts(scaffold: Scaffold, smooth: bool) -> Ints:
-    """Return the struts that are not known to keep apart from the others, ascending."""
-    if smooth:
-        # The subdivision runs close to the patches and can be tested.
-        return round_surface(scaffold, 8).left_out
-    return scaffold.embedding().left_out
+    sides = ROUND_SIDES if isinstance(faces.surface, Patches) else 4
+    return solid_of_union(faces.scaffold, sides=sides)
 
 
 def solid_of_union(scaffold: Scaffold, *, sides: int) -> Shape:

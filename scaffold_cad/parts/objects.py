@@ -17,7 +17,7 @@ from scaffold_cad.arrays import Floats
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import UnitCell, fill
 from scaffold_cad.lattice.clipping import Keep
-from scaffold_cad.parts.bodies import sound_body
+from scaffold_cad.parts.bodies import Faces, faces_of, sound_body
 from scaffold_cad.parts.stubs import without_overlapping_stubs
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.radii import Radius
@@ -96,7 +96,7 @@ class ScaffoldSolid(SkeletonPart):
         """
         scaffold = as_scaffold(skeleton, options)
         super().__init__(
-            sound_body(scaffold, unite=unite),
+            sound_body(faces_of(scaffold), unite=unite),
             scaffold,
             with_joints=with_joints,
             label=label,
@@ -149,7 +149,7 @@ class SmoothScaffold(SkeletonPart):
         """
         scaffold = as_scaffold(skeleton, options)
         super().__init__(
-            sound_body(scaffold, smooth=True, caps=caps, unite=unite),
+            sound_body(faces_of(scaffold, smooth=True, caps=caps), unite=unite),
             scaffold,
             with_joints=with_joints,
             label=label,
@@ -201,7 +201,7 @@ class StrutFrame(SkeletonPart):
         """
         frame = frame_scaffold(what, radius)
         super().__init__(
-            sound_body(frame, smooth=smooth, unite=unite),
+            sound_body(faces_of(frame, smooth=smooth), unite=unite),
             what if isinstance(what, Scaffold) else frame,
             with_joints=with_joints,
             label=label,
@@ -263,17 +263,18 @@ class LatticeBox(SkeletonPart):
         OptionError
             If an argument is out of its range.
         BrepError
-            If struts overlap and are not to be united, or the union has too many triangles.
+            If struts overlap and are not to be united, more than a fifth of them would be left out
+            as stubs, or the union has too many triangles.
         """
         sides = np.array([length, width, height], dtype=np.float64)
         if not (np.isfinite(sides) & (sides > 0)).all():
             raise OptionError(f"the box is {length:g} x {width:g} x {height:g} mm; need > 0")
         low = -sides * [ALIGNED[one] for one in tuplify(align, 3) or [Align.NONE] * 3]
         skeleton = fill([low, low + sides], cell, size, radius, keep=keep, dangling=dangling)
-        scaffold = lattice_scaffold(skeleton, smooth=smooth, drop_stubs=drop_stubs and not unite)
+        faces = lattice_faces(skeleton, smooth=smooth, drop_stubs=drop_stubs and not unite)
         super().__init__(
-            sound_body(scaffold, smooth=smooth, unite=unite),
-            scaffold,
+            sound_body(faces, unite=unite),
+            faces.scaffold,
             with_joints=with_joints,
             label=label,
             color=color,
@@ -334,14 +335,15 @@ class LatticeFill(SkeletonPart):
         SkeletonError
             If no strut is in the part.
         BrepError
-            If struts overlap and are not to be united, or the union has too many triangles.
+            If struts overlap and are not to be united, more than a fifth of them would be left out
+            as stubs, or the union has too many triangles.
         """
         region = brep.tessellated(part) if isinstance(part, Shape) else part
         skeleton = fill(region, cell, size, radius, keep=keep, dangling=dangling, origin=origin)
-        scaffold = lattice_scaffold(skeleton, smooth=smooth, drop_stubs=drop_stubs and not unite)
+        faces = lattice_faces(skeleton, smooth=smooth, drop_stubs=drop_stubs and not unite)
         super().__init__(
-            sound_body(scaffold, smooth=smooth, unite=unite),
-            scaffold,
+            sound_body(faces, unite=unite),
+            faces.scaffold,
             with_joints=with_joints,
             label=label,
             color=color,
@@ -369,11 +371,11 @@ def as_scaffold(what: Skeleton | Scaffold, options: dict[str, Any]) -> Scaffold:
     return what
 
 
-def lattice_scaffold(skeleton: Skeleton, *, smooth: bool, drop_stubs: bool) -> Scaffold:
-    """Return the scaffold of a lattice, with collars, without stubs that overlap if asked."""
+def lattice_faces(skeleton: Skeleton, *, smooth: bool, drop_stubs: bool) -> Faces:
+    """Return the faces of a lattice with collars, without stubs that overlap if asked."""
     if drop_stubs:
         return without_overlapping_stubs(skeleton, smooth=smooth)
-    return build_scaffold(skeleton, collars=True)
+    return faces_of(build_scaffold(skeleton, collars=True), smooth=smooth)
 
 
 def add_joints(body: Shape, scaffold: Scaffold) -> None:

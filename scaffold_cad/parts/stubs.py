@@ -11,32 +11,47 @@ import logging
 import numpy as np
 
 from scaffold_cad.arrays import Bools
-from scaffold_cad.parts.bodies import overlapping_struts
-from scaffold_cad.scaffold import Scaffold, build_scaffold
+from scaffold_cad.errors import BrepError
+from scaffold_cad.parts.bodies import Faces, faces_of
+from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
+
+MOST_DROPPED = 0.2
+"""Part of the struts that may be left out: with fewer left it is another lattice."""
 
 _log = logging.getLogger(__name__)
 
 
-def without_overlapping_stubs(skeleton: Skeleton, *, smooth: bool) -> Scaffold:
+def without_overlapping_stubs(skeleton: Skeleton, *, smooth: bool) -> Faces:
     """Return the scaffold, with collars, without the struts that end free and overlap others.
 
-    Struts that overlap and do not end free stay.
+    Struts that overlap and do not end free stay. A warning tells how many are left out.
+
+    Raises
+    ------
+    BrepError
+        If more than a fifth of the struts would be left out.
     """
     count = len(skeleton.edges)
     while True:
-        scaffold = build_scaffold(skeleton, collars=True)
+        faces = faces_of(build_scaffold(skeleton, collars=True), smooth=smooth)
         is_stub = (skeleton.valency[skeleton.edges] == 1).any(axis=1)
         keep = np.ones(len(skeleton.edges), dtype=np.bool_)
-        keep[overlapping_struts(scaffold, smooth)] = False
+        keep[faces.overlapping] = False
         keep |= ~is_stub
-        if keep.all() or not keep.any():
+        dropped = count - int(keep.sum())
+        if dropped > MOST_DROPPED * count:
+            raise BrepError(
+                f"{dropped} of {count} struts end free and overlap others; need a fifth at most "
+                "to leave them out (smaller radii, larger cells, dangling=False for no loose "
+                "ends, or unite=True)"
+            )
+        if keep.all():
             break
         skeleton = _with_struts(skeleton, keep)
-    dropped = count - len(scaffold.skeleton.edges)
     if dropped:
-        _log.info("%d of %d struts left out: they end free and overlap others", dropped, count)
-    return scaffold
+        _log.warning("%d of %d struts left out: they end free and overlap others", dropped, count)
+    return faces
 
 
 def _with_struts(skeleton: Skeleton, keep: Bools) -> Skeleton:

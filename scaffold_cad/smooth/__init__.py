@@ -2,6 +2,7 @@
 
 from scaffold_cad.smooth.catmull_clark import Limit, Subdivision, catmull_clark, limit
 from scaffold_cad.smooth.control import Caps, ControlMesh, control_mesh
+from scaffold_cad.smooth.crossings import crossing_struts
 from scaffold_cad.smooth.deviation import Deviation, deviation
 from scaffold_cad.smooth.mesh import smooth_mesh
 from scaffold_cad.smooth.patches import Patches, smooth_patches
@@ -17,6 +18,7 @@ __all__ = [
     "Subdivision",
     "catmull_clark",
     "control_mesh",
+    "crossing_struts",
     "deviation",
     "fine_surface",
     "limit",

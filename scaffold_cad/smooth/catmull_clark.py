@@ -178,6 +178,40 @@ class Connectivity:
         return Connectivity(quads, self.count + count + len(edge), edges, edge_of_side, is_crease)
 
 
+def grid_places(levels: int) -> Ints:
+    """Return where the corners of a quad's parts are on its grid, (4^levels, 4, 2).
+
+    The parts are in the order of `Connectivity.subdivided`. Corner 0 of the quad is at [0, 0],
+    corner 1 at [2^levels, 0].
+    """
+    places = np.array([[[0, 0], [1, 0], [1, 1], [0, 1]]])
+    for _ in range(levels):
+        corner = 2 * places
+        ahead = places + np.roll(places, -1, axis=1)
+        middle = np.broadcast_to(places.sum(axis=1, keepdims=True) // 2, places.shape)
+        before = np.roll(ahead, 1, axis=1)
+        places = np.stack([corner, ahead, middle, before], axis=2).reshape(-1, 4, 2)
+    return places
+
+
+def as_grids(corners: Floats, levels: int) -> Floats:
+    """Return what `corners` of the parts of quads are, on a grid a quad.
+
+    Parameters
+    ----------
+    corners : (f · 4^levels, 4, 3) float64, of the parts in the order of `Connectivity.subdivided`
+
+    Returns
+    -------
+    (f, 2^levels + 1, 2^levels + 1, 3) float64
+    """
+    places = grid_places(levels)
+    count = 2**levels + 1
+    grids = np.empty((len(corners) // 4**levels, count, count, 3))
+    grids[:, places[..., 0], places[..., 1]] = corners.reshape(-1, *places.shape[:2], 3)
+    return grids
+
+
 def _columns(*columns: Ints) -> Ints:
     """Return the arrays, flattened, as columns."""
     table = np.empty((columns[0].size, len(columns)), dtype=np.intp)
@@ -269,7 +303,7 @@ def limit(mesh: QuadMesh, creases: Edges = NO_CREASES) -> Limit:
     normals = np.cross(first, second)
     creased = connectivity.crease_valence > 1
     if creased.any():
-        normals[creased] = _mean_normals(connectivity, mesh.vertices)[creased]
+        normals[creased] = sum_of_normals(connectivity, mesh.vertices)[creased]
     return Limit(limit_points(connectivity, mesh.vertices), normalize(normals))
 
 
@@ -319,8 +353,8 @@ def limit_tangents(connectivity: Connectivity, points: Points) -> tuple[Floats, 
     return tangent(np.cos(angle), np.cos(after)), tangent(np.sin(angle), np.sin(after))
 
 
-def _mean_normals(connectivity: Connectivity, points: Points) -> Floats:
-    """Return the sum of the cross products of the sides at each vertex, (v, 3)."""
+def sum_of_normals(connectivity: Connectivity, points: Points) -> Floats:
+    """Return the sum of the cross products of the sides at each vertex, (v, 3), mm²."""
     corners = points[connectivity.quads]
     ahead = np.roll(corners, -1, axis=1) - corners
     products = np.cross(ahead, -np.roll(ahead, 1, axis=1)).reshape(-1, 3)

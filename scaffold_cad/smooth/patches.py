@@ -19,6 +19,7 @@ from scaffold_cad.smooth.bicubic import bicubic_patches
 from scaffold_cad.smooth.catmull_clark import (
     NO_CREASES,
     Connectivity,
+    as_grids,
     catmull_clark,
     limit,
     limit_points,
@@ -100,7 +101,8 @@ def smooth_patches(
 
     Where one a quad would fold, as long struts between nodes of high valency without collars may,
     the quads are cut in four. Where that does not help, because struts overlap or leave a node
-    close to each other without collars, a warning is logged.
+    close to each other without collars, a warning is logged. Whether patches far from each other
+    cross is not looked at here: `crossing_struts` does.
 
     Parameters
     ----------
@@ -118,6 +120,20 @@ def smooth_patches(
     OptionError
         If `surface` is none, or `degree`, `split` or `caps` is out of its range.
     """
+    patches = patches_around(surface, degree, split, caps)
+    if len(patches.turned):
+        _log.warning(
+            "%d patches turn over, that on quad %d first; collars or smaller radii may help",
+            len(patches.turned),
+            patches.quad_of_patch[patches.turned[0]],
+        )
+    return patches
+
+
+def patches_around(
+    surface: Scaffold | QuadMesh, degree: int = 5, split: int | None = None, caps: Caps = "round"
+) -> Patches:
+    """Return the patches of `smooth_patches` without a warning, for those who look at `turned`."""
     check_kind(surface, Scaffold, QuadMesh)
     if split is not None:
         split = as_count(split, "split")
@@ -137,14 +153,7 @@ def smooth_patches(
     if len(patches.turned) == 0:
         return patches
     finer = _patched(control, degree, 1)
-    if len(finer.turned) == 0:
-        return finer
-    _log.warning(
-        "%d patches turn over, that on quad %d first; collars or smaller radii may help",
-        len(patches.turned),
-        patches.quad_of_patch[patches.turned[0]],
-    )
-    return patches
+    return patches if len(finer.turned) else finer
 
 
 def _patched(control: ControlMesh, degree: int, split: int) -> Patches:
@@ -184,26 +193,9 @@ def _fitted(connectivity: Connectivity, mesh: QuadMesh, degree: int) -> Floats:
     """
     fine, points = subdivided(connectivity, mesh.vertices, SAMPLE_LEVELS)
     limits = limit_points(fine, points)
-    u, v = _places(SAMPLE_LEVELS)
-    corner = fine.quads.reshape(len(mesh.quads), -1)
-    count = 2**SAMPLE_LEVELS + 1
-    vertex = np.empty((len(mesh.quads), count, count), dtype=np.intp)
-    vertex[:, u, v] = corner
-    at_samples = bernstein(degree, np.linspace(0, 1, count))
+    at_samples = bernstein(degree, np.linspace(0, 1, 2**SAMPLE_LEVELS + 1))
     least_squares = np.asarray(np.linalg.pinv(at_samples), dtype=np.float64)
-    return _tensor(least_squares, limits[vertex])
-
-
-def _places(levels: int) -> tuple[Ints, Ints]:
-    """Return where on a quad's grid the corners of its parts lie, (4^(levels + 1),) each."""
-    size = 2**levels
-    quads = size * np.array([[[0, 0], [1, 0], [1, 1], [0, 1]]])
-    for _ in range(levels):
-        after = (quads + np.roll(quads, -1, axis=1)) // 2
-        middle = np.broadcast_to(quads.sum(axis=1, keepdims=True) // 4, quads.shape)
-        quads = np.stack([quads, after, middle, np.roll(after, 1, axis=1)], axis=2)
-        quads = quads.reshape(-1, 4, 2)
-    return quads[:, :, 0].reshape(-1), quads[:, :, 1].reshape(-1)
+    return _tensor(least_squares, as_grids(limits[fine.quads], SAMPLE_LEVELS))
 
 
 def _tensor(matrix: Floats, patches: Floats) -> Floats:

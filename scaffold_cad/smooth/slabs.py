@@ -15,7 +15,12 @@ import numpy as np
 from scaffold_cad.arguments import as_count
 from scaffold_cad.arrays import Bools, Ints, Points, Quads
 from scaffold_cad.scaffold import Scaffold
-from scaffold_cad.smooth.catmull_clark import Connectivity, limit_points, subdivided_points
+from scaffold_cad.smooth.catmull_clark import (
+    Connectivity,
+    grid_places,
+    limit_points,
+    subdivided_points,
+)
 from scaffold_cad.smooth.control import Caps, control_mesh
 
 QUADS_AT_ONCE = 1 << 19
@@ -32,6 +37,8 @@ class FineSurface:
     """Their vertices, shape (v, 3), mm."""
     levels: int
     """How often they are subdivided."""
+    quad_of_quad: Ints
+    """Scaffold quad that each of the quads that are subdivided is a part of, shape (f,)."""
 
     @property
     def quad_count(self) -> int:
@@ -179,22 +186,7 @@ def fine_surface(scaffold: Scaffold, levels: int, caps: Caps = "round") -> FineS
     levels = as_count(levels, "levels")
     control = control_mesh(scaffold, caps)
     connectivity = Connectivity.of(control.mesh, control.creases)
-    return FineSurface(connectivity, control.mesh.vertices, levels)
-
-
-def grid_places(levels: int) -> Ints:
-    """Return where the corners of a quad's parts are on its grid, (4^levels, 4, 2).
-
-    The parts are in the order of `Connectivity.subdivided`.
-    """
-    places = np.array([[[0, 0], [1, 0], [1, 1], [0, 1]]])
-    for _ in range(levels):
-        corner = 2 * places
-        ahead = places + np.roll(places, -1, axis=1)
-        middle = np.broadcast_to(places.sum(axis=1, keepdims=True) // 2, places.shape)
-        before = np.roll(ahead, 1, axis=1)
-        places = np.stack([corner, ahead, middle, before], axis=2).reshape(-1, 4, 2)
-    return places
+    return FineSurface(connectivity, control.mesh.vertices, levels, control.quad_of_quad)
 
 
 def _neighbourhood(

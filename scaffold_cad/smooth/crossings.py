@@ -1,0 +1,101 @@
+"""Where smooth surfaces cross themselves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scaffold_cad.arrays import Floats, Ints
+from scaffold_cad.intersections import self_intersections
+from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.scaffold import Scaffold
+from scaffold_cad.smooth.catmull_clark import (
+    Connectivity,
+    as_grids,
+    grid_places,
+    limit_points,
+    subdivided,
+    sum_of_normals,
+)
+from scaffold_cad.smooth.patches import Patches
+from scaffold_cad.smooth.slabs import FineSurface
+from scaffold_cad.vectors import dot, normalize
+
+TRIED_LEVELS = (2, 3)
+"""Levels of the meshes that are tested in turn, until one does not cross itself: 4 × 4 cells a
+quad, then 8 × 8, sections of struts with 16 corners and with 32."""
+
+MARGIN = 1.25
+"""How far out the tested mesh is moved, in distances by which the surface bulges out of it."""
+
+
+def crossing_struts(surface: Patches | FineSurface, scaffold: Scaffold) -> Ints:
+    """Return the struts whose smooth surface is not known to keep apart from itself, ascending.
+
+    The surface itself is sampled, on 17 × 17 points a quad. A mesh through 9 × 9 of them, whose
+    cells share their corners, is moved outwards by 1.25 times what the other points stand out of
+    it, so that it goes around the surface, and tested exactly. Struts whose gap is less than some
+    hundredths of their radius may be named although they keep apart. Struts that cross
+    are missed only where the surface has bumps between its samples. Patches that turn over count
+    as crossing.
+
+    Parameters
+    ----------
+    surface : of `smooth_patches` or `fine_surface`, of `scaffold`
+    """
+    if isinstance(surface, Patches):
+        control = Connectivity.of(surface.control.mesh, surface.control.creases)
+        owner, faulty = surface.quad_of_patch, surface.turned
+    else:
+        control, owner = surface.control, surface.quad_of_quad
+        faulty = np.zeros(0, dtype=np.intp)
+    for levels in TRIED_LEVELS:
+        crossing = _crossing_quads(control, _samples(surface, levels + 1))
+        if len(crossing) == 0:
+            break
+    found: Ints = np.unique(scaffold.edge_of_quad[owner[np.union1d(crossing, faulty)]])
+    return found
+
+
+def _samples(surface: Patches | FineSurface, levels: int) -> Floats:
+    """Return points of the surface on a grid a quad, (f, 2^levels + 1, 2^levels + 1, 3), mm."""
+    if isinstance(surface, Patches):
+        points, _ = surface.sampled(2**levels + 1)
+        return points
+    fine, vertices = subdivided(surface.control, surface.points, levels)
+    return as_grids(limit_points(fine, vertices)[fine.quads], levels)
+
+
+def _crossing_quads(control: Connectivity, grids: Floats) -> Ints:
+    """Return the quads of `control` whose part of a mesh around the surface crosses others.
+
+    Parameters
+    ----------
+    grids : (f, 2 n + 1, 2 n + 1, 3) float64, mm, points of the surface on each quad, n a power
+        of 2; every second one is a corner of the mesh
+    """
+    levels = (grids.shape[1] - 1).bit_length() - 2
+    fine = control
+    for _ in range(levels):
+        fine = fine.subdivided()
+    at = 2 * grid_places(levels)  # (4^levels, 4, 2)
+
+    def points(at: Ints) -> Floats:
+        return np.asarray(grids[:, at[..., 0], at[..., 1]].reshape(-1, at.shape[1], 3))
+
+    corners = points(at)
+    following = np.roll(corners, -1, axis=1)
+    opposite = np.roll(corners, -2, axis=1)[:, :2]
+    vertices = np.empty((fine.count, 3))
+    vertices[fine.quads] = corners
+
+    # What stands out between the corners: on the sides, and over both diagonals.
+    on_sides = points((at + np.roll(at, -1, axis=1)) // 2) - (corners + following) / 2
+    in_middle = points(at.sum(axis=1, keepdims=True) // 4) - (corners[:, :2] + opposite) / 2
+    normals = normalize(np.cross(opposite[:, 0] - corners[:, 0], opposite[:, 1] - corners[:, 1]))
+    bulge = dot(np.concatenate([on_sides, in_middle], axis=1), normals[:, None]).max(axis=1)
+    reach = np.zeros(fine.count)
+    np.maximum.at(reach, fine.quads, bulge[:, None])
+    outward = normalize(sum_of_normals(fine, vertices))
+    around = QuadMesh(vertices + MARGIN * reach[:, None] * outward, fine.quads)
+    crossing: Ints = np.unique(self_intersections(around) >> 1) // 4**levels
+    return np.unique(crossing)
