@@ -26,6 +26,7 @@ from scaffold_cad.arrays import Floats, Ints, Points
 from scaffold_cad.convolution import ConvolutionField, KernelName, project
 from scaffold_cad.convolution.kernels import Cauchy, CompactCubic, Kernel, Pairs, tip_reach
 from scaffold_cad.convolution.nearby import all_pairs, nearby_pairs
+from scaffold_cad.convolution.projection import _feet
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 from scaffold_cad.vectors import dot, length
 from tests.real_files import real_skeleton
@@ -354,12 +355,66 @@ def test_no_points_have_no_values(kernel: KernelName) -> None:
 def test_options_out_of_range_are_refused() -> None:
     with pytest.raises(OptionError, match="kernel is 'gauss'; need one of compact-cubic, cauchy"):
         ConvolutionField(STRUT, "gauss")  # type: ignore[arg-type]
-    with pytest.raises(OptionError, match="width of the compact-cubic kernel is 1; need > 1 radii"):
-        ConvolutionField(STRUT, width=1.0)
-    with pytest.raises(OptionError, match="width of the cauchy kernel is -1; need > 0 radii"):
-        ConvolutionField(STRUT, "cauchy", width=-1.0)
+    wanted = "need > 1 and at most 100 radii"
+    for width in (1.0, 100.1, np.inf, np.nan):
+        with pytest.raises(OptionError, match=f"compact-cubic kernel is {width:g}; {wanted}"):
+            ConvolutionField(STRUT, width=width)
+    wanted = "need > 0 and at most 50 radii"
+    for width in (-1.0, 0.0, 51.0):
+        with pytest.raises(OptionError, match=f"cauchy kernel is {width:g}; {wanted}"):
+            ConvolutionField(STRUT, "cauchy", width=width)
     with pytest.raises(SkeletonError, match="edge 0 joins node 0 to itself"):
         ConvolutionField(Skeleton([[0, 0, 0], [1, 0, 0]], [[0, 0], [0, 1]], 1.0))
+
+
+@pytest.mark.parametrize(("kernel", "width"), [("compact-cubic", 100.0), ("cauchy", 50.0)])
+def test_the_widest_kernels_have_a_surface_around_long_struts(
+    kernel: KernelName, width: float
+) -> None:
+    field = ConvolutionField(Skeleton([[0, 0, 0], [2e4, 0, 0]], [[0, 1]], 1.0), kernel, width)
+    assert field.value([[1e4, 1, 0], [-1, 0, 0]]) == pytest.approx(1.0, abs=0.01)
+
+
+def test_feet_are_the_nearest_points_of_the_skeleton() -> None:
+    random = np.random.default_rng(5)
+    nodes = random.uniform(-50, 50, (60, 3))
+    edges = np.stack([np.arange(59), np.arange(1, 60)], axis=1)
+    skeleton = Skeleton(nodes, edges, random.uniform(1, 3, 60))
+    points = random.uniform(-80, 80, (500, 3))
+    feet, radii = _feet(points, skeleton)
+    starts, spans = nodes[:-1], nodes[1:] - nodes[:-1]
+    share = np.einsum("pex,ex->pe", points[:, None] - starts, spans) / dot(spans, spans)
+    share = np.clip(share, 0, 1)
+    every = starts + share[..., None] * spans
+    nearest = length(points[:, None] - every).argmin(axis=1)
+    rows = np.arange(500)
+    np.testing.assert_allclose(feet, every[rows, nearest])
+    first, last = skeleton.radii[nearest], skeleton.radii[nearest + 1]
+    np.testing.assert_allclose(radii, first + share[rows, nearest] * (last - first))
+
+
+def test_foot_on_a_long_edge_beside_another() -> None:
+    nodes = [[0, 0, 0], [1000, 0, 0], [500, 5, 0], [515, 5, 0]]
+    skeleton = Skeleton(nodes, [[0, 1], [2, 3]], [1, 3, 1, 1])
+    feet, radii = _feet(np.array([[507.9, 0.5, 0]]), skeleton)
+    np.testing.assert_allclose(feet, [[507.9, 0, 0]])
+    np.testing.assert_allclose(radii, [1 + 2 * 0.5079])
+
+
+def test_mesh_that_stays_folded_is_told_of(caplog: pytest.LogCaptureFixture) -> None:
+    field = ConvolutionField(FIGURE_EIGHT)
+    project(around(FIGURE_EIGHT), field)
+    assert not caplog.records
+    moved = project(smooth_mesh(build_scaffold(FIGURE_EIGHT), levels=2).mesh, field)
+    corners = moved.vertices[moved.quads]
+    ahead = np.roll(corners, -1, axis=1) - corners
+    normals = np.cross(ahead, -np.roll(ahead, 1, axis=1))
+    folded = (dot(normals, field.gradient(moved.vertices)[moved.quads]) >= 0).any(axis=1)
+    assert folded.any()
+    (record,) = caplog.records
+    assert record.levelname == "WARNING"
+    assert f"{folded.sum()} quads of the mesh on the convolution surface" in record.getMessage()
+    assert "with collars" in record.getMessage()
 
 
 def check_projected(mesh: QuadMesh, skeleton: Skeleton, field: ConvolutionField) -> QuadMesh:

@@ -23,6 +23,13 @@ KernelName: TypeAlias = Literal["compact-cubic", "cauchy"]
 WIDTHS: dict[str, float] = {"compact-cubic": 2.0, "cauchy": 0.5}
 """Width of each kernel unless another is asked for, in radii."""
 
+WIDTH_RANGES: dict[str, tuple[float, float]] = {
+    "compact-cubic": (1.0, 100.0),
+    "cauchy": (0.0, 50.0),
+}
+"""What the width of each kernel is more than, and the widest: there the edges of extremities go on
+for a hundred radii and more."""
+
 
 @dataclass(frozen=True, eq=False)
 class FieldSamples:
@@ -91,18 +98,19 @@ class ConvolutionField:
     an influence everywhere, and time grows with edges times points."""
     width: float | None = None
     """Width of the kernel, in radii; by default 2 for "compact-cubic" and 0.5 for "cauchy". Wider
-    ones blend more. For "compact-cubic" > 1."""
+    ones blend more. For "compact-cubic" > 1 and at most 100, for "cauchy" > 0 and at most 50."""
 
     def __post_init__(self) -> None:
         check_skeleton(self.skeleton)
         if self.kernel not in get_args(KernelName):
             known = ", ".join(get_args(KernelName))
             raise OptionError(f"kernel is {self.kernel!r}; need one of {known}")
-        least = 1.0 if self.kernel == "compact-cubic" else 0.0
+        least, most = WIDTH_RANGES[self.kernel]
         width = WIDTHS[self.kernel] if self.width is None else self.width
-        if not least < width < np.inf:
+        if not least < width <= most:
             raise OptionError(
-                f"width of the {self.kernel} kernel is {width:g}; need > {least:g} radii"
+                f"width of the {self.kernel} kernel is {width:g}; "
+                f"need > {least:g} and at most {most:g} radii"
             )
         object.__setattr__(self, "width", float(width))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,7 @@ from scipy.spatial import cKDTree
 
 from scaffold_cad.arrays import Bools, Floats, Ints, Points, Quads, Radii
 from scaffold_cad.convolution.field import ConvolutionField, FieldSamples
+from scaffold_cad.convolution.nearby import nearby_pairs
 from scaffold_cad.errors import MeshError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.skeleton import Skeleton
@@ -43,8 +45,7 @@ MOST_ROUNDS = 20
 RINGS = 2
 """How many quads around a folded one are spread with it."""
 
-MOST_SAMPLES = 64
-"""Most places of an edge among which the nearest one is looked for."""
+_log = logging.getLogger(__name__)
 
 
 def project(mesh: QuadMesh, field: ConvolutionField) -> QuadMesh:
@@ -54,7 +55,8 @@ def project(mesh: QuadMesh, field: ConvolutionField) -> QuadMesh:
     that keeps passing the surface goes to where the line between its last places inside and
     outside meets it. One whose gradient leads nowhere, as beyond the reach of a compact kernel,
     goes to where the line from the nearest point of the skeleton through it does. Where quads fold
-    over, the vertices around them are then spread along the surface.
+    over, the vertices around them are then spread along the surface; where they stay folded, a
+    warning is logged.
 
     Parameters
     ----------
@@ -80,6 +82,15 @@ def project(mesh: QuadMesh, field: ConvolutionField) -> QuadMesh:
         raise MeshError(
             f"vertex {missed[0]} at {mesh.vertices[missed[0]].tolist()} mm finds no place on the "
             f"convolution surface ({len(missed)} vertices in all do not); need a mesh near it"
+        )
+    folded = np.flatnonzero(_facing(placed, mesh.quads) <= 0)
+    if len(folded):
+        _log.warning(
+            "%d quads of the mesh on the convolution surface are folded, the first is quad %d: the "
+            "mesh was too far from the surface (build the scaffold with collars); whether quads "
+            "cross was not checked",
+            len(folded),
+            folded[0],
         )
     return mesh.moved(placed.points)
 
@@ -286,20 +297,21 @@ def _across(points: Points, field: ConvolutionField) -> tuple[Points, Points]:
 
 
 def _feet(points: Points, skeleton: Skeleton) -> tuple[Points, Radii]:
-    """Return the point of the skeleton next to each of `points` (k, 3), and the radius there.
-
-    Next but for what lies between places of an edge that are a radius apart.
-    """
-    counts = np.ceil(skeleton.lengths / skeleton.radii[skeleton.edges].min(axis=1))
-    counts = np.clip(counts, 1, MOST_SAMPLES).astype(np.intp) + 1
-    edge = np.repeat(np.arange(len(counts)), counts)
-    first = np.cumsum(counts) - counts
-    share = (np.arange(len(edge)) - first[edge]) / (counts[edge] - 1)
-    starts = skeleton.nodes[skeleton.edges[:, 0]]
-    spans = skeleton.nodes[skeleton.edges[:, 1]] - starts
-    _, nearest = cKDTree(starts[edge] + share[:, None] * spans[edge]).query(points)
-    edge = edge[nearest]
-    share = dot(points - starts[edge], spans[edge]) / dot(spans, spans)[edge]
-    share = np.clip(share, 0, 1)
+    """Return the point of the skeleton nearest to each of `points` (k, 3), and the radius there."""
+    starts, ends = (skeleton.nodes[skeleton.edges[:, k]] for k in range(2))
+    spans = ends - starts
+    squares = dot(spans, spans)
+    # No edge is farther from a point than the nearest node.
+    reach = np.max(cKDTree(skeleton.nodes).query(points)[0])
+    least, share = np.full(len(points), np.inf), np.zeros(len(points))
+    edge = np.zeros(len(points), dtype=np.intp)
+    for pairs in nearby_pairs(points, starts, ends, np.full(len(starts), reach)):
+        rows, edges = (column.reshape(-1) for column in np.broadcast_arrays(*pairs))
+        offsets = points[rows] - starts[edges]
+        shares = np.clip(dot(offsets, spans[edges]) / squares[edges], 0, 1)
+        gaps = length(offsets - shares[:, None] * spans[edges])
+        np.minimum.at(least, rows, gaps)
+        nearest = gaps == least[rows]
+        edge[rows[nearest]], share[rows[nearest]] = edges[nearest], shares[nearest]
     low, high = skeleton.radii[skeleton.edges[edge]].T
     return starts[edge] + share[:, None] * spans[edge], low + share * (high - low)
