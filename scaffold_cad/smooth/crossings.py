@@ -21,8 +21,8 @@ from scaffold_cad.smooth.slabs import FineSurface
 from scaffold_cad.vectors import dot, normalize
 
 TRIED_LEVELS = (2, 3)
-"""Levels of the meshes that are tested in turn, until one does not cross itself: 4 × 4 cells a
-quad, then 8 × 8, sections of struts with 16 corners and with 32."""
+"""Levels of the meshes that are tested in turn: 4 × 4 cells a quad, and 8 × 8 where those cross;
+sections of struts with 16 corners, and with 32."""
 
 MARGIN = 1.25
 """How far out the tested mesh is moved, in distances by which the surface bulges out of it."""
@@ -48,10 +48,10 @@ def crossing_struts(surface: Patches | FineSurface, scaffold: Scaffold) -> Ints:
     else:
         control, owner = surface.control, surface.quad_of_quad
         faulty = np.zeros(0, dtype=np.intp)
+    crossing = np.arange(len(control.quads))
     for levels in TRIED_LEVELS:
-        crossing = _crossing_quads(control, _samples(surface, levels + 1))
-        if len(crossing) == 0:
-            break
+        if len(crossing):
+            crossing = _crossing_quads(control, _samples(surface, levels + 1), crossing)
     found: Ints = np.unique(scaffold.edge_of_quad[owner[np.union1d(crossing, faulty)]])
     return found
 
@@ -65,13 +65,14 @@ def _samples(surface: Patches | FineSurface, levels: int) -> Floats:
     return as_grids(limit_points(fine, vertices)[fine.quads], levels)
 
 
-def _crossing_quads(control: Connectivity, grids: Floats) -> Ints:
-    """Return the quads of `control` whose part of a mesh around the surface crosses others.
+def _crossing_quads(control: Connectivity, grids: Floats, among: Ints) -> Ints:
+    """Return the quads of `among` whose parts of a mesh around the surface cross each other.
 
     Parameters
     ----------
     grids : (f, 2 n + 1, 2 n + 1, 3) float64, mm, points of the surface on each quad, n a power
         of 2; every second one is a corner of the mesh
+    among : (k,) intp, rows of `control.quads`, ascending
     """
     levels = (grids.shape[1] - 1).bit_length() - 2
     fine = control
@@ -96,6 +97,7 @@ def _crossing_quads(control: Connectivity, grids: Floats) -> Ints:
     reach = np.zeros(fine.count)
     np.maximum.at(reach, fine.quads, bulge[:, None])
     outward = normalize(sum_of_normals(fine, vertices))
-    around = QuadMesh(vertices + MARGIN * reach[:, None] * outward, fine.quads)
-    crossing: Ints = np.unique(self_intersections(around) >> 1) // 4**levels
+    tested = fine.quads.reshape(-1, 4**levels, 4)[among].reshape(-1, 4)
+    around = QuadMesh(vertices + MARGIN * reach[:, None] * outward, tested)
+    crossing: Ints = among[np.unique(self_intersections(around) >> 1) // 4**levels]
     return np.unique(crossing)
