@@ -32,6 +32,19 @@ def check_target(path: Path) -> None:
         raise FormatError(f"cannot write {path}: the folder {folder} is read-only")
 
 
+def check_page(path: Path) -> None:
+    """Raise unless `path` is that of a page, .html, which can be written as far as can be told.
+
+    Raises
+    ------
+    FormatError
+        If it has another suffix, or see `check_target`.
+    """
+    if path.suffix.lower() != ".html":
+        raise FormatError(f"cannot write {path}: it is a page; need .html")
+    check_target(path)
+
+
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
     """Give a new empty file beside `path` that takes its place once the block is done.

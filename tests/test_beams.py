@@ -12,7 +12,7 @@ import trimesh
 from hypothesis import HealthCheck, given, settings
 
 from scaffold_cad.beams import BeamLattice
-from scaffold_cad.errors import FormatError, SkeletonError
+from scaffold_cad.errors import FormatError, MeshError, SkeletonError
 from scaffold_cad.export import write
 from scaffold_cad.io import read_skeleton
 from scaffold_cad.lattice import tile
@@ -159,6 +159,16 @@ def test_bad_balls_are_refused(balls: Any, message: str) -> None:
     skeleton = Skeleton([[0, 0, 0], [1, 0, 0]], [[0, 1]], 1.0)
     with pytest.raises(SkeletonError, match=message):
         BeamLattice(skeleton, balls=balls)
+
+
+@pytest.mark.parametrize("part", ["clip", "mesh"])
+def test_open_meshes_beside_beams_are_refused(part: str, tmp_path: Path) -> None:
+    ball = trimesh.creation.icosphere(radius=7.0)
+    ball.update_faces(np.arange(len(ball.faces)) > 0)
+    lattice = BeamLattice(tile("bcc", 8.0, 1, radius=0.5), **{part: ball})
+    with pytest.raises(MeshError, match="no triangle runs along the edge from vertex"):
+        write(lattice, tmp_path / "open.3mf")
+    assert not (tmp_path / "open.3mf").exists()
 
 
 def test_a_beam_lattice_goes_to_3mf_only(tmp_path: Path) -> None:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from scaffold_cad.errors import OptionError
 from scaffold_cad.frames import (
     accumulate,
     double_reflection,
@@ -76,6 +79,31 @@ def test_accumulated_steps_are_the_running_products_of_each_polyline(
         if place:
             expected = multiply(expected, total[k - 1 : k])
         np.testing.assert_allclose(total[k : k + 1], expected, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("points", "first_x", "message"),
+    [
+        ([], None, "the polyline has 0 points; need 2 or more"),
+        ([[0, 0, 0]], None, "the polyline has 1 points; need 2 or more"),
+        ([0, 1, 2], None, r"points has shape \(3,\); need \(n, 3\)"),
+        ("line", None, "points is not an array of numbers"),
+        ([[0, 0, 0], [0, 0, np.nan]], None, r"points\[1\] is .*; need finite numbers"),
+        ([[0, 0, 0], [1, 0, 0], [1, 0, 0]], None, r"points 1 and 2 are both at \[1.0, 0.0, 0.0\]"),
+        ([[0, 0, 0], [1, 0, 0]], [1, 2], r"first_x is \[1.0, 2.0\]; need three finite numbers"),
+        ([[0, 0, 0], [1, 0, 0]], "x", "first_x is not an array of numbers"),
+        ([[0, 0, 0], [1, 0, 0]], [2, 0, 0], "along the polyline's start; need one across it"),
+        ([[0, 0, 0], [1, 0, 0]], [0, 0, 0], "along the polyline's start; need one across it"),
+    ],
+)
+def test_what_is_no_polyline_is_refused(points: Any, first_x: Any, message: str) -> None:
+    with pytest.raises(OptionError, match=message):
+        rotation_minimizing_frames(points, first_x)
+
+
+def test_lists_of_whole_numbers_are_a_polyline() -> None:
+    frames = rotation_minimizing_frames([[0, 0, 0], [0, 0, 3], [0, 0, 7]], [2, 0, 1])
+    np.testing.assert_allclose(frames, np.broadcast_to(np.eye(3), (3, 3, 3)), atol=1e-15)
 
 
 def normalize_rows(rows: np.ndarray) -> np.ndarray:

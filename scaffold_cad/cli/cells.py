@@ -7,8 +7,7 @@ import logging
 from html import escape
 from pathlib import Path
 
-from scaffold_cad.errors import FormatError
-from scaffold_cad.files import replacing
+from scaffold_cad.files import check_page, replacing
 from scaffold_cad.lattice import UnitCell, cell_picture, cells
 
 PAGE = """\
@@ -52,8 +51,7 @@ def run(options: argparse.Namespace) -> None:
     """Print a line a cell, or write the page."""
     known = cells()
     if options.output is not None:
-        if options.output.suffix.lower() != ".html":
-            raise FormatError(f"cannot write {options.output}: it is a page; need .html")
+        check_page(options.output)
         with replacing(options.output) as fresh:
             figures = "\n".join(_figure(name, cell) for name, cell in known.items())
             fresh.write_text(PAGE.format(figures=figures), encoding="utf-8")

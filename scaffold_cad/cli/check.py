@@ -11,7 +11,7 @@ from typing import Any
 
 from scaffold_cad.cli import source
 from scaffold_cad.errors import OptionError
-from scaffold_cad.files import check_target
+from scaffold_cad.files import check_page
 from scaffold_cad.io import read_skeleton
 from scaffold_cad.printability import MATERIALS, PROCESSES, check_printability, read_triangles
 from scaffold_cad.printability.page import write_page
@@ -78,7 +78,7 @@ def add_parser(
 def run(options: argparse.Namespace) -> int:
     """Print the report and return 0 if the part is printable, else 1."""
     if options.html is not None:
-        check_target(options.html)
+        check_page(options.html)
     triangles = read_triangles(options.input)
     skeleton = None
     if options.skeleton is not None:
