@@ -14,6 +14,7 @@ import numpy as np
 from scaffold_cad.arrays import Floats, Ints, Points, UnitVectors
 from scaffold_cad.errors import OptionError
 from scaffold_cad.partition import partition_spheres
+from scaffold_cad.partition.star import nearest_angles
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.vectors import dot, length
 
@@ -111,6 +112,45 @@ def _turns(before: UnitVectors, after: UnitVectors) -> Floats:
     left[:, :, 2] *= np.sign(np.linalg.det(left) * np.linalg.det(right))[:, None]
     turns: Floats = left @ right
     return turns
+
+
+@dataclass(frozen=True)
+class WorstClearance:
+    """Where a partition leaves an edge least room, relative to what is possible."""
+
+    half_edge: int
+    """The half-edge; it leaves `node` along `edge`."""
+    node: int
+    edge: int
+    clearance: float
+    """Angle to the nearest side of its quad, rad."""
+    relative: float
+    """The same over half the angle to the nearest other edge: at most 1."""
+
+
+def worst_clearance(skeleton: Skeleton, clearance: Floats) -> WorstClearance | None:
+    """Return the smallest relative clearance, or None without a branch point.
+
+    Parameters
+    ----------
+    skeleton : the skeleton
+    clearance : (2 m,) float64, of each half-edge, rad; as that of its `Stars` or its scaffold
+    """
+    relative = np.full(2 * len(skeleton.edges), np.inf)
+    for n in np.unique(skeleton.valency[skeleton.branch_points]).tolist():
+        half_edges = skeleton.incidence.at_nodes(np.flatnonzero(skeleton.valency == n), n)
+        nearest = nearest_angles(skeleton.directions[half_edges])  # (k, n)
+        relative[half_edges] = 2 * clearance[half_edges] / nearest
+    worst = int(np.argmin(relative))
+    if not relative[worst] < np.inf:
+        return None
+    return WorstClearance(
+        half_edge=worst,
+        node=int(skeleton.edges.reshape(-1)[worst]),
+        edge=worst >> 1,
+        clearance=float(clearance[worst]),
+        relative=float(relative[worst]),
+    )
 
 
 def star_positions(skeleton: Skeleton, stars: Stars, fit: Fit, section: Section) -> Points:

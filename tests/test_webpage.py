@@ -18,7 +18,6 @@ from scaffold_cad import (
     TriangleMesh,
     build_scaffold,
     catmull_clark,
-    partition_sphere,
     smooth_mesh,
     solidified,
     tile,
@@ -29,7 +28,7 @@ from scaffold_cad.printability import check_printability
 from scaffold_cad.printability.page import page as report_page
 from scaffold_cad.webpage import for_notebook, model_page, write_page
 from scaffold_cad.webpage import page as page_module
-from scaffold_cad.webpage.layers import CRIMSON, VALENCIES, worst_clearance
+from scaffold_cad.webpage.layers import CRIMSON, VALENCIES
 from tests.browser import needs_chromium, seen_in
 from tests.meshes import CUBE, OPEN_CUBE
 from tests.skeletons import ELBOW, JACK, K4, RING, STICK_FIGURE, STRUT, TRIPOD
@@ -62,23 +61,6 @@ def test_titles_are_text_and_nothing_comes_from_outside() -> None:
     assert "<script>alert" not in page
     assert "http" not in page
     assert "src=" not in page
-
-
-@pytest.mark.parametrize("skeleton", [TRIPOD, K4, JACK, STICK_FIGURE], ids=lambda s: len(s.nodes))
-def test_worst_clearance_is_the_smallest_of_all_partitions(skeleton: Skeleton) -> None:
-    worst = worst_clearance(build_scaffold(skeleton))
-    assert worst is not None
-    relative = {
-        node: partition_sphere(
-            skeleton.directions[
-                skeleton.incidence.at_nodes(np.array([node]), skeleton.valency[node])[0]
-            ]
-        ).relative_clearance
-        for node in skeleton.branch_points.tolist()
-    }
-    assert worst.relative == pytest.approx(min(relative.values()), abs=1e-6)
-    assert worst.relative == pytest.approx(relative[worst.node], abs=1e-6)
-    assert worst.node == skeleton.edges[worst.edge][worst.half_edge % 2]
 
 
 @pytest.mark.parametrize("skeleton", [STRUT, ELBOW, RING], ids=["strut", "elbow", "ring"])

@@ -15,8 +15,8 @@ from scaffold_cad.cli.progress import SCAFFOLD_RATE, SMOOTH_RATE, SOLID_RATE, Pr
 from scaffold_cad.errors import FormatError
 from scaffold_cad.export import BREP_SUFFIXES, check_writable, write
 from scaffold_cad.lattice import fill
+from scaffold_cad.meshfiles import read_triangles
 from scaffold_cad.parts import lattice_part
-from scaffold_cad.printability import read_triangles
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.solid import to_solid

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from scaffold_cad.cli import build, source
 from scaffold_cad.files import check_target
-from scaffold_cad.printability import read_triangles
+from scaffold_cad.meshfiles import read_triangles
 from scaffold_cad.solid import to_solid
 from scaffold_cad.thicken import thicken
 from scaffold_cad.webpage import write_page

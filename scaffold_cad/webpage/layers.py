@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.partition.star import nearest_angles
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.stars import worst_clearance
 from scaffold_cad.trianglemesh import TriangleMesh
 from scaffold_cad.webpage.scene import Dots, Layer, Lines, Part, Surface
 
@@ -82,7 +82,7 @@ def solid_layer(mesh: QuadMesh | TriangleMesh, *, shown: bool) -> ShownLayer:
 
 def worst_layer(scaffold: Scaffold) -> ShownLayer | None:
     """Return the mark of the smallest relative clearance, or None without a branch point."""
-    worst = worst_clearance(scaffold)
+    worst = worst_clearance(scaffold.skeleton, scaffold.clearance)
     if worst is None:
         return None
     skeleton = scaffold.skeleton
@@ -98,38 +98,4 @@ def worst_layer(scaffold: Scaffold) -> ShownLayer | None:
     )
     return ShownLayer(
         Layer("worst", parts), "worst clearance", ((CRIMSON, meaning),), is_place=True
-    )
-
-
-@dataclass(frozen=True)
-class WorstClearance:
-    """Where a partition leaves an edge least room, relative to what is possible."""
-
-    half_edge: int
-    """The half-edge; it leaves `node` along `edge`."""
-    node: int
-    edge: int
-    clearance: float
-    """Angle to the nearest side of its quad, rad."""
-    relative: float
-    """The same over half the angle to the nearest other edge: at most 1."""
-
-
-def worst_clearance(scaffold: Scaffold) -> WorstClearance | None:
-    """Return the smallest relative clearance of a scaffold, or None without a branch point."""
-    skeleton = scaffold.skeleton
-    relative = np.full(2 * len(skeleton.edges), np.inf)
-    for n in np.unique(skeleton.valency[skeleton.branch_points]).tolist():
-        half_edges = skeleton.incidence.at_nodes(np.flatnonzero(skeleton.valency == n), n)
-        nearest = nearest_angles(skeleton.directions[half_edges])  # (k, n)
-        relative[half_edges] = 2 * scaffold.clearance[half_edges] / nearest
-    worst = int(np.argmin(relative))
-    if not relative[worst] < np.inf:
-        return None
-    return WorstClearance(
-        half_edge=worst,
-        node=int(skeleton.edges.reshape(-1)[worst]),
-        edge=worst >> 1,
-        clearance=float(scaffold.clearance[worst]),
-        relative=float(relative[worst]),
     )

@@ -1,0 +1,32 @@
+"""The partitions of all branch points of a skeleton: where they leave an edge least room."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from scaffold_cad import Skeleton, build_scaffold, partition_sphere
+from scaffold_cad.stars import worst_clearance
+from tests.skeletons import ELBOW, JACK, K4, RING, STICK_FIGURE, STRUT, TRIPOD
+
+
+@pytest.mark.parametrize("skeleton", [TRIPOD, K4, JACK, STICK_FIGURE], ids=lambda s: len(s.nodes))
+def test_worst_clearance_is_the_smallest_of_all_partitions(skeleton: Skeleton) -> None:
+    worst = worst_clearance(skeleton, build_scaffold(skeleton).clearance)
+    assert worst is not None
+    relative = {
+        node: partition_sphere(
+            skeleton.directions[
+                skeleton.incidence.at_nodes(np.array([node]), skeleton.valency[node])[0]
+            ]
+        ).relative_clearance
+        for node in skeleton.branch_points.tolist()
+    }
+    assert worst.relative == pytest.approx(min(relative.values()), abs=1e-6)
+    assert worst.relative == pytest.approx(relative[worst.node], abs=1e-6)
+    assert worst.node == skeleton.edges[worst.edge][worst.half_edge % 2]
+
+
+@pytest.mark.parametrize("skeleton", [STRUT, ELBOW, RING], ids=["strut", "elbow", "ring"])
+def test_without_branch_points_there_is_no_clearance(skeleton: Skeleton) -> None:
+    assert worst_clearance(skeleton, build_scaffold(skeleton).clearance) is None
