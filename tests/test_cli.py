@@ -6,12 +6,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 import trimesh
 
 from scaffold_cad import __version__
 from scaffold_cad.cli import main
 from scaffold_cad.io import read_skeleton, skeleton_to_json
+from scaffold_cad.skeleton import Skeleton
 from tests import skeletons as named
 from tests.real_files import RADII
 from tests.test_embedding import CROSSING
@@ -262,18 +264,25 @@ def test_meshes_of_many_levels_are_written_in_slabs(figure: str, tmp_path: Path)
     [
         (["--smooth", "--levels", "3"], "fine.3mf", "need .stl or .ply, or --levels 2"),
         (["--slabs", "2"], "coarse.stl", "--slabs is for meshes of --smooth"),
+        (["--smooth", "--slabs", "2"], "coarse.stl", "--slabs is for meshes of --smooth"),
+        (["--levels", "1"], "coarse.stl", "--levels is for meshes of --smooth"),
+        (["--smooth", "--levels", "2"], "smooth.step", "not for CAD formats"),
+        (["--caps", "round"], "coarse.step", "--caps is for --smooth"),
+        (["--smooth", "--caps", "flat"], "flat.stl", "--caps flat is for CAD formats"),
+        (["--smooth", "--as", "shell"], "shell.obj", "--as shell is for the coarse quads"),
+        (["--strut-radius", "1"], "coarse.stl", "--strut-radius is for --as frame"),
     ],
 )
-def test_slabs_and_levels_that_do_not_fit_are_refused(
+def test_options_that_do_nothing_are_refused_before_any_work(
     arguments: list[str],
     name: str,
     message: str,
-    figure: str,
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    assert main(["build", figure, *arguments, "-o", str(tmp_path / name)]) == 2
-    assert message in capsys.readouterr().err
+    assert main(["build", "absent.json", *arguments, "-o", str(tmp_path / name)]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert message in line
     assert not (tmp_path / name).exists()
 
 
@@ -286,3 +295,58 @@ def test_struts_that_overlap_have_no_fine_surface(
     assert main(["build", str(crossing), "--smooth", "--levels", "4", "-o", str(out)]) == 2
     assert "overlap others, edge" in capsys.readouterr().err
     assert not out.exists()
+
+
+def parallel(distance: float) -> str:
+    """Return two parallel struts of radius 1 as JSON, a corner of their sections to the other."""
+    across = distance / np.sqrt(2)
+    nodes = [[0, 0, 0], [20, 0, 0], [0, across, across], [20, across, across]]
+    return skeleton_to_json(Skeleton(nodes, [[0, 1], [2, 3]], 1.0))
+
+
+@pytest.mark.parametrize(
+    ("distance", "arguments", "said"),
+    [
+        (1.9, ["-o", "out.step"], ["2 of 2 struts overlap", "may cross itself there"]),
+        (2.2, ["-o", "out.step"], []),  # squares of half width 1 would
+        (1.9, ["-o", "out.stl"], ["2 of 2 struts overlap", "they are united"]),
+        (2.2, ["-o", "out.stl"], []),
+        (2.2, ["--levels", "4", "-o", "out.stl"], []),
+    ],
+)
+def test_overlaps_are_said_of_the_surface_that_is_written(
+    distance: float,
+    arguments: list[str],
+    said: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("close.json").write_text(parallel(distance), encoding="utf-8")
+    assert main(["build", "close.json", "--smooth", "--collars", *arguments]) == 0
+    error = capsys.readouterr().err
+    assert all(part in error for part in said)
+    assert bool(said) == ("overlap" in error)
+
+
+def test_a_fine_mesh_is_not_said_to_be_united_and_then_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = tmp_path / "close.json"
+    source.write_text(parallel(1.9), encoding="utf-8")
+    out = tmp_path / "fine.ply"
+    assert main(["build", str(source), "--smooth", "--levels", "3", "-o", str(out)]) == 2
+    error = capsys.readouterr().err
+    assert "2 struts overlap others, edge 0 first: they can be united with --levels 2" in error
+    assert "they are united" not in error
+
+
+def test_fine_meshes_may_have_flat_caps(figure: str, tmp_path: Path) -> None:
+    volumes = []
+    for caps in ("round", "flat"):
+        out = tmp_path / f"{caps}.stl"
+        command = ["build", figure, "--smooth", "--levels", "3", "--caps", caps, "-o", str(out)]
+        assert main(command) == 0
+        volumes.append(trimesh.load(out).volume)
+    assert volumes[1] < volumes[0]

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
+from scaffold_cad.arrays import Ints
 from scaffold_cad.cli import source
 from scaffold_cad.cli.progress import FILE_RATE, SCAFFOLD_RATE, SMOOTH_RATE, SOLID_RATE, Progress
 from scaffold_cad.errors import OptionError
 from scaffold_cad.export import BREP_SUFFIXES, check_writable, write
-from scaffold_cad.roundstruts import round_surface
 from scaffold_cad.scaffold import Scaffold, build_scaffold
-from scaffold_cad.smooth import Caps, fine_surface, smooth_patches
+from scaffold_cad.smooth import Caps, crossing_struts, fine_surface, smooth_patches
 from scaffold_cad.solid import solidified, to_solid
 from scaffold_cad.stars import Fit, Section
 from scaffold_cad.thicken import frame_scaffold
@@ -27,6 +27,9 @@ PRODUCTS = ("scaffold", "frame", "shell")
 
 FINE_SUFFIXES = (".stl", ".ply")
 """Suffixes of the formats that hold fine surfaces."""
+
+LEVELS = 2
+"""Subdivisions of a smooth mesh when none are given."""
 
 FRAME_RADIUS = 0.15
 """Radius of a frame's struts when none is given, as a fraction of the median node radius."""
@@ -67,10 +70,9 @@ def add_parser(
         "--levels",
         type=int,
         choices=range(1, 9),
-        default=2,
         metavar="N",
-        help="subdivisions of a smooth mesh: struts get 4 * 2**N sides (default: 2); from 3 on "
-        "for struts that do not overlap, in .stl and .ply files",
+        help=f"subdivisions of a smooth mesh: struts get 4 * 2**N sides (default: {LEVELS}); from "
+        "3 on for struts that do not overlap, in .stl and .ply files",
     )
     parser.add_argument(
         "--slabs",
@@ -81,8 +83,7 @@ def add_parser(
     parser.add_argument(
         "--caps",
         choices=get_args(Caps),
-        default="round",
-        help="how struts end in a smooth CAD solid (default: round)",
+        help="how struts end in a smooth CAD solid or a mesh of 3 levels or more (default: round)",
     )
     parser.set_defaults(run=run)
 
@@ -115,8 +116,7 @@ def add_scaffold_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Read, build and write."""
     check_writable(options.output)
-    if options.slabs is not None and not _is_fine(options):
-        raise OptionError("--slabs is for meshes of --smooth with --levels 3 or more")
+    _check_combination(options)
     skeleton = source.skeleton_from(options)
     progress = Progress()
     with progress.stage("scaffold", len(skeleton.edges), "struts", SCAFFOLD_RATE):
@@ -149,23 +149,43 @@ def frame_radius(options: argparse.Namespace, skeleton: Skeleton) -> float:
     return radius
 
 
-def _product(scaffold: Scaffold, options: argparse.Namespace) -> Any:
-    """Return what to write; a scaffold in a mesh format gets its overlapping struts united."""
-    cad = options.output.suffix.lower() in BREP_SUFFIXES
-    shell = options.product == "shell"
-    left_out = scaffold.embedding().left_out
-    if len(left_out):
-        _log.warning(
-            "%d of %d struts overlap others or their nodes, edge %d first%s",
-            len(left_out),
-            len(scaffold.skeleton.edges),
-            left_out[0],
-            ": the surface may cross itself there; --simplify, a smaller radius or a mesh helps"
-            if cad or shell
-            else "; they are united",
+def _check_combination(options: argparse.Namespace) -> None:
+    """Raise where an option would do nothing."""
+    name, suffix = options.output.name, options.output.suffix.lower()
+    cad = suffix in BREP_SUFFIXES
+    if options.smooth and options.product == "shell":
+        raise OptionError("--as shell is for the coarse quads; need it without --smooth")
+    if options.levels is not None and (cad or not options.smooth):
+        raise OptionError("--levels is for meshes of --smooth, not for CAD formats")
+    if options.caps is not None and not options.smooth:
+        raise OptionError("--caps is for --smooth")
+    if options.caps == "flat" and not cad and not _is_fine(options):
+        raise OptionError(
+            "--caps flat is for CAD formats and --levels 3 or more; coarser meshes have domes"
         )
-    if options.smooth and not shell:
+    if options.slabs is not None and not _is_fine(options):
+        raise OptionError("--slabs is for meshes of --smooth with --levels 3 or more")
+    if _is_fine(options) and suffix not in FINE_SUFFIXES:
+        raise OptionError(
+            f"{name} cannot hold {options.levels} levels; need {' or '.join(FINE_SUFFIXES)}, "
+            "or --levels 2"
+        )
+    if options.strut_radius is not None and options.product != "frame":
+        raise OptionError("--strut-radius is for --as frame; --radius is that of the nodes")
+
+
+def _is_fine(options: argparse.Namespace) -> bool:
+    """Return whether the mesh is finer than `solidified` makes it."""
+    return options.levels is not None and options.levels > LEVELS
+
+
+def _product(scaffold: Scaffold, options: argparse.Namespace) -> Any:
+    """Return what to write; in a mesh format overlapping struts are united."""
+    cad = options.output.suffix.lower() in BREP_SUFFIXES
+    if options.smooth:
         return _smooth_product(scaffold, options, cad)
+    left_out, shell = scaffold.embedding().left_out, options.product == "shell"
+    _warn(scaffold, left_out, united=not (cad or shell))
     if not shell:
         return scaffold if cad or len(left_out) == 0 else to_solid(scaffold)
     if not cad:
@@ -178,24 +198,35 @@ def _product(scaffold: Scaffold, options: argparse.Namespace) -> Any:
 
 def _smooth_product(scaffold: Scaffold, options: argparse.Namespace, cad: bool) -> Any:
     """Return smooth patches for CAD, else a mesh."""
+    caps: Caps = options.caps or "round"
     if cad:
-        return smooth_patches(scaffold, caps=options.caps)
+        patches = smooth_patches(scaffold, caps=caps)
+        _warn(scaffold, crossing_struts(patches, scaffold), united=False)
+        return patches
     if not _is_fine(options):
-        return solidified(scaffold, sides=4 * 2**options.levels).manifold
-    if options.output.suffix.lower() not in FINE_SUFFIXES:
+        solid = solidified(scaffold, sides=4 * 2 ** (options.levels or LEVELS))
+        _warn(scaffold, solid.united_edges, united=True)
+        return solid.manifold
+    surface = fine_surface(scaffold, options.levels, caps)
+    crossing = crossing_struts(surface, scaffold)
+    if len(crossing):
         raise OptionError(
-            f"{options.output.name} cannot hold {options.levels} levels; "
-            f"need {' or '.join(FINE_SUFFIXES)}, or --levels 2"
-        )
-    left_out = round_surface(scaffold, 16).left_out
-    if len(left_out):
-        raise OptionError(
-            f"{len(left_out)} struts overlap others, edge {left_out[0]} first: they can be united "
+            f"{len(crossing)} struts overlap others, edge {crossing[0]} first: they can be united "
             f"with --levels 2 at most, not {options.levels} (or lower the radius)"
         )
-    return fine_surface(scaffold, options.levels, options.caps)
+    return surface
 
 
-def _is_fine(options: argparse.Namespace) -> bool:
-    """Return whether the mesh is finer than `solidified` makes it."""
-    return bool(options.smooth) and options.product != "shell" and options.levels > 2
+def _warn(scaffold: Scaffold, edges: Ints, *, united: bool) -> None:
+    """Log that `edges` overlap others, if there are any."""
+    if len(edges):
+        _log.warning(
+            "%d of %d struts overlap others or their nodes, edge %d first%s",
+            len(edges),
+            len(scaffold.skeleton.edges),
+            edges[0],
+            "; they are united"
+            if united
+            else ": the surface may cross itself there; --simplify, a smaller radius or a mesh "
+            "helps",
+        )
