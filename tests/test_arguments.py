@@ -11,7 +11,7 @@ import pytest
 import scaffold_cad as sc
 from scaffold_cad.arguments import as_count, as_number, check_kind
 from scaffold_cad.errors import OptionError, SkeletonError
-from scaffold_cad.lattice import measured_density
+from scaffold_cad.lattice import measured_density, unit_cell
 from scaffold_cad.parts import LatticeFill, ScaffoldSolid, SmoothScaffold, StrutFrame
 from tests.meshes import CUBE
 from tests.skeletons import STRUT, TRIPOD
@@ -51,6 +51,7 @@ MAKES_ONE = r"got a Skeleton; need a Scaffold: build_scaffold\(skeleton\) makes 
         (lambda: sc.mapped(SCAFFOLD, np.asarray), "got a Scaffold; need a Skeleton"),
         (lambda: sc.register_cell("bcc"), "got 'bcc'; need a UnitCell"),
         (lambda: sc.tile(None, 8.0, 2, radius=1.0), "got None; need a UnitCell or a name of one"),
+        (lambda: unit_cell(None), "got None; need a str"),
         (lambda: sc.fill(BOX, TRIPOD, 8.0, 1.0), "got a Skeleton; need a UnitCell or a name"),
         (lambda: LatticeFill(None, "bcc", 8.0, 1.0), "the region is a NoneType; need a box"),
     ],

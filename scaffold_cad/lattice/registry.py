@@ -38,8 +38,9 @@ def unit_cell(name: str) -> UnitCell:
     Raises
     ------
     OptionError
-        If no cell has that name.
+        If no cell has that name, or it is no text.
     """
+    check_kind(name, str)
     key = _key(name)
     if key not in _CELLS:
         near = get_close_matches(key, _CELLS, n=1)

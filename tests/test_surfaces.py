@@ -1,0 +1,75 @@
+"""The surface of whatever has one: shapes of build123d and their builders, and meshes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import build123d as bd
+import pytest
+
+from scaffold_cad import solidified
+from scaffold_cad.errors import OptionError
+from scaffold_cad.export import write
+from scaffold_cad.printability import read_triangles
+from scaffold_cad.scaffold import build_scaffold
+from scaffold_cad.surfaces import surface_of, triangles_of
+from scaffold_cad.viewers import to_shape
+from tests.meshes import CUBE
+from tests.skeletons import K4
+
+
+def block() -> bd.BuildPart:
+    with bd.BuildPart() as builder:
+        bd.Box(2, 3, 4)
+    return builder
+
+
+@pytest.mark.parametrize("what", [block(), block().part], ids=["builder", "part"])
+@pytest.mark.parametrize("suffix", [".stl", ".3mf", ".obj", ".ply"])
+def test_builders_are_written_as_their_parts(what: Any, suffix: str, tmp_path: Path) -> None:
+    assert triangles_of(what).signed_volume == pytest.approx(24.0)
+    write(what, tmp_path / f"block{suffix}")
+    mesh = read_triangles(tmp_path / f"block{suffix}")
+    assert mesh is not None
+    assert mesh.signed_volume == pytest.approx(24.0, rel=1e-6)
+
+
+def test_builders_are_written_to_step(tmp_path: Path) -> None:
+    write(block(), tmp_path / "block.step")
+    assert bd.import_step(tmp_path / "block.step").volume == pytest.approx(24.0)
+
+
+@pytest.mark.parametrize("name", ["block.stl", "block.step"])
+def test_a_builder_without_a_shape_is_refused(name: str, tmp_path: Path) -> None:
+    with pytest.raises(OptionError, match="the BuildPart holds no shape yet; need one"):
+        write(bd.BuildPart(), tmp_path / name)
+    assert not (tmp_path / name).exists()
+
+
+@pytest.mark.parametrize(
+    "what",
+    [
+        SimpleNamespace(vertices=list, faces=list),
+        SimpleNamespace(vertices=CUBE.vertices),
+        SimpleNamespace(vertices=CUBE.vertices, faces=None, triangles=None),
+        K4,
+        "cube",
+        None,
+    ],
+)
+def test_what_has_no_arrays_of_triangles_has_no_surface(what: Any) -> None:
+    assert surface_of(what) is None
+    with pytest.raises(OptionError, match=f"the body is a {type(what).__name__}; need a build123d"):
+        triangles_of(what)
+
+
+def test_solids_are_shown_and_written_with_what_tells_of_them(tmp_path: Path) -> None:
+    solid = solidified(build_scaffold(K4))
+    assert triangles_of(solid).signed_volume == pytest.approx(solid.manifold.volume())
+    assert len(to_shape(solid).faces()) == 1
+    write(solid, tmp_path / "solid.stl")
+    mesh = read_triangles(tmp_path / "solid.stl")
+    assert mesh is not None
+    assert mesh.signed_volume == pytest.approx(solid.manifold.volume(), rel=1e-5)
