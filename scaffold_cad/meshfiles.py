@@ -26,6 +26,9 @@ MILLIMETRES = {
 }
 """Length of each unit of lib3mf, mm."""
 
+CAD_SUFFIXES = (".step", ".stp", ".brep", ".iges", ".igs")
+"""Suffixes of formats that hold faces on surfaces, which are not read."""
+
 
 def read_triangles(path: str | PathLike[str]) -> TriangleMesh | None:
     """Return the triangles that a file holds, or None where it is of no such format or has none.
@@ -35,12 +38,15 @@ def read_triangles(path: str | PathLike[str]) -> TriangleMesh | None:
     Raises
     ------
     FormatError
-        If the file is an STL or a PLY file and cannot be read or holds no triangles.
+        If the file is an STL or a PLY file and cannot be read or holds no triangles, or is one of
+        a CAD system.
     MissingBackendError
         If the package that reads the format is not installed.
     """
     path = Path(path)
     suffix = path.suffix.lower()
+    if suffix in CAD_SUFFIXES:
+        raise FormatError(f"{path} holds CAD faces; need triangles: write the part as STL")
     if suffix not in _READERS:
         return None
     try:

@@ -101,6 +101,24 @@ def test_without_a_browser_the_page_is_named(
     assert f"no browser could be opened: open {page} in one" in capsys.readouterr().err
 
 
+def test_what_is_no_page_is_not_written(
+    k4: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for arguments in (["view", k4, "--no-open", "-o"], ["check", k4, "--html"]):
+        assert main([*arguments, str(tmp_path / "v.txt")]) == 2
+        assert "v.txt: it is a page; need .html" in capsys.readouterr().err
+    assert not (tmp_path / "v.txt").exists()
+
+
+@pytest.mark.parametrize("command", [["view", "--no-open"], ["check"]])
+def test_a_part_of_a_cad_system_is_to_be_written_as_stl(
+    command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(build_scaffold(K4), tmp_path / "part.step")
+    assert main([*command, str(tmp_path / "part.step")]) == 2
+    assert "part.step holds CAD faces; need triangles: write" in capsys.readouterr().err
+
+
 def test_bad_input_writes_and_opens_nothing(
     k4: str, tmp_path: Path, opened: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:

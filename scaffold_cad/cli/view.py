@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scaffold_cad.cli import build, source
-from scaffold_cad.files import check_target
+from scaffold_cad.files import check_page
 from scaffold_cad.meshfiles import read_triangles
 from scaffold_cad.solid import to_solid
 from scaffold_cad.thicken import thicken
@@ -64,7 +64,7 @@ def add_parser(
 def run(options: argparse.Namespace) -> None:
     """Write the page, print where it is, and open it."""
     if options.output is not None:
-        check_target(options.output)
+        check_page(options.output)
     mesh = read_triangles(options.input)
     if mesh is not None:
         page = _page_path(options)
