@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from scaffold_cad.arguments import check_kind
 from scaffold_cad.arrays import Bools, Floats, Ints, Points, Quads, Radii
 from scaffold_cad.convolution.field import ConvolutionField, FieldSamples
 from scaffold_cad.convolution.nearby import nearby_pairs
@@ -64,6 +65,8 @@ def project(mesh: QuadMesh, field: ConvolutionField) -> QuadMesh:
 
     Raises
     ------
+    OptionError
+        If `mesh` or `field` is none.
     MeshError
         If a vertex finds no place on the surface; it is named.
 
@@ -73,6 +76,8 @@ def project(mesh: QuadMesh, field: ConvolutionField) -> QuadMesh:
     is. Where edges that do not meet are so close that their surfaces become one, the surface has
     fewer holes than the scaffold, and the mesh crosses itself: `self_intersections` tells.
     """
+    check_kind(mesh, QuadMesh)
+    check_kind(field, ConvolutionField)
     longest = _shortest_edges(mesh)
     placed = _onto(mesh.vertices, field, longest)
     for least in LEAST_FACINGS:
