@@ -230,6 +230,25 @@ def test_smooth_meshes_follow_turns_and_scales() -> None:
     assert distance.max() < 1e-6
 
 
+def test_the_best_round_is_kept_where_more_rounds_diverge(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    generator = np.random.default_rng(49)
+    count = int(generator.integers(5, 12))
+    nodes = generator.uniform(-10, 10, (count, 3)).round(2)
+    edges = [[int(generator.integers(0, k)), k] for k in range(1, count)]
+    tree = Skeleton(nodes, edges, generator.uniform(0.3, 1.2, count).round(2))
+    scaffold = build_scaffold(tree)
+    caplog.set_level("DEBUG", "scaffold_cad.smooth.control")
+    many = control_mesh(scaffold).mesh.vertices
+    assert "times what is acceptable after 12 rounds" in caplog.text
+    monkeypatch.setattr("scaffold_cad.smooth.control.MOST_ROUNDS", 4)
+    few = control_mesh(scaffold).mesh.vertices
+    assert np.array_equal(many, few)  # the fifth and all later ones are worse
+    monkeypatch.setattr("scaffold_cad.smooth.control.MOST_ROUNDS", 3)
+    assert not np.array_equal(many, control_mesh(scaffold).mesh.vertices)
+
+
 def test_inputs_are_left_as_they_were() -> None:
     scaffold: Scaffold = build_scaffold(ZIGZAG)
     before = scaffold.mesh.vertices.copy()

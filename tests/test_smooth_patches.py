@@ -15,11 +15,12 @@ from scaffold_cad.brep import to_brep
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.lattice import tile
 from scaffold_cad.quadmesh import QuadMesh
-from scaffold_cad.scaffold import build_scaffold
+from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import (
     Caps,
     Deviation,
+    Patches,
     catmull_clark,
     deviation,
     limit,
@@ -31,7 +32,7 @@ from scaffold_cad.smooth.bernstein import bernstein, elevation, gram, product, t
 from scaffold_cad.smooth.catmull_clark import NO_CREASES, Connectivity
 from scaffold_cad.smooth.deviation import limit_distances, normal_jumps
 from tests.meshes import CUBE as CUBE_MESH
-from tests.skeletons import BCC_STAR, JACK, NAMED, RING, STRUT, TETRAPOD, TREFOIL, TRIPOD
+from tests.skeletons import BCC_STAR, JACK, NAMED, RING, STRUT, TETRAPOD, TREFOIL, TRIPOD, star
 from tests.strategies import skeletons
 
 ROUNDING = 1e-9
@@ -157,6 +158,56 @@ def test_the_deviation_tells_what_is_wrong() -> None:
     thick = found_with(1.5 * right - 0.5 * right.mean(axis=(0, 1, 2)))
     assert thick.radius_range[1] > 1.4
     assert f"radii in mid-strut: {thick.radius_range[0]:.3f} to" in str(thick)
+
+
+def radii_about_axes(patches: Patches, scaffold: Scaffold) -> Floats:
+    """Return least, mean and greatest distance of mid-strut sections from the axes, (m, 3), mm."""
+    points, _ = patches.sampled(17)
+    strut = scaffold.edge_of_quad[patches.quad_of_patch]
+    found = []
+    for edge, (start, end) in enumerate(scaffold.skeleton.nodes[scaffold.skeleton.edges]):
+        axis = (end - start) / np.linalg.norm(end - start)
+        grids = points[strut == edge] - (start + end) / 2
+        lines = np.concatenate([grids.reshape(-1, 17, 3), grids.swapaxes(1, 2).reshape(-1, 17, 3)])
+        pieces = np.stack([lines[:, :-1], lines[:, 1:]], axis=2).reshape(-1, 2, 3)
+        rise = (pieces[:, 1] - pieces[:, 0]) @ axis
+        along = np.abs(rise) > 0.5 * np.linalg.norm(pieces[:, 1] - pieces[:, 0], axis=1)
+        pieces, rise = pieces[along], rise[along]
+        share = -(pieces[:, 0] @ axis) / rise
+        met = (share >= 0) & (share <= 1)
+        places = pieces[met, 0] + share[met, None] * (pieces[met, 1] - pieces[met, 0])
+        distance = np.linalg.norm(places - np.outer(places @ axis, axis), axis=1)
+        found.append((distance.min(), distance.mean(), distance.max()))
+    return np.array(found)
+
+
+@pytest.mark.parametrize("seed", [0, 3, 4, 5])
+def test_radii_of_struts_are_those_about_their_axes(seed: int) -> None:
+    ways = np.random.default_rng(seed).standard_normal((4, 3))
+    tips = 20 * ways / np.linalg.norm(ways, axis=1, keepdims=True)
+    scaffold = build_scaffold(star(tips.tolist()), collars=True)
+    patches = smooth_patches(scaffold)
+    found = deviation(patches, scaffold).strut_radii
+    wanted = radii_about_axes(patches, scaffold)
+    assert found[:, 1] == pytest.approx(wanted[:, 1], rel=0.002)
+    assert found == pytest.approx(wanted, rel=0.006)
+
+
+def test_no_radius_is_found_where_no_surface_reaches() -> None:
+    scaffold = build_scaffold(STRUT)
+    found = deviation(smooth_patches(scaffold), scaffold)
+    nowhere = replace(found, strut_radii=np.full((1, 3), np.nan))
+    assert np.isnan(nowhere.radius_range).all()
+
+
+@pytest.mark.parametrize("split", [0, 1, None])
+def test_patches_that_turn_over_are_logged_however_they_are_cut(
+    split: int | None, caplog: pytest.LogCaptureFixture
+) -> None:
+    nodes = [[0, 0, 0], [10, 0, 0], [10, 1, 0.2], [0, 1.2, 0.4], [5, 5, 5]]
+    overlapping = Skeleton(nodes, [[0, 1], [1, 2], [2, 3], [3, 0], [0, 4]], 1.0)
+    patches = smooth_patches(build_scaffold(overlapping), split=split)
+    assert caplog.text.count(f"{len(patches.turned)} patches turn over") == 1
 
 
 @pytest.mark.parametrize("split", [0, 1])

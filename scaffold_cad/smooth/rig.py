@@ -53,7 +53,7 @@ class Rig:
 
 def make_rig(scaffold: Scaffold, domes: bool) -> Rig:
     """Return the control mesh of `scaffold`; with or without sections for `domes`."""
-    refined, skeleton_quads = scaffold.refined, scaffold.mesh.quads
+    refined, scaffold_quads = scaffold.refined, scaffold.mesh.quads
     centres = refined.nodes[scaffold.node_of_vertex]
     spokes = scaffold.mesh.vertices - centres
 
@@ -66,7 +66,7 @@ def make_rig(scaffold: Scaffold, domes: bool) -> Rig:
     sleeves = scaffold.sleeves.copy()
     sleeves[edge, slot] = added
     rows = 4 * edge[:, None] + np.arange(4)  # (k, 4)
-    quads = skeleton_quads.copy()
+    quads = scaffold_quads.copy()
     quads[rows] = _sides(sleeves[edge, 0], sleeves[edge, 1])
     at_start = (slot == 0)[:, None]
     cut = _sides(np.where(at_start, end, added), np.where(at_start, added, end))
@@ -89,7 +89,7 @@ def make_rig(scaffold: Scaffold, domes: bool) -> Rig:
         [np.arange(len(centres)), np.where(is_dome[:, None], end, added).reshape(-1)]
     )
     if domes:
-        spokes[skeleton_quads[cap_rows(scaffold)]] *= DOME_SCALE
+        spokes[scaffold_quads[cap_rows(scaffold)]] *= DOME_SCALE
     np.add.at(centres, end[~is_dome], -BEND_SHIFT * (depths[:, None] * along)[~is_dome, None, :])
     return Rig(
         is_own=is_own,
@@ -98,7 +98,7 @@ def make_rig(scaffold: Scaffold, domes: bool) -> Rig:
         centres=np.concatenate([centres, places.reshape(-1, 3)]),
         spokes=np.concatenate([spokes, (growth[:, None, None] * flat).reshape(-1, 3)]),
         group=group,
-        quad_of_quad=np.concatenate([np.arange(len(skeleton_quads)), rows.reshape(-1)]),
+        quad_of_quad=np.concatenate([np.arange(len(scaffold_quads)), rows.reshape(-1)]),
     )
 
 
