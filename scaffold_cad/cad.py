@@ -22,7 +22,7 @@ def to_brep(
     kind: Kind = "solid",
     *,
     smooth: bool = False,
-    caps: Caps = "round",
+    caps: Caps | None = None,
     split: int | None = None,
 ) -> Shape:
     """Return the B-rep of a scaffold or a mesh: one face a quad, neighbours sharing their edges.
@@ -33,7 +33,7 @@ def to_brep(
     kind : "solid" or "shell"
     smooth : whether the faces are Bézier patches that join with one tangent plane, see
         `smooth_patches`, instead of planes and bilinear patches
-    caps, split : of `smooth_patches`
+    caps, split : of `smooth_patches`, with `smooth` only; caps are "round" by default
 
     Returns
     -------
@@ -47,16 +47,24 @@ def to_brep(
     BrepError
         If an edge or a quad is smaller than the tolerance of CAD systems.
     OptionError
-        If `what` is none of these, `smooth` is asked of patches, or an option has none of its
-        values.
+        If `what` is none of these, `smooth` is asked of patches, `caps` or `split` without
+        `smooth`, or an option has none of its values.
     MissingBackendError
         If build123d is not installed.
+
+    Notes
+    -----
+    Whether faces far from each other cross is not looked at: `Scaffold.embedding` and
+    `crossing_struts` do, and the classes of `scaffold_cad.parts` by them.
     """
     check_kind(what, Scaffold, QuadMesh, BezierMesh, Patches)
     if smooth:
         if not isinstance(what, Scaffold | QuadMesh):
             raise OptionError("smooth is for a Scaffold or a QuadMesh; patches are what they are")
-        what = smooth_patches(what, split=split, caps=caps)
+        what = smooth_patches(what, split=split, caps=caps or "round")
+    elif caps is not None or split is not None:
+        given = "split" if caps is None else "caps"
+        raise OptionError(f"{given} is for smooth=True; need it too, or {given} left out")
     if isinstance(what, Scaffold):
         what = what.mesh
     return brep.to_brep(what.bezier if isinstance(what, Patches) else what, kind)

@@ -92,3 +92,9 @@ def test_patches_cannot_be_made_smooth() -> None:
     patches = smooth_patches(build_scaffold(TRIPOD))
     with pytest.raises(OptionError, match="smooth is for a Scaffold or a QuadMesh"):
         to_brep(patches, smooth=True)
+
+
+@pytest.mark.parametrize("option", [{"caps": "round"}, {"split": 1}])
+def test_options_of_patches_are_refused_without_smooth(option: dict[str, object]) -> None:
+    with pytest.raises(OptionError, match=f"{next(iter(option))} is for smooth=True"):
+        to_brep(build_scaffold(TRIPOD), **option)  # type: ignore[arg-type]

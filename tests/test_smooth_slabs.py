@@ -93,3 +93,18 @@ def test_slabs_are_for_fine_surfaces_in_stl_and_ply(tmp_path: Path) -> None:
     with pytest.raises(OptionError, match="levels is -1; need 0 or more"):
         fine_surface(SCAFFOLDS["cell"], -1)
     assert not list(tmp_path.iterdir())
+
+
+def test_surfaces_that_formats_cannot_count_are_refused_before_a_byte(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    surface = fine_surface(SCAFFOLDS["cell"], 14)
+    triangles = 2 * surface.quad_count
+    with pytest.raises(FormatError, match=rf"has {triangles} triangles; an STL file holds 4294967"):
+        write(surface, tmp_path / "fine.stl")
+    with pytest.raises(FormatError, match=rf"has {surface.vertex_count} vertices; a PLY file"):
+        write(surface, tmp_path / "fine.ply")
+    monkeypatch.setattr("scaffold_cad.writers.ply.MOST_VERTICES", 10)
+    with pytest.raises(FormatError, match=r"a PLY file holds 10 at most"):
+        write(SCAFFOLDS["cell"], tmp_path / "scaffold.ply")
+    assert not list(tmp_path.iterdir())

@@ -32,7 +32,14 @@ MOST_VERTICES = 2**31
 
 
 def write_ply(mesh: QuadMesh | TriangleMesh, path: Path) -> None:
-    """Write the vertices and the faces of `mesh`."""
+    """Write the vertices and the faces of `mesh`.
+
+    Raises
+    ------
+    FormatError
+        If it has more vertices than PLY indices can tell apart.
+    """
+    _check_count(len(mesh.vertices))
     faces = mesh.quads if isinstance(mesh, QuadMesh) else mesh.triangles
     with path.open("wb") as file:
         _write_header(file, len(mesh.vertices), len(faces))
@@ -48,11 +55,7 @@ def write_ply_slabs(surface: FineSurface, slabs: int | None, path: Path) -> None
     FormatError
         If it has more vertices than PLY indices can tell apart.
     """
-    if surface.vertex_count > MOST_VERTICES:
-        raise FormatError(
-            f"the surface has {surface.vertex_count} vertices; a PLY file holds {MOST_VERTICES} "
-            "at most (lower the levels)"
-        )
+    _check_count(surface.vertex_count)
     runs = surface.cut(slabs)
     with path.open("wb") as file:
         _write_header(file, surface.vertex_count, surface.quad_count)
@@ -60,6 +63,14 @@ def write_ply_slabs(surface: FineSurface, slabs: int | None, path: Path) -> None
             file.write(surface.vertices(rows).astype("<f8").tobytes())
         for rows in runs:
             _write_faces(file, surface.quads(rows))
+
+
+def _check_count(vertices: int) -> None:
+    if vertices > MOST_VERTICES:
+        raise FormatError(
+            f"the surface has {vertices} vertices; a PLY file holds {MOST_VERTICES} at most "
+            "(lower the levels)"
+        )
 
 
 def _write_header(file: BinaryIO, vertices: int, faces: int) -> None:

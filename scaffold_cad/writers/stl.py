@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from scaffold_cad.errors import FormatError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.smooth import FineSurface
 from scaffold_cad.trianglemesh import TriangleMesh
@@ -19,8 +20,19 @@ CHUNK = 1 << 16
 """Triangles at a time: what is worked on stays in the processor's cache."""
 
 
+MOST_TRIANGLES = 2**32 - 1
+"""Triangles that the 32-bit number in the header can count."""
+
+
 def write_stl(mesh: TriangleMesh, path: Path) -> None:
-    """Write `mesh` with 32-bit coordinates; a triangle without area has the normal 0."""
+    """Write `mesh` with 32-bit coordinates; a triangle without area has the normal 0.
+
+    Raises
+    ------
+    FormatError
+        If it has more triangles than the header can count.
+    """
+    _check_count(len(mesh.triangles))
     _write(_chunks(mesh), path)
 
 
@@ -29,8 +41,22 @@ def write_stl_slabs(surface: FineSurface, slabs: int | None, path: Path) -> None
 
     Triangles two of whose corners fall on one place are left out, as in
     `TriangleMesh.single_precision`.
+
+    Raises
+    ------
+    FormatError
+        If it has more triangles than the header can count.
     """
+    _check_count(2 * surface.quad_count)
     _write(_slab_chunks(surface, slabs), path)
+
+
+def _check_count(triangles: int) -> None:
+    if triangles > MOST_TRIANGLES:
+        raise FormatError(
+            f"the surface has {triangles} triangles; an STL file holds {MOST_TRIANGLES} at most "
+            "(lower the levels)"
+        )
 
 
 def _write(blocks: Iterable[np.ndarray], path: Path) -> None:
