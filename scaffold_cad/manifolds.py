@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,6 +23,17 @@ if TYPE_CHECKING:
 
 BALL_SEGMENTS = 12
 """Sides of the great circles of the ball that an eroded wall is as thick as."""
+
+SIMPLER = 0.05
+"""How far a body may be simplified for an eroded wall, in thicknesses of the wall."""
+
+EROSION_TIME = 0.0035
+"""Time that a triangle takes in the erosion, s."""
+
+MOST_TO_ERODE = 100_000
+"""Most triangles that are eroded: some minutes."""
+
+_log = logging.getLogger(__name__)
 
 
 def to_manifold(mesh: QuadMesh | TriangleMesh) -> Manifold:
@@ -147,11 +159,28 @@ def union(surfaces: Sequence[TriangleMesh], hulls: Sequence[Points]) -> Manifold
 
 
 def eroded(manifold: Manifold, thickness: float) -> Manifold:
-    """Return what lies at least `thickness` inside the surface, about; for any shape, but slow."""
+    """Return what lies at least `thickness` inside the surface, about; for any shape, but slow.
+
+    Triangles that the shape does not need within `SIMPLER` of the thickness are left out first.
+
+    Raises
+    ------
+    MeshError
+        If it would take too long.
+    """
     import manifold3d
 
+    simpler = manifold.simplify(SIMPLER * thickness)
+    count = simpler.num_tri()
+    if count > MOST_TO_ERODE:
+        raise MeshError(
+            f"a wall of {thickness:g} mm in a curved body has {count} triangles to be made from; "
+            f"need {MOST_TO_ERODE} or fewer (a coarser mesh of the body)"
+        )
+    seconds = count * EROSION_TIME
+    _log.info("a wall of %g mm is made from %d triangles: some %.0f s", thickness, count, seconds)
     ball = manifold3d.Manifold.sphere(thickness, BALL_SEGMENTS)
-    return manifold.minkowski_difference(ball)
+    return simpler.minkowski_difference(ball)
 
 
 def without_voids(manifold: Manifold) -> tuple[Manifold, list[float]]:

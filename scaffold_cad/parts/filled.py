@@ -62,7 +62,8 @@ def lattice_part(
     cell : a unit cell or its name, see `cells`
     size : of one cell, mm: three numbers, or one for a cell that is not distorted
     radius : of the struts, mm; one number, or a function of positions (n, 3) that returns (n,)
-    skin : thickness of the closed wall at the body's surface, mm; none by default
+    skin : thickness of the closed wall at the body's surface, mm; none by default. Where the body
+        is more tightly curved than that, making it takes some 3 ms a triangle
     sides : of the struts, 4, 8 or 16
 
     Raises
@@ -70,7 +71,8 @@ def lattice_part(
     OptionError
         If an argument is out of its range.
     MeshError
-        If the body is not closed, or the part crosses itself wherever the lattice is put.
+        If the body is not closed, has too many triangles for the skin where it is tightly curved,
+        or the part crosses itself wherever the lattice is put.
     SkeletonError
         If no strut is in the body.
     """
