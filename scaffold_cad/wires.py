@@ -36,7 +36,10 @@ TURN = np.pi / 6
 """Largest turn from one joint to the next along a curve, rad: a circle gets 12 of them."""
 
 HALF_TURN = 5
-"""Joints after which a curve has turned by less than π."""
+"""Points, no more than `TURN` apart, after which a curve has turned by less than π."""
+
+ANY_DISTANCE = 1e9
+"""Distance of chords from a curve where nothing but its turn matters, mm."""
 
 NEVER_CROSSING = (
     GeomAbs_CurveType.GeomAbs_Line,
@@ -55,7 +58,7 @@ def skeleton_from_edges(
     tolerance, contact = as_number(tolerance, "tolerance"), as_number(contact, "contact")
     # Each once: shapes may share edges, as a face and its wire do.
     distinct = dict.fromkeys(edge for edge in _edges_in(curves) if not _is_degenerate(edge))
-    edges = [piece for edge in distinct for piece in _pieces(edge.wrapped, tolerance)]
+    edges = [piece for edge in distinct for piece in _pieces(edge.wrapped)]
     if not edges:
         raise SkeletonError("the shapes have no edges; need at least one")
     polylines = [_sampled(edge, tolerance) for edge in _split_where_they_meet(edges, contact)]
@@ -103,16 +106,16 @@ def _is_degenerate(edge: Edge) -> bool:
     return bool(BRep_Tool.Degenerated_s(edge.wrapped))
 
 
-def _pieces(edge: TopoDS_Edge, tolerance: float) -> list[TopoDS_Edge]:
+def _pieces(edge: TopoDS_Edge) -> list[TopoDS_Edge]:
     """Return an edge in pieces that do not cross themselves.
 
     Only a curve that turns by more than π can come back to where it was: a loop with one corner
     turns by 2π, no more than π of it at the corner.
     """
     curve = BRepAdaptor_Curve(edge)
-    if curve.GetType() in NEVER_CROSSING:
+    if curve.GetType() in NEVER_CROSSING or not curve.Is3DCurve():
         return [edge]
-    sampler = GCPnts_TangentialDeflection(curve, TURN, tolerance)
+    sampler = GCPnts_TangentialDeflection(curve, TURN, ANY_DISTANCE)
     last = sampler.NbPoints()
     cuts = [sampler.Parameter(i) for i in (*range(1, last, HALF_TURN), last)]
     if len(cuts) == 2:
