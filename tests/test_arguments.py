@@ -12,7 +12,7 @@ import scaffold_cad as sc
 from scaffold_cad.arguments import as_count, as_number, check_kind
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice import measured_density, unit_cell
-from scaffold_cad.parts import LatticeFill, ScaffoldSolid, SmoothScaffold, StrutFrame
+from scaffold_cad.parts import LatticeBox, LatticeFill, ScaffoldSolid, SmoothScaffold, StrutFrame
 from tests.meshes import CUBE
 from tests.skeletons import STRUT, TRIPOD
 
@@ -92,6 +92,9 @@ ONE_NUMBER = r"need a number, or a function of positions \(n, 3\) that returns r
         (lambda: sc.voronoi_foam(9, BOX, 1.0, seed=None), "seed is None; need a whole number"),
         (lambda: sc.voronoi_foam(9, BOX, 1.0, regularity="x"), "regularity is 'x'; need a number"),
         (lambda: sc.delaunay_foam(9, "abc", 1.0), "box is not an array of numbers"),
+        (lambda: LatticeBox("bcc", 5.0, 9, "x", 9, 0.5), "a side of the box is 'x'; need a number"),
+        (lambda: sc.lattice_part(CUBE, "bcc", "x", 0.1), "cell size in mm is not an array of num"),
+        (lambda: sc.lattice_part(CUBE, "bcc", 1, 0.1, skin="1"), "skin is '1'; need a number"),
         (lambda: sc.relative_density("sc", 5.0, "1"), "radius is '1'; need a number"),
         (lambda: sc.solve_radius("sc", 5.0, "x"), "relative density is 'x'; need a number"),
         (lambda: sc.solve_radius("sc", [5.0, {}], 0.1), "cell size in mm is not an array of num"),

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad import manifolds
+from scaffold_cad.arguments import as_real
+from scaffold_cad.arrays import as_floats
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 from scaffold_cad.insets import inset
 from scaffold_cad.lattice import UnitCell, fill
@@ -76,7 +78,7 @@ def lattice_part(
     SkeletonError
         If no strut is in the body.
     """
-    if skin is not None and not 0 < skin < np.inf:
+    if skin is not None and not 0 < as_real(skin, "skin") < np.inf:
         raise OptionError(f"skin is {skin:g} mm; need > 0, or none")
     surface = welded(triangles_of(body))
     region = as_region(surface)
@@ -120,7 +122,8 @@ def _struts_touching(
     through : whether struts stay of which only the middle is in the region: they hang on the skin
     """
     low, high = region.bounds
-    origin = low + nudge * float(np.min(size)) * NUDGE_DIRECTION
+    shortest = float(as_floats(size, "cell size in mm", OptionError).min())
+    origin = low + nudge * shortest * NUDGE_DIRECTION
     whole = fill(region.bounds, cell, size, radius, origin=origin)
     struts = Struts(whole.nodes, whole.edges)
     touching = np.asarray(region.contains(whole.nodes)[whole.edges].any(axis=1))

@@ -11,8 +11,7 @@ import numpy as np
 from build123d import Align, BasePartObject, Mode, Plane, RigidJoint, Shape, tuplify
 from numpy.typing import ArrayLike
 
-from scaffold_cad import brep
-from scaffold_cad.arguments import check_kind
+from scaffold_cad.arguments import as_real, check_kind
 from scaffold_cad.arrays import Floats
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import UnitCell, fill
@@ -266,7 +265,7 @@ class LatticeBox(SkeletonPart):
             If struts overlap and are not to be united, more than a fifth of them would be left out
             as stubs, or the union has too many triangles.
         """
-        sides = np.array([length, width, height], dtype=np.float64)
+        sides = np.array([as_real(side, "a side of the box") for side in (length, width, height)])
         if not (np.isfinite(sides) & (sides > 0)).all():
             raise OptionError(f"the box is {length:g} x {width:g} x {height:g} mm; need > 0")
         low = -sides * [ALIGNED[one] for one in tuplify(align, 3) or [Align.NONE] * 3]
@@ -338,8 +337,7 @@ class LatticeFill(SkeletonPart):
             If struts overlap and are not to be united, more than a fifth of them would be left out
             as stubs, or the union has too many triangles.
         """
-        region = brep.tessellated(part) if isinstance(part, Shape) else part
-        skeleton = fill(region, cell, size, radius, keep=keep, dangling=dangling, origin=origin)
+        skeleton = fill(part, cell, size, radius, keep=keep, dangling=dangling, origin=origin)
         faces = lattice_faces(skeleton, smooth=smooth, drop_stubs=drop_stubs and not unite)
         super().__init__(
             sound_body(faces, unite=unite),
