@@ -21,11 +21,12 @@ from scaffold_cad.arrays import (
     read_only,
 )
 from scaffold_cad.errors import MeshError
+from scaffold_cad.notebook import Shown
 from scaffold_cad.vectors import dot
 
 
 @dataclass(frozen=True, eq=False)
-class QuadMesh:
+class QuadMesh(Shown):
     """A mesh of quads, each counter-clockwise seen from outside."""
 
     vertices: Points
@@ -133,13 +134,6 @@ class QuadMesh:
         forward = self.half_edges[:, 0] < self.half_edges[:, 1]
         ahead = np.bincount(self.edge_of_half_edge[forward], minlength=len(self.edges))
         self._refuse(ahead != 1, "is run along twice in the same direction; need one quad each way")
-
-    def _repr_html_(self) -> str:
-        """Return the mesh as a notebook shows it."""
-        # Imported here: pages know of everything that they show.
-        from scaffold_cad.webpage import for_notebook
-
-        return for_notebook(self)
 
     def _refuse(self, bad: Bools, why: str) -> None:
         """Raise for the first edge that is marked in `bad` (e,)."""

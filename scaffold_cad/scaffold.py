@@ -14,6 +14,7 @@ from scaffold_cad.arrays import Floats, Ints, Points, Quads
 from scaffold_cad.collars import Refinement, with_collars, without_collars
 from scaffold_cad.embedding import Embedding, embedding
 from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.notebook import Shown
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 from scaffold_cad.sleeves import (
@@ -52,7 +53,7 @@ class ScaffoldOptions:
 
 
 @dataclass(frozen=True, eq=False)
-class Scaffold:
+class Scaffold(Shown):
     """The coarsest all-quad mesh with quadrilateral sections around a skeleton.
 
     Four quads an edge, one an extremity; N + 2 vertices a branch point of valency N, four a
@@ -104,13 +105,6 @@ class Scaffold:
     def twist(self) -> Floats:
         """Twist spread over each branch of `refined`, rad, shape (b,)."""
         return self.sections.twist
-
-    def _repr_html_(self) -> str:
-        """Return the scaffold as a notebook shows it."""
-        # Imported here: pages know of everything that they show.
-        from scaffold_cad.webpage import for_notebook
-
-        return for_notebook(self)
 
 
 def build_scaffold(

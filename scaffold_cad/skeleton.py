@@ -26,6 +26,7 @@ from scaffold_cad.arrays import (
 )
 from scaffold_cad.backends import need
 from scaffold_cad.errors import SkeletonError
+from scaffold_cad.notebook import Shown
 from scaffold_cad.repair import LEAST_LENGTH, Repairs, overlapping_half_edges, repaired
 from scaffold_cad.thinning import farthest_sample, kept_samples
 from scaffold_cad.topology import Chains, Incidence, chains, component_labels, incidence, valencies
@@ -42,7 +43,7 @@ LEAST_RADIUS = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Skeleton:
+class Skeleton(Shown):
     """A skeleton (G, p, r): nodes joined by straight edges, with a radius at each node.
 
     The constructor refuses what no graph may hold: wrong shapes, numbers that are not finite,
@@ -248,13 +249,6 @@ class Skeleton:
         used = np.unique(edges)
         thin = Skeleton(self.nodes[used], np.searchsorted(used, edges), self.radii[used])
         return thin.cleaned(weld_distance=0.0).skeleton
-
-    def _repr_html_(self) -> str:
-        """Return the skeleton as a notebook shows it."""
-        # Imported here: pages know of everything that they show.
-        from scaffold_cad.webpage import for_notebook
-
-        return for_notebook(self)
 
     def _walks(self) -> tuple[Edges, list[Ints]]:
         """Return the edges that are a branch of their own, and the nodes that each other passes.

@@ -15,6 +15,7 @@ from scaffold_cad.arrays import Floats, Ints, Points
 from scaffold_cad.collapse import without_short_edges
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.intersections import self_intersections
+from scaffold_cad.notebook import Shown
 from scaffold_cad.pieces import solid_pieces
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.roundstruts import check_sides, prisms_and_balls, round_surface
@@ -41,7 +42,7 @@ _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
-class Solidified:
+class Solidified(Shown):
     """A watertight solid that does not cross itself, and how it was made."""
 
     manifold: Manifold
@@ -50,13 +51,6 @@ class Solidified:
     """Skeleton edges whose struts went through the union, ascending; all others are as built."""
     filled_voids: list[float]
     """Volume of each void that overlapping struts enclosed, mm³; they are filled."""
-
-    def _repr_html_(self) -> str:
-        """Return the solid as a notebook shows it."""
-        # Imported here: pages know of everything that they show.
-        from scaffold_cad.webpage import for_notebook
-
-        return for_notebook(self)
 
 
 def to_solid(what: Scaffold | QuadMesh | TriangleMesh, *, sides: int = 4) -> Manifold:

@@ -9,11 +9,12 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.arrays import Floats, Points, Triangles, as_points, read_only
 from scaffold_cad.errors import MeshError
+from scaffold_cad.notebook import Shown
 from scaffold_cad.vectors import triple
 
 
 @dataclass(frozen=True, eq=False)
-class TriangleMesh:
+class TriangleMesh(Shown):
     """A mesh of triangles, each counter-clockwise seen from outside."""
 
     vertices: Points
@@ -67,13 +68,6 @@ class TriangleMesh:
         if len(lonely):
             a, b = divmod(int(lonely[0]), len(self.vertices))
             raise MeshError(f"no triangle runs along the edge from vertex {b} to {a}; need one")
-
-    def _repr_html_(self) -> str:
-        """Return the mesh as a notebook shows it."""
-        # Imported here: pages know of everything that they show.
-        from scaffold_cad.webpage import for_notebook
-
-        return for_notebook(self)
 
 
 def compacted(vertices: Points, triangles: Triangles) -> TriangleMesh:

@@ -13,6 +13,7 @@ import numpy as np
 
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.files import replacing
+from scaffold_cad.notebook import Shown
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
@@ -39,13 +40,11 @@ NOTEBOOK_FACES = 100_000
 NOTEBOOK_HEIGHT = 480
 """Height of a page in a notebook, pixels."""
 
-Shown: TypeAlias = (
-    "Skeleton | Scaffold | QuadMesh | Subdivision | TriangleMesh | Solidified | Manifold"
-)
+Model: TypeAlias = "Shown | Subdivision | Manifold"
 """What a page can show."""
 
 
-def write_page(what: Shown, path: str | PathLike[str], *, solid: Shown | None = None) -> None:
+def write_page(what: Model, path: str | PathLike[str], *, solid: Model | None = None) -> None:
     """Write a page that shows `what`, named after its file, whole or not at all.
 
     Parameters
@@ -65,7 +64,7 @@ def write_page(what: Shown, path: str | PathLike[str], *, solid: Shown | None = 
         fresh.write_text(text, encoding="utf-8")
 
 
-def model_page(what: Shown, *, title: str, solid: Shown | None = None) -> str:
+def model_page(what: Model, *, title: str, solid: Model | None = None) -> str:
     """Return an HTML page that shows `what` and refers to nothing outside itself.
 
     Its layers can be shown and hidden; the page's address tells which are shown, as in
@@ -97,7 +96,7 @@ def model_page(what: Shown, *, title: str, solid: Shown | None = None) -> str:
     return _page(title, volume, [solid_layer(mesh, shown=True)])
 
 
-def for_notebook(what: Skeleton | Scaffold | QuadMesh | TriangleMesh | Solidified) -> str:
+def for_notebook(what: Shown) -> str:
     """Return `what` as HTML for a notebook, or a line of text where that would be too much."""
     name = type(what).__name__
     count = _face_count(what)
@@ -116,7 +115,7 @@ def for_notebook(what: Skeleton | Scaffold | QuadMesh | TriangleMesh | Solidifie
     )
 
 
-def _face_count(what: Skeleton | Scaffold | QuadMesh | TriangleMesh | Solidified) -> int:
+def _face_count(what: Shown) -> int:
     """Return about how many triangles, or edges, a page of `what` holds."""
     if isinstance(what, Skeleton):
         return len(what.edges)
@@ -124,10 +123,10 @@ def _face_count(what: Skeleton | Scaffold | QuadMesh | TriangleMesh | Solidified
         return 4 * len(what.mesh.quads)  # as a scaffold and as a solid
     if isinstance(what, Solidified):
         return int(what.manifold.num_tri())
-    return len(what.triangles)
+    return len(_surface(what).triangles)
 
 
-def _surface(what: Shown) -> QuadMesh | TriangleMesh:
+def _surface(what: Model) -> QuadMesh | TriangleMesh:
     mesh = surface_of(what)
     if mesh is None:
         raise OptionError(
