@@ -91,6 +91,9 @@ def test_a_box_has_a_skin_too(tmp_path: Path) -> None:
     ("arguments", "complaint"),
     [
         (["--box", "8x8x8", "--skin", "1", "-o", "out.step"], "hold lattices of a box only"),
+        (["--box", "8x8x8", "--beams", "--smooth", "-o", "out.3mf"], "without --smooth and --skin"),
+        (["--box", "8x8x8", "--beams", "--skin", "1", "-o", "out.3mf"], "without --smooth and"),
+        (["--box", "8x8x8", "--beams", "-o", "out.stl"], "--beams need .3mf, .json, .obj, .swc"),
         (["--box", "8x8x8", "--skin", "9", "-o", "out.stl"], "which fills the body"),
         (["--inside", "absent.stl", "-o", "out.stl"], "absent.stl cannot be read"),
         (["--inside", "absent.step", "-o", "out.stl"], "there is no such file"),

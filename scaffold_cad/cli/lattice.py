@@ -12,7 +12,7 @@ import numpy as np
 from scaffold_cad import brep
 from scaffold_cad.arrays import Floats
 from scaffold_cad.cli.progress import SCAFFOLD_RATE, SMOOTH_RATE, SOLID_RATE, Progress
-from scaffold_cad.errors import FormatError
+from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.export import BREP_SUFFIXES, check_writable, write
 from scaffold_cad.lattice import fill
 from scaffold_cad.meshfiles import read_triangles
@@ -29,6 +29,9 @@ BOX_QUADS = np.array(
     [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
 )
 """Faces of a box whose corners are numbered by x, y and z, x fastest."""
+
+BEAM_SUFFIXES = (".3mf", ".json", ".obj", ".swc")
+"""Suffixes of the formats that hold struts as lines."""
 
 SMOOTH_SIDES = 8
 """Sides of a smooth strut."""
@@ -78,19 +81,32 @@ def add_parser(
 def run(options: argparse.Namespace) -> None:
     """Fill, build and write."""
     check_writable(options.output)
+    _check_combination(options)
     write(_product(options, Progress()), options.output)
     _log.info("%s written", options.output)
+
+
+def _check_combination(options: argparse.Namespace) -> None:
+    """Raise where an option would do nothing, or the format cannot hold what is asked."""
+    suffix = options.output.suffix.lower()
+    bodied = options.inside is not None or options.skin is not None
+    if suffix in BREP_SUFFIXES and (bodied or options.smooth or options.beams):
+        raise FormatError(
+            f"cannot write {options.output}: STEP and BREP files hold lattices of a box only, "
+            "without --skin, --smooth or --beams; need a mesh format"
+        )
+    if not options.beams:
+        return
+    if options.smooth or options.skin is not None:
+        raise OptionError("--beams writes the struts as lines; need it without --smooth and --skin")
+    if suffix not in BEAM_SUFFIXES:
+        raise FormatError(f"cannot write {options.output}: --beams need {', '.join(BEAM_SUFFIXES)}")
 
 
 def _product(options: argparse.Namespace, progress: Progress) -> Any:
     """Return what to write."""
     cad = options.output.suffix.lower() in BREP_SUFFIXES
     bodied = options.inside is not None or options.skin is not None
-    if cad and (bodied or options.smooth or options.beams):
-        raise FormatError(
-            f"cannot write {options.output}: STEP and BREP files hold lattices of a box only, "
-            "without --skin, --smooth or --beams; need a mesh format"
-        )
     region = options.box if options.inside is None else _body(options.inside)
     if options.beams or not bodied:
         skeleton = fill(region, options.cell, options.size, options.radius)
