@@ -321,7 +321,7 @@ def test_bad_arguments_are_named() -> None:
         smooth_patches(CUBE_MESH, degree=3)
     with pytest.raises(OptionError, match="degree is 4 and split 0; need split 1 or more"):
         smooth_patches(CUBE_MESH, degree=4, split=0)
-    with pytest.raises(OptionError, match="levels is -1; need 0 or more"):
+    with pytest.raises(OptionError, match="split is -1; need 0 or more"):
         smooth_patches(CUBE_MESH, split=-1)
     with pytest.raises(MeshError, match="belongs to one quad only"):
         smooth_patches(QuadMesh(CUBE_MESH.vertices, CUBE_MESH.quads[:5]))
