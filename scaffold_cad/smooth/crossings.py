@@ -33,10 +33,10 @@ def crossing_struts(surface: Patches | FineSurface, scaffold: Scaffold) -> Ints:
 
     The surface itself is sampled, on 17 × 17 points a quad. A mesh through 9 × 9 of them, whose
     cells share their corners, is moved outwards by 1.25 times what the other points stand out of
-    it, so that it goes around the surface, and tested exactly. Struts whose gap is less than some
-    hundredths of their radius may be named although they keep apart. Struts that cross
-    are missed only where the surface has bumps between its samples. Patches that turn over count
-    as crossing.
+    it, so that it goes around the surface; it is tested exactly, as it was and moved. Struts whose
+    gap is less than some hundredths of their radius may be named although they keep apart. Struts
+    that cross are missed only where the surface has bumps between its samples. Patches that turn
+    over count as crossing.
 
     Parameters
     ----------
@@ -98,6 +98,10 @@ def _crossing_quads(control: Connectivity, grids: Floats, among: Ints) -> Ints:
     np.maximum.at(reach, fine.quads, bulge[:, None])
     outward = normalize(sum_of_normals(fine, vertices))
     tested = fine.quads.reshape(-1, 4**levels, 4)[among].reshape(-1, 4)
-    around = QuadMesh(vertices + MARGIN * reach[:, None] * outward, tested)
-    crossing: Ints = among[np.unique(self_intersections(around) >> 1) // 4**levels]
-    return np.unique(crossing)
+    # The mesh itself too: moved outwards, small folds come apart.
+    crossing = [
+        self_intersections(QuadMesh(vertices + margin * reach[:, None] * outward, tested))
+        for margin in (0.0, MARGIN)
+    ]
+    found: Ints = among[np.unique(np.concatenate(crossing) >> 1) // 4**levels]
+    return np.unique(found)
