@@ -200,7 +200,7 @@ def test_the_scaffold_follows_when_the_skeleton_turns_moves_and_grows(
     centres = again.refined.nodes[scaffold.node_of_vertex]
     away = length(again.mesh.vertices - follow(scaffold.mesh.vertices))
     # Partitions are relaxed again and may settle a little elsewhere.
-    assert (away[rows] < 0.1 * length(again.mesh.vertices - centres)[rows]).all()
+    assert (away[rows] < 0.2 * length(again.mesh.vertices - centres)[rows]).all()
 
 
 @given(skeletons(), st.integers(0, 2**32 - 1), OPTIONS)
