@@ -9,8 +9,9 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from scaffold_cad.arrays import Ints, UnitVectors
-from scaffold_cad.partition import Partitions, certify, partition_spheres
+from scaffold_cad.partition import Partitions, certify, partition_sphere, partition_spheres
 from scaffold_cad.partition.arcs import arc_counts, arcs_of, is_closed
+from scaffold_cad.partition.certificate import arc_normals
 from scaffold_cad.partition.delaunay import FEW, Triangulations, triangulations
 from scaffold_cad.partition.dual import edges_of
 from scaffold_cad.partition.lune import lune_partitions
@@ -307,3 +308,22 @@ def test_a_displaced_cube_returns() -> None:
     )
     assert lowest[0] == pytest.approx(1, abs=1e-4)
     np.testing.assert_allclose(vertices[0], CUBE, atol=1e-3)
+
+
+@pytest.mark.parametrize(("step", "is_known"), [(1e-5, True), (1e-7, False), (0.0, False)])
+def test_arcs_too_short_for_a_sure_normal_have_none(step: float, is_known: bool) -> None:
+    near = [np.cos(step), np.sin(step), 0.0]
+    corners = np.array([[[1.0, 0, 0], near, [0, 1, 0], [0, 0, 1]]])
+    normals = arc_normals(corners)
+    assert np.isfinite(normals[0, 0]).all() == is_known
+    assert np.isfinite(normals[0, 1:]).all()
+
+
+def test_partitions_with_vertices_nearly_at_one_place_are_not_certified() -> None:
+    lune = partition_sphere(np.array([[1.0, 0, 0], [-0.5, 0.8, 0], [-0.5, -0.8, 0]]))
+    assert certify(lune.directions[None], lune.vertices[None], lune.quads[None]).valid.all()
+    vertices = lune.vertices.copy()
+    a, b = lune.quads[0, :2]
+    vertices[b] = vertices[a] + 1e-8 * (vertices[b] - vertices[a])
+    vertices /= np.linalg.norm(vertices, axis=1)[:, None]
+    assert not certify(lune.directions[None], vertices[None], lune.quads[None]).valid.any()

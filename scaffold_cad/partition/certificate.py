@@ -20,6 +20,8 @@ from scaffold_cad.vectors import dot, length, triple
 
 MIN_CLEARANCE = 1e-9
 """Least clearance of a certified quad, rad: rounding moves a determinant by some 1e-15."""
+SHORTEST_ARC = 1e-6
+"""Least sine of an arc's length: the normal of a shorter one is off by more than 1e-10 rad."""
 AREA_TOLERANCE = 1e-6
 """Largest error of the sum of the triangles' areas, steradian: it can only jump by 4 π."""
 BLOCK = 200_000
@@ -71,11 +73,11 @@ def corners_of(vertices: UnitVectors, quads: Ints) -> UnitVectors:
 def arc_normals(corners: UnitVectors) -> UnitVectors:
     """Return the unit normal, towards the quad, of each arc's great circle, (..., 4, 3).
 
-    The normal of an arc between equal or opposite vertices is not a number.
+    The normal of an arc between vertices that are nearly equal or opposite is not a number.
     """
     normals = np.cross(corners, np.roll(corners, -1, axis=-2))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        unit: UnitVectors = normals / length(normals)[..., None]
+    size = length(normals)[..., None]
+    unit: UnitVectors = normals / np.where(size > SHORTEST_ARC, size, np.nan)
     return unit
 
 
