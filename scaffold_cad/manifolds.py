@@ -33,6 +33,9 @@ EROSION_TIME = 0.0035
 MOST_TO_ERODE = 100_000
 """Most triangles that are eroded: some minutes."""
 
+SOON = 1.0
+"""What takes no longer needs no word, s."""
+
 _log = logging.getLogger(__name__)
 
 
@@ -178,7 +181,10 @@ def eroded(manifold: Manifold, thickness: float) -> Manifold:
             f"need {MOST_TO_ERODE} or fewer (a coarser mesh of the body)"
         )
     seconds = count * EROSION_TIME
-    _log.info("a wall of %g mm is made from %d triangles: some %.0f s", thickness, count, seconds)
+    level = logging.INFO if seconds > SOON else logging.DEBUG
+    _log.log(
+        level, "a wall of %g mm is made from %d triangles: some %.0f s", thickness, count, seconds
+    )
     ball = manifold3d.Manifold.sphere(thickness, BALL_SEGMENTS)
     return simpler.minkowski_difference(ball)
 
