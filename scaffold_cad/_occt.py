@@ -9,7 +9,7 @@ to sew, and every tolerance is `TOLERANCE`.
 from __future__ import annotations
 
 import gc
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -47,7 +47,7 @@ from OCP.TopoDS import (
     TopoDS_Wire,
 )
 
-from scaffold_cad.arrays import Points, Triangles
+from scaffold_cad.arrays import Edges, Points, Triangles
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.errors import BrepError
 from scaffold_cad.vectors import length
@@ -91,16 +91,17 @@ def make_shape(
         faces = _faces(patches)
     shapes = []
     for quads, is_closed in zip(shells, closed, strict=True):
-        shell = _shell([faces[quad] for quad in quads], is_closed)
+        shell = shell_of([faces[quad] for quad in quads], is_closed)
         # `Solid(Shell)` would run a repair that takes longer than all the rest.
-        shapes.append(Solid(_solid(shell)) if kind == "solid" else Shell(shell))
+        shapes.append(Solid(solid_of(shell)) if kind == "solid" else Shell(shell))
     return shapes[0] if len(shapes) == 1 else Compound(shapes)
 
 
 def _faces(patches: BezierMesh) -> list[TopoDS_Face]:
     """Return a face on each patch; neighbours share their edges."""
     builder = BRep_Builder()
-    edges = _edges(patches)
+    mesh = patches.mesh
+    edges = edges_between(mesh.vertices, mesh.edges, _curves(patches))
     turned = [(edge, edge.Reversed()) for edge in edges]
     uses = 2 * patches.mesh.edge_of_half_edge.reshape(-1, 4) + ~patches.runs_forward
     side_curve = _side_curves(patches)
@@ -120,24 +121,29 @@ def _faces(patches: BezierMesh) -> list[TopoDS_Face]:
     return faces
 
 
-def _edges(patches: BezierMesh) -> list[TopoDS_Edge]:
-    """Return the edges of the mesh, each from its lower vertex to its higher one."""
+def edges_between(
+    points: Points, pairs: Edges, curves: Iterable[tuple[Geom_Curve, float]]
+) -> list[TopoDS_Edge]:
+    """Return the edges between `pairs` (m, 2) of points; they share their vertices.
+
+    Parameters
+    ----------
+    curves : of each edge, and its last parameter; the first is 0
+    """
     builder = BRep_Builder()
     starts, ends = [], []
-    for x, y, z in patches.mesh.vertices.tolist():
+    for x, y, z in points.tolist():
         vertex = TopoDS_Vertex()
         builder.MakeVertex(vertex, gp_Pnt(x, y, z), TOLERANCE)
         starts.append(vertex)
         ends.append(vertex.Reversed())
     edges = []
-    for (low, high), (curve, last) in zip(
-        patches.mesh.edges.tolist(), _curves(patches), strict=True
-    ):
+    for (start, end), (curve, last) in zip(pairs.tolist(), curves, strict=True):
         edge = TopoDS_Edge()
         builder.MakeEdge(edge, curve, TOLERANCE)
         builder.Range(edge, 0.0, last)
-        builder.Add(edge, starts[low])
-        builder.Add(edge, ends[high])
+        builder.Add(edge, starts[start])
+        builder.Add(edge, ends[end])
         edges.append(edge)
     return edges
 
@@ -146,11 +152,7 @@ def _curves(patches: BezierMesh) -> Iterator[tuple[Geom_Curve, float]]:
     """Yield the curve of each edge and its last parameter; the first is 0."""
     points = patches.edge_control_points
     if patches.degree == 1:
-        spans = points[:, 1] - points[:, 0]
-        for (x, y, z), (dx, dy, dz), last in zip(
-            points[:, 0].tolist(), spans.tolist(), length(spans).tolist(), strict=True
-        ):
-            yield Geom_Line(gp_Pnt(x, y, z), gp_Dir(dx, dy, dz)), last
+        yield from lines(points[:, 0], points[:, 1])
         return
     row = PointRow(1, patches.degree + 1)
     poles: list[list[float]]
@@ -158,6 +160,15 @@ def _curves(patches: BezierMesh) -> Iterator[tuple[Geom_Curve, float]]:
         for i, (x, y, z) in enumerate(poles, start=1):
             row.SetValue(i, gp_Pnt(x, y, z))
         yield Geom_BezierCurve(row), 1.0
+
+
+def lines(starts: Points, ends: Points) -> Iterator[tuple[Geom_Line, float]]:
+    """Yield the line from each start to its end (m, 3), and its parameter there."""
+    spans = ends - starts
+    for (x, y, z), (dx, dy, dz), last in zip(
+        starts.tolist(), spans.tolist(), length(spans).tolist(), strict=True
+    ):
+        yield Geom_Line(gp_Pnt(x, y, z), gp_Dir(dx, dy, dz)), last
 
 
 def _surfaces(patches: BezierMesh) -> Iterator[tuple[Geom_Surface, bool]]:
@@ -225,7 +236,8 @@ def _linear_spline(start: tuple[float, float], end: tuple[float, float]) -> Geom
     return Geom2d_BSplineCurve(poles, knots, multiplicities, 1)
 
 
-def _shell(faces: list[TopoDS_Face], is_closed: bool) -> TopoDS_Shell:
+def shell_of(faces: list[TopoDS_Face], is_closed: bool) -> TopoDS_Shell:
+    """Return the shell that faces make."""
     builder = BRep_Builder()
     shell = TopoDS_Shell()
     builder.MakeShell(shell)
@@ -235,7 +247,8 @@ def _shell(faces: list[TopoDS_Face], is_closed: bool) -> TopoDS_Shell:
     return shell
 
 
-def _solid(shell: TopoDS_Shell) -> TopoDS_Solid:
+def solid_of(shell: TopoDS_Shell) -> TopoDS_Solid:
+    """Return the solid inside a closed shell."""
     builder = BRep_Builder()
     solid = TopoDS_Solid()
     builder.MakeSolid(solid)

@@ -8,23 +8,18 @@ from __future__ import annotations
 import numpy as np
 from build123d import Compound, Face, Shape, Solid
 from OCP.BRep import BRep_Builder
-from OCP.Geom import Geom_Line, Geom_Plane
+from OCP.Geom import Geom_Plane
 from OCP.gp import gp_Dir, gp_Pnt
 from OCP.Poly import Poly_Triangle, Poly_Triangulation
 from OCP.TopoDS import (
     TopoDS_Edge,
     TopoDS_Face,
-    TopoDS_Shell,
-    TopoDS_Solid,
-    TopoDS_Vertex,
     TopoDS_Wire,
 )
 
+from scaffold_cad._occt import TOLERANCE, edges_between, lines, shell_of, solid_of
 from scaffold_cad.arrays import Edges, Points, Triangles
-from scaffold_cad.vectors import length, normalize
-
-TOLERANCE = 1e-7
-"""Tolerance of every vertex, edge and face, mm: OCCT's Precision::Confusion."""
+from scaffold_cad.vectors import normalize
 
 
 def triangulated_face(points: Points, triangles: Triangles) -> Face:
@@ -46,49 +41,13 @@ def solid_of_triangles(points: Points, shells: list[Triangles]) -> Shape:
 
     Neighbouring faces share their edges. Several solids are a Compound.
     """
-    solids = [Solid(_solid(points, shell)) for shell in shells]
+    solids = [Solid(solid_of(shell_of(_faces(points, shell), True))) for shell in shells]
     return solids[0] if len(solids) == 1 else Compound(solids)
 
 
 def line_edges(points: Points, pairs: Edges) -> list[TopoDS_Edge]:
     """Return the straight edges between `pairs` (m, 2) of points; they share their vertices."""
-    builder = BRep_Builder()
-    starts, ends = [], []
-    for x, y, z in points.tolist():
-        vertex = TopoDS_Vertex()
-        builder.MakeVertex(vertex, gp_Pnt(x, y, z), TOLERANCE)
-        starts.append(vertex)
-        ends.append(vertex.Reversed())
-    spans = points[pairs[:, 1]] - points[pairs[:, 0]]
-    edges = []
-    for (a, b), (x, y, z), (dx, dy, dz), last in zip(
-        pairs.tolist(),
-        points[pairs[:, 0]].tolist(),
-        spans.tolist(),
-        length(spans).tolist(),
-        strict=True,
-    ):
-        edge = TopoDS_Edge()
-        builder.MakeEdge(edge, Geom_Line(gp_Pnt(x, y, z), gp_Dir(dx, dy, dz)), TOLERANCE)
-        builder.Range(edge, 0.0, last)
-        builder.Add(edge, starts[a])
-        builder.Add(edge, ends[b])
-        edges.append(edge)
-    return edges
-
-
-def _solid(points: Points, triangles: Triangles) -> TopoDS_Solid:
-    """Return the solid inside a closed shell of triangles."""
-    builder = BRep_Builder()
-    shell = TopoDS_Shell()
-    builder.MakeShell(shell)
-    for face in _faces(points, triangles):
-        builder.Add(shell, face)
-    shell.Closed(True)
-    solid = TopoDS_Solid()
-    builder.MakeSolid(solid)
-    builder.Add(solid, shell)
-    return solid
+    return edges_between(points, pairs, lines(points[pairs[:, 0]], points[pairs[:, 1]]))
 
 
 def _faces(points: Points, triangles: Triangles) -> list[TopoDS_Face]:

@@ -63,7 +63,7 @@ def round_surface(scaffold: Scaffold, sides: int) -> RoundSurface:
     skeleton = scaffold.skeleton.with_radii(scaffold.skeleton.radii * circumradius(sides))
     kept = np.arange(len(skeleton.edges))
     while len(kept):
-        part = _with_edges(skeleton, kept)
+        part = skeleton.with_edges(kept)
         smooth = _scaffold(part, scaffold.options)
         surface = smooth_mesh(smooth, LEVELS[sides])
         crossing = self_intersections(surface.mesh)
@@ -108,12 +108,6 @@ def _turned_balls(turn: Floats, sides: int) -> Points:
         [across * np.cos(angle), across * np.sin(angle), np.broadcast_to(height, angle.shape)],
         axis=2,
     )
-
-
-def _with_edges(skeleton: Skeleton, edges: Ints) -> Skeleton:
-    """Return the part of the skeleton that `edges` make."""
-    nodes, ends = np.unique(skeleton.edges[edges], return_inverse=True)
-    return Skeleton(skeleton.nodes[nodes], ends.reshape(-1, 2), skeleton.radii[nodes])
 
 
 def _scaffold(skeleton: Skeleton, options: ScaffoldOptions) -> Scaffold:

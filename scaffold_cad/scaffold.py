@@ -237,21 +237,16 @@ def _quads(refined: Skeleton, sleeves: Ints) -> Quads:
     """Return four quads an edge, then one an extremity, (4 m' + k, 4)."""
     near, far = sleeves[:, 0], sleeves[:, 1]  # (m', 4)
     sides = np.stack([near, np.roll(near, -1, axis=1), np.roll(far, -1, axis=1), far], axis=2)
-    closing = _closing_half_edges(refined)
+    closing = refined.leaving_extremities
     # Seen from outside: against the edge's direction at its start, along it at its end.
     caps = sleeves[closing >> 1, closing & 1]
     caps = np.where((closing & 1 == 0)[:, None], caps[:, REVERSED], caps)
     return np.concatenate([sides.reshape(-1, 4), caps])
 
 
-def _closing_half_edges(refined: Skeleton) -> Ints:
-    """Return the half-edge that leaves each extremity."""
-    return refined.incidence.at_nodes(refined.extremities, 1)[:, 0]
-
-
 def _edge_of_quad(refined: Skeleton, refinement: Refinement) -> Ints:
     """Return the edge of the given skeleton that each quad belongs to, (f,)."""
-    closed = _closing_half_edges(refined) >> 1
+    closed = refined.leaving_extremities >> 1
     owner = np.concatenate([np.repeat(np.arange(len(refined.edges)), 4), closed])
     edge: Ints = refinement.edge_of_edge[owner]
     return edge

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.arguments import as_number, check_kind
 from scaffold_cad.arrays import (
+    Bools,
     Edges,
     Floats,
     Ints,
@@ -132,6 +133,11 @@ class Skeleton(Shown):
         return np.flatnonzero(self.valency == 1)
 
     @property
+    def leaving_extremities(self) -> Ints:
+        """Half-edge that leaves each extremity, in their order."""
+        return self.incidence.at_nodes(self.extremities, 1)[:, 0]
+
+    @property
     def joints(self) -> Ints:
         """Nodes of valency 2."""
         return np.flatnonzero(self.valency == 2)
@@ -185,6 +191,11 @@ class Skeleton(Shown):
     def with_radii(self, radii: ArrayLike) -> Skeleton:
         """Return the same graph with other radii, shape (n,) or one number, mm."""
         return Skeleton(self.nodes, self.edges, as_floats(radii, "radii"))
+
+    def with_edges(self, edges: Ints | Bools) -> Skeleton:
+        """Return some of the edges, by number or by mark, and their nodes, numbered anew."""
+        nodes, ends = np.unique(self.edges[edges], return_inverse=True)
+        return Skeleton(self.nodes[nodes], ends.reshape(-1, 2), self.radii[nodes])
 
     def scaled(self, factor: float) -> Skeleton:
         """Return the skeleton with positions and radii multiplied by `factor` > 0."""

@@ -21,7 +21,8 @@ from OCP.GeomAbs import GeomAbs_CurveType
 from OCP.TopExp import TopExp
 from OCP.TopoDS import TopoDS_Compound, TopoDS_Edge
 
-from scaffold_cad._occt_meshes import TOLERANCE, line_edges
+from scaffold_cad._occt import TOLERANCE
+from scaffold_cad._occt_meshes import line_edges
 from scaffold_cad.arguments import as_number
 from scaffold_cad.arrays import Edges, Points
 from scaffold_cad.builders import built

@@ -310,3 +310,17 @@ def test_a_radius_below_the_rounding_of_coordinates_is_refused() -> None:
     ):
         check_skeleton(far)
     check_skeleton(far.with_radii(1e-2))
+
+
+def test_some_edges_make_a_skeleton_of_their_own() -> None:
+    path = Skeleton([[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]], polyline(4), [1, 2, 3, 4])
+    for chosen in (np.array([1, 2]), np.array([False, True, True])):
+        part = path.with_edges(chosen)
+        np.testing.assert_array_equal(part.nodes, path.nodes[1:])
+        np.testing.assert_array_equal(part.edges, [[0, 1], [1, 2]])
+        np.testing.assert_array_equal(part.radii, [2, 3, 4])
+
+
+def test_a_half_edge_leaves_each_extremity() -> None:
+    path = Skeleton([[0, 0, 0], [1, 0, 0], [2, 0, 0]], polyline(3), 1.0)
+    np.testing.assert_array_equal(path.leaving_extremities, [0, 3])

@@ -10,7 +10,6 @@ import logging
 
 import numpy as np
 
-from scaffold_cad.arrays import Bools
 from scaffold_cad.errors import BrepError
 from scaffold_cad.parts.bodies import Faces, faces_of
 from scaffold_cad.scaffold import build_scaffold
@@ -48,13 +47,7 @@ def without_overlapping_stubs(skeleton: Skeleton, *, smooth: bool) -> Faces:
             )
         if keep.all():
             break
-        skeleton = _with_struts(skeleton, keep)
+        skeleton = skeleton.with_edges(keep)
     if dropped:
         _log.warning("%d of %d struts left out: they end free and overlap others", dropped, count)
     return faces
-
-
-def _with_struts(skeleton: Skeleton, keep: Bools) -> Skeleton:
-    """Return the struts marked in `keep` (m,) and their nodes."""
-    nodes, ends = np.unique(skeleton.edges[keep], return_inverse=True)
-    return Skeleton(skeleton.nodes[nodes], ends.reshape(-1, 2), skeleton.radii[nodes])

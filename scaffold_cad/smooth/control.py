@@ -23,7 +23,7 @@ from scaffold_cad.smooth.catmull_clark import (
     limit_points,
     subdivided_points,
 )
-from scaffold_cad.smooth.rig import Rig, cap_rows, leaving_extremities, make_rig
+from scaffold_cad.smooth.rig import Rig, cap_rows, make_rig
 from scaffold_cad.smooth.targets import Domes, Pose, Rails, RoundStruts, Spheres, StrutRadii, Target
 from scaffold_cad.stars import APOTHEM
 from scaffold_cad.vectors import length
@@ -173,7 +173,7 @@ def _domes(scaffold: Scaffold, coarse: Connectivity) -> Domes:
     """Return the domes, whose tops are to be one radius beyond the extremities."""
     refined = scaffold.refined
     nodes, rows = refined.extremities, cap_rows(scaffold)
-    outward = -refined.directions[leaving_extremities(scaffold)]
+    outward = -refined.directions[refined.leaving_extremities]
     return Domes(
         caps=scaffold.mesh.quads[rows],
         tops=coarse.count + len(coarse.edges) + rows,

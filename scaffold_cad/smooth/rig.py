@@ -102,12 +102,6 @@ def make_rig(scaffold: Scaffold, domes: bool) -> Rig:
     )
 
 
-def leaving_extremities(scaffold: Scaffold) -> Ints:
-    """Return the half-edge of the refined skeleton that leaves each extremity, (k,)."""
-    refined = scaffold.refined
-    return refined.incidence.at_nodes(refined.extremities, 1)[:, 0]
-
-
 def cap_rows(scaffold: Scaffold) -> Ints:
     """Return which quads are caps, in the order of the extremities, (k,)."""
     return 4 * len(scaffold.refined.edges) + np.arange(len(scaffold.refined.extremities))
@@ -121,7 +115,7 @@ def _added_sections(scaffold: Scaffold, domes: bool) -> tuple[Ints, Floats]:
     refined = scaffold.refined
     depth = np.zeros(2 * len(refined.edges))
     if domes:
-        depth[leaving_extremities(scaffold)] = DOME_DISTANCE * refined.radii[refined.extremities]
+        depth[refined.leaving_extremities] = DOME_DISTANCE * refined.radii[refined.extremities]
     if scaffold.options.collars:
         leaving = refined.incidence.at_nodes(refined.joints, 2)  # (j, 2)
         ways = refined.directions[leaving]
