@@ -7,7 +7,6 @@ import logging
 import resource
 import sys
 import time
-import traceback
 import warnings
 from collections import Counter
 from pathlib import Path
@@ -17,7 +16,7 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
 from tests.fuzz.mutation import mutated
-from tests.fuzz.reading import LONGEST, outcome
+from tests.fuzz.reading import outcome
 from tests.fuzz.samples import SAMPLES
 
 BATCH = 200
@@ -77,17 +76,9 @@ def _read_some(
     def read(data: st.DataObject) -> None:
         path = folder / name
         path.write_bytes(data.draw(mutated(content)))
-        try:
-            found = outcome(path)
-        except Exception as error:
-            place = traceback.extract_tb(error.__traceback__)[-1]
-            fault = f"{type(error).__name__}: {error} in {place.filename}:{place.lineno}"[:300]
-            counts["failed"] += 1
-        else:
-            counts["read" if found.edges else "refused"] += 1
-            fault = "slow" if found.seconds > LONGEST else ""
-            if not fault and str(path) not in found.message and found.message:
-                fault = f"no file in: {found.message[:200]}"
+        found = outcome(path)
+        fault = found.fault
+        counts["failed" if fault else "read" if found.edges else "refused"] += 1
         if fault and fault not in faults:
             faults[fault] = name
             if options.keep:

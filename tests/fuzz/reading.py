@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import traceback
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,17 +22,25 @@ class Outcome:
     """Edges of the skeleton; 0 if the file was refused."""
     message: str
     """Why it was refused; empty if it was read."""
-    seconds: float
+    fault: str
+    """What is wrong with how it was read or refused; empty if nothing."""
 
 
 def outcome(path: Path) -> Outcome:
-    """Read and clean the file at `path`; any error but the package's own is let through."""
+    """Read and clean the file at `path`."""
     start = time.process_time()
-    edges, message = 0, ""
+    edges, message, fault = 0, "", ""
     try:
         has_radii = read_raw(path).radii is not None
         cleaning = read_with_repairs(path, None if has_radii else 1.0)
         edges = len(cleaning.skeleton.edges)
     except ScaffoldCadError as error:
         message = str(error)
-    return Outcome(edges, message, time.process_time() - start)
+        if str(path) not in message:
+            fault = f"no file in: {message[:200]}"
+    except Exception as error:
+        place = traceback.extract_tb(error.__traceback__)[-1]
+        fault = f"{type(error).__name__}: {error} in {place.filename}:{place.lineno}"[:300]
+    if not fault and time.process_time() - start > LONGEST:
+        fault = "slow"
+    return Outcome(edges, message, fault)

@@ -269,19 +269,24 @@ def _ply_faces() -> bytes:
     return header + _CORNERS.tobytes() + rows
 
 
-def _3mf() -> bytes:
+def _3mf_model() -> bytes:
     core = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
     beams = "http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02"
-    relations = "http://schemas.openxmlformats.org/package/2006/relationships"
-    start = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
     places = "".join(f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in POINTS.tolist())
-    model = (
+    return (
         f'<model unit="millimeter" xmlns="{core}" xmlns:b="{beams}"><resources><object id="1">'
         f"<mesh><vertices>{places}</vertices><triangles/>"
         '<b:beamlattice radius="1.5" minlength="0.1"><b:beams><b:beam v1="0" v2="1" r1="1"/>'
-        '<b:beam v1="1" v2="2"/></b:beams></b:beamlattice></mesh></object></resources>'
-        '<build><item objectid="1"/></build></model>'
-    )
+        '<b:beam v1="1" v2="2"/></b:beams></b:beamlattice></mesh></object>'
+        '<object id="2"><components><component objectid="1" transform="1 0 0 0 1 0 0 0 1 9 9 9"/>'
+        '</components></object></resources><build><item objectid="2"/></build></model>'
+    ).encode()
+
+
+def packed_3mf(model: bytes) -> bytes:
+    """Return a 3MF file whose model part is `model`."""
+    relations = "http://schemas.openxmlformats.org/package/2006/relationships"
+    start = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr(
@@ -292,6 +297,9 @@ def _3mf() -> bytes:
         archive.writestr("3D/3dmodel.model", model)
     return buffer.getvalue()
 
+
+MODEL_3MF = _3mf_model()
+"""What is packed in a 3MF file."""
 
 SAMPLES: dict[str, bytes] = {
     "lines.obj": OBJ,
@@ -328,6 +336,6 @@ SAMPLES: dict[str, bytes] = {
     "binary.stl": _stl(binary=True),
     "edges.ply": PLY_EDGES,
     "faces.ply": _ply_faces(),
-    "beams.3mf": _3mf(),
+    "beams.3mf": packed_3mf(MODEL_3MF),
 }
 """Content by file name."""
