@@ -29,15 +29,10 @@ from scaffold_cad.intersections import self_intersections
 from scaffold_cad.segments import nearest_on_segments
 from scaffold_cad.trianglemesh import TriangleMesh
 from scaffold_cad.vectors import dot, length, normalize, triple
+from scaffold_cad.visibility import MARGIN, ROUNDING, in_front, rounding_of, seen
 
 if TYPE_CHECKING:
     from scaffold_cad.scaffold import Scaffold
-
-MARGIN = 1e-9
-"""Least distance from a separating plane that counts as apart, in lengths of what is compared."""
-
-ROUNDING = 1e-14
-"""Error of a coordinate and what is added to it, in largest coordinates: some 50 roundings."""
 
 STAR_CENTRES = (0.5, 0.25, 0.75, 0.1, 0.9, 0.02, 0.98)
 """Where on its axis a sleeve is tried to be star-shaped, as fractions of its length."""
@@ -128,7 +123,7 @@ def _within_cones(scaffold: Scaffold) -> Bools:
     """Return whether each strut leaves each of its nodes within its own cone, (m, 2)."""
     skeleton, refined = scaffold.skeleton, scaffold.refined
     vertices = scaffold.mesh.vertices
-    rounding = _rounding(vertices)
+    rounding = rounding_of(vertices)
     inside = np.ones(2 * len(skeleton.edges), dtype=np.bool_)
 
     # At branch points: no section of the strut but the first crosses a side plane of the cone.
@@ -140,7 +135,7 @@ def _within_cones(scaffold: Scaffold) -> Bools:
             quad = vertices[scaffold.stars.corners[half_edge[part]]] - node
             planes = np.cross(quad, np.roll(quad, -1, axis=1))  # (k, 4, 3)
             far = vertices[scaffold.sleeves[part, 1 - side]] - node  # (k, 4, 3)
-            fine = _in_front(planes, far, rounding)
+            fine = in_front(planes, far, rounding).all(axis=(1, 2))
             inside[half_edge[part][~fine]] = False
 
     # At joints and extremities, collars among them: the sleeve stays in front of its section.
@@ -152,26 +147,9 @@ def _within_cones(scaffold: Scaffold) -> Bools:
             plane = np.cross(section[:, 2] - section[:, 0], section[:, 3] - section[:, 1])
             plane = plane if side == 0 else -plane
             far = vertices[scaffold.sleeves[part, 1 - side]] - node
-            fine = _in_front(plane[:, None, :], far, rounding)
+            fine = in_front(plane[:, None, :], far, rounding).all(axis=(1, 2))
             inside[2 * edge[part][~fine] + side] = False
     return inside.reshape(-1, 2)
-
-
-def _in_front(planes: Floats, points: Points, rounding: float) -> Bools:
-    """Return whether all `points` (k, p, 3) lie in front of all `planes` (k, q, 3) through 0.
-
-    Coordinates are off by up to `rounding`, mm; `planes` are products of two lengths.
-    """
-    heights = points @ np.swapaxes(planes, 1, 2)  # (k, p, q)
-    size = np.sqrt(length(planes))[:, None, :]
-    reach = length(points)[:, :, None]
-    margin = MARGIN * reach * size**2 + rounding * size * (size + reach)
-    return np.asarray((heights > margin).all(axis=(1, 2)))
-
-
-def _rounding(vertices: Points) -> float:
-    """Return how far coordinates may be off, mm."""
-    return ROUNDING * float(np.abs(vertices).max())
 
 
 def _uncrossed(scaffold: Scaffold) -> Bools:
@@ -184,7 +162,7 @@ def _uncrossed(scaffold: Scaffold) -> Bools:
     start, end = (refined.nodes[refined.edges[:, side]] for side in (0, 1))
     sides = scaffold.mesh.triangles[: 8 * len(refined.edges)].reshape(-1, 8, 3)
     fine = np.zeros(len(refined.edges), dtype=np.bool_)
-    rounding = _rounding(scaffold.mesh.vertices)
+    rounding = rounding_of(scaffold.mesh.vertices)
     for fraction in STAR_CENTRES:
         for part in _chunks(np.flatnonzero(~fine)):
             centre = (1 - fraction) * start[part] + fraction * end[part]
@@ -229,30 +207,25 @@ def _closed_sleeves(scaffold: Scaffold, sleeves: Ints, sides: Ints) -> Points:
     return np.concatenate(triangles, axis=1)
 
 
-def _seen_once(triangles: Points, rounding: float) -> Bools:
+def _seen_once(shells: Points, rounding: float) -> Bools:
     """Return whether closed surfaces (k, t, 3, 3) are seen from 0, all of them and only once.
 
     Coordinates are off by up to `rounding`, mm.
     """
-    a, b, c = (triangles[:, :, corner] for corner in range(3))
-    la, lb, lc = length(a), length(b), length(c)
-    margin = MARGIN * la * lb * lc + rounding * (la * lb + lb * lc + lc * la)
-    positive = (triple(a, b, c) > margin).all(axis=1)
-    return np.asarray(positive & (np.abs(_solid_angle(triangles) - 4 * np.pi) < 1e-3))
+    positive, angle = seen(*_corners(shells), rounding)
+    return np.asarray(positive.all(axis=1) & (np.abs(angle.sum(axis=1) - 4 * np.pi) < 1e-3))
 
 
-def _solid_angle(triangles: Points) -> Floats:
-    """Return the solid angle of surfaces (k, t, 3, 3) seen from 0, (k,).
+def _solid_angle(shells: Points) -> Floats:
+    """Return the solid angle of surfaces (k, t, 3, 3) seen from 0, (k,)."""
+    _, angle = seen(*_corners(shells), 0.0)
+    total: Floats = angle.sum(axis=1)
+    return total
 
-    References
-    ----------
-    van Oosterom, Strackee, The solid angle of a plane triangle, 1983.
-    """
-    a, b, c = (triangles[:, :, corner] for corner in range(3))
-    la, lb, lc = length(a), length(b), length(c)
-    cosine = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb
-    angle: Floats = 2.0 * np.arctan2(triple(a, b, c), cosine).sum(axis=1)
-    return angle
+
+def _corners(triangles: Points) -> tuple[Points, Points, Points]:
+    """Return the corners of triangles (..., 3, 3), each (..., 3)."""
+    return triangles[..., 0, :], triangles[..., 1, :], triangles[..., 2, :]
 
 
 @dataclass(frozen=True, eq=False)

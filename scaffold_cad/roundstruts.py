@@ -14,11 +14,11 @@ import numpy as np
 
 from scaffold_cad.arrays import Floats, Ints, Points
 from scaffold_cad.errors import OptionError
-from scaffold_cad.intersections import self_intersections
+from scaffold_cad.intersections import intersections_of_bodies
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold, ScaffoldOptions, build_scaffold
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.smooth import smooth_mesh
+from scaffold_cad.smooth import Subdivision, smooth_mesh
 from scaffold_cad.vectors import any_perpendicular
 
 LEVELS = {8: 1, 16: 2}
@@ -66,12 +66,37 @@ def round_surface(scaffold: Scaffold, sides: int) -> RoundSurface:
         part = skeleton.with_edges(kept)
         smooth = _scaffold(part, scaffold.options)
         surface = smooth_mesh(smooth, LEVELS[sides])
-        crossing = self_intersections(surface.mesh)
+        crossing = intersections_of_bodies(surface.mesh, *_bodies(smooth, surface))
         if len(crossing) == 0:
             return RoundSurface(surface.mesh, np.setdiff1d(np.arange(len(skeleton.edges)), kept))
         # Two triangles a quad.
         kept = np.delete(kept, smooth.edge_of_quad[surface.quad_of_quad[crossing >> 1]])
     return RoundSurface(None, np.arange(len(skeleton.edges)))
+
+
+def _bodies(scaffold: Scaffold, surface: Subdivision) -> tuple[Ints, Points]:
+    """Return the body of each quad of the surface, (f,), and a point in each body, (b, 3), mm.
+
+    Body i < n is what lies between branch point i and its collars, body n + j is strut j.
+    """
+    skeleton, refined = scaffold.skeleton, scaffold.refined
+    nodes = len(skeleton.nodes)
+    tail, head = refined.edges.T
+    body_of_sleeve = nodes + scaffold.refinement.edge_of_edge
+    for node, other in ((tail, head), (head, tail)):
+        blend = (refined.valency[node] >= 3) & (other >= nodes)
+        body_of_sleeve[blend] = node[blend]
+    body_of_quad = nodes + scaffold.edge_of_quad  # that of its strut for the end of a strut
+    body_of_quad[: 4 * len(tail)] = np.repeat(body_of_sleeve, 4)
+    body = body_of_quad[surface.quad_of_quad]
+
+    centres = np.concatenate([skeleton.nodes, np.zeros_like(skeleton.directions[::2])])
+    count = np.maximum(np.bincount(body, minlength=len(centres)), 1)
+    middles = surface.mesh.vertices[surface.mesh.quads].mean(axis=1)
+    for axis in range(3):
+        mean = np.bincount(body, middles[:, axis], minlength=len(centres)) / count
+        centres[nodes:, axis] = mean[nodes:]
+    return body, centres
 
 
 def prisms_and_balls(scaffold: Scaffold, edges: Ints, sides: int, wobble: Floats) -> list[Points]:
