@@ -76,6 +76,8 @@ def _hierarchy(path: Path, rows: list[Any]) -> tuple[list[int], Ints]:
     parent = np.full(len(rows), -1, dtype=np.intp)
     children = []
     for k, row in enumerate(rows):
+        if not isinstance(row, dict):
+            raise FormatError(f"{path} has {str(row)[:80]!r} as node {k}; need an object")
         found = member(path, row, "children", list, f"node {k}") if "children" in row else []
         children.append([_index(path, child, len(rows), f"a child of node {k}") for child in found])
         for child in children[k]:
