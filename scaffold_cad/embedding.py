@@ -3,8 +3,9 @@
 Every strut is a *tube*: its sleeves, closed at both ends towards its nodes. The tubes tile the
 inside of the scaffold. No two faces meet outside shared edges if
 
-- each tube leaves each of its nodes within its own cone, the part of space that the spherical
-  quad around its direction cuts out (at a joint or an extremity: within its own half-space),
+- each strut leaves each of its nodes within its own cone, the part of space that the spherical
+  quad around its direction cuts out (at a joint or an extremity: within its own half-space), and
+  its sleeves follow each other in the half-spaces beyond its collars,
 - no sleeve crosses itself, and its axis is inside: it is star-shaped around a point of its axis,
   or else found whole by the exact test of its few triangles,
 - tubes that share no node keep apart.
@@ -36,6 +37,9 @@ if TYPE_CHECKING:
 
 STAR_CENTRES = (0.5, 0.25, 0.75, 0.1, 0.9, 0.02, 0.98)
 """Where on its axis a sleeve is tried to be star-shaped, as fractions of its length."""
+
+MOST_SLEEVES = 3
+"""Most sleeves of a strut, one on each side of a collar."""
 
 STUB_HEIGHT = 0.25
 """Least height of a stub's apex, as a fraction of the distance of its corners from the node."""
@@ -138,17 +142,21 @@ def _within_cones(scaffold: Scaffold) -> Bools:
             fine = in_front(planes, far, rounding).all(axis=(1, 2))
             inside[half_edge[part][~fine]] = False
 
-    # At joints and extremities, collars among them: the sleeve stays in front of its section.
-    for side in (0, 1):
+    # At joints and extremities, collars among them: all of the strut that begins at a section
+    # stays in front of it, the sleeve there and those that follow.
+    for side, step in ((0, 1), (1, -1)):
         ends = refined.edges[:, side]
         for part in _chunks(np.flatnonzero(refined.valency[ends] < 3)):
             node = refined.nodes[ends[part]][:, None, :]
             section = vertices[scaffold.sleeves[part, side]]
             plane = np.cross(section[:, 2] - section[:, 0], section[:, 3] - section[:, 1])
-            plane = plane if side == 0 else -plane
-            far = vertices[scaffold.sleeves[part, 1 - side]] - node
-            fine = in_front(plane[:, None, :], far, rounding).all(axis=(1, 2))
-            inside[2 * edge[part][~fine] + side] = False
+            plane = (plane if side == 0 else -plane)[:, None, :]
+            for distance in range(MOST_SLEEVES):
+                sleeve = np.clip(part + step * distance, 0, len(edge) - 1)
+                far = vertices[scaffold.sleeves[sleeve, 1 - side]] - node
+                fine = in_front(plane, far, rounding).all(axis=(1, 2))
+                fine |= edge[sleeve] != edge[part]
+                inside[2 * edge[part][~fine] + side] = False
     return inside.reshape(-1, 2)
 
 

@@ -89,6 +89,28 @@ def skeletons(draw: st.DrawFn, max_nodes: int = 16, least_angle: float = 0.1) ->
 
 
 @st.composite
+def hinged_stars(draw: st.DrawFn) -> Skeleton:
+    """Draw a thick branch point with thin arms, some of which fold back at a thin joint."""
+    ways = draw(stars(max_valency=5, least_angle=0.3))
+    thin = st.floats(0.02, 0.5)
+    thick = draw(st.floats(0.5, 2.0))
+    lengths = st.floats(2.0, 7.0)
+    nodes, edges, radii = [np.zeros(3)], [], [thick]
+    for way in ways:
+        nodes.append(draw(lengths) * way)
+        edges.append((0, len(nodes) - 1))
+        radii.append(thick * draw(thin))
+        if draw(st.booleans()):
+            across = normalize(np.cross(way, draw(directions())))
+            assume(across.any())
+            angle = draw(st.floats(0.1, 1.2))
+            nodes.append(nodes[-1] + draw(lengths) * (np.sin(angle) * across - np.cos(angle) * way))
+            edges.append((len(nodes) - 2, len(nodes) - 1))
+            radii.append(thick * draw(thin))
+    return Skeleton(np.array(nodes), np.array(edges), np.array(radii))
+
+
+@st.composite
 def positions(draw: st.DrawFn, count: int) -> Points:
     """Draw distinct positions at least 4 mm apart, shape (count, 3)."""
     steps = st.tuples(_STEPS, _STEPS, _STEPS)

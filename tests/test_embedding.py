@@ -13,7 +13,7 @@ from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from tests import skeletons as named
 from tests.skeletons import NAMED, star
-from tests.strategies import skeletons
+from tests.strategies import hinged_stars, skeletons
 
 CROSSING = Skeleton(
     [[-10, 0, 0], [10, 0, 0], [0, -10, 0.5], [0, 10, 0.5], [30, 0, 0], [40, 0, 0]],
@@ -35,6 +35,20 @@ NARROW = star([[20, 0, 0], [20 * np.cos(0.035), 20 * np.sin(0.035), 0], [-10, 0,
 DOUBLED_BACK = Skeleton([[0, 0, 0], [10, 0, 0], [0.5, 1.5, 0]], [[0, 1], [1, 2]], 1.0)
 """Two struts that meet at a joint under 9 degrees."""
 
+FOLDED = Skeleton(
+    [
+        [0, 0, 0],
+        [5.5, 0, 0],
+        [3.87, 1.65, 0],
+        [4.24, -0.38, -2.66],
+        [3.6, -3.3, 1.15],
+        [-1, 5, 0.6],
+    ],
+    [[0, 1], [1, 2], [0, 3], [0, 4], [0, 5]],
+    [1.47, 0.07, 0.23, 0.51, 0.51, 0.51],
+)
+"""A strut that folds back at a thin joint into its thick branch point, across its collar."""
+
 
 def check_promise(scaffold: Scaffold) -> None:
     """Assert that what is kept does not cross itself, by a test that knows nothing of struts."""
@@ -52,6 +66,18 @@ def check_promise(scaffold: Scaffold) -> None:
 def test_what_is_kept_never_crosses_itself(skeleton: Skeleton) -> None:
     check_promise(build_scaffold(skeleton))
     check_promise(build_scaffold(skeleton, collars=True))
+
+
+@given(hinged_stars())
+def test_thick_branch_points_are_kept_apart_from_folded_arms(skeleton: Skeleton) -> None:
+    check_promise(build_scaffold(skeleton, collars=True))
+
+
+def test_blend_that_reaches_beyond_the_next_joint_is_found() -> None:
+    scaffold = build_scaffold(FOLDED, collars=True)
+    assert len(self_intersections(scaffold.mesh)) > 0
+    assert scaffold.embedding().within_cone[0].tolist() == [True, False]
+    check_promise(scaffold)
 
 
 @pytest.mark.parametrize("skeleton", [CROSSING, OVERLAPPING_SPHERES, NARROW, DOUBLED_BACK])
