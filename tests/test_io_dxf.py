@@ -77,3 +77,9 @@ def test_damage_is_refused(tmp_path: Path, old: bytes, new: bytes, message: str)
     assert old in DXF_R12
     with pytest.raises(FormatError, match=message):
         read_raw(written(tmp_path, "bad.dxf", DXF_R12.replace(old, new, 1)))
+
+
+def test_a_binary_file_that_ends_within_a_tag_is_refused(tmp_path: Path) -> None:
+    content = b"AutoCAD Binary DXF\r\n\x1a\0\\\nlidONHEC\0^\0\0EOF\0"
+    with pytest.raises(FormatError, match="is no sound DXF file"):
+        read_raw(written(tmp_path, "bad.dxf", content))

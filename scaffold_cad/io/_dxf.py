@@ -56,15 +56,9 @@ def read_dxf(path: Path) -> RawSkeleton:
         unit = document.units if b"$INSUNITS" in data else 0
         scale = units.conversion_factor(unit, units.MM) if unit else 1.0
         polylines, left_out = _polylines(document)
-    # Of the many things that ezdxf raises for damaged files, few are its own errors.
-    except (
-        ezdxf.DXFError,
-        ArithmeticError,
-        AttributeError,
-        LookupError,
-        TypeError,
-        ValueError,
-    ) as error:
+    except (OSError, MemoryError):
+        raise
+    except Exception as error:  # of the many things that ezdxf raises for damaged files
         raise FormatError(f"{path} is no sound DXF file: {error}; need one") from None
     if left_out:
         names = ", ".join(f"{count} {name}" for name, count in sorted(left_out.items()))
