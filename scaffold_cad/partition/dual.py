@@ -57,7 +57,7 @@ class Effort:
 FIRST_OF_FOUR = Effort(PERFECT, 1, search=0, trusts=(1.0,), flow=())
 """Four directions have only six multigraphs, and the best by gain is nearly always perfect."""
 EFFORTS = (
-    Effort(PERFECT, 8, search=14, trusts=(1.0,), flow=((10, 4), (20, 2), (20, 1))),
+    Effort(PERFECT, 8, search=8, trusts=(1.0,), flow=((10, 4), (20, 2), (20, 1))),
     Effort(0.9, 24, search=40, trusts=(0.6, 0.3), flow=((12, 12), (20, 4), (20, 2))),
     Effort(0.7, 40, search=100, trusts=(0.6, 0.4, 0.25, 0.15), flow=((12, 40), (20, 12), (20, 4))),
 )
