@@ -1,17 +1,18 @@
-"""Array types by role, and the checks that give them.
+"""Array types by role, the checks that give them, and the base of what keeps them.
 
-Every array kept by a public object went through one of the `as_…` functions: it is a
-C-contiguous, read-only copy of a known dtype and shape, and its values are finite.
+Every array that a caller gives to a public object goes through one of the `as_…` functions: what
+is kept is a C-contiguous, read-only copy of a known dtype and shape, and its values are finite.
+`Frozen` makes all other arrays of such objects read-only too.
 """
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scaffold_cad.errors import MeshError, OptionError, SkeletonError
+from scaffold_cad.errors import MeshError, OptionError, ScaffoldCadError, SkeletonError
 
 Floats: TypeAlias = NDArray[np.float64]
 """Real numbers of any shape."""
@@ -35,13 +36,43 @@ Radii: TypeAlias = NDArray[np.float64]
 """Sphere radii, shape (n,), mm, all > 0."""
 
 
-def read_only(array: NDArray[np.generic]) -> None:
-    """Forbid any further change of `array`."""
+LARGEST_COORDINATE = 1e12
+"""Largest coordinate or radius of a node that is believed, mm: a million km."""
+
+_Array = TypeVar("_Array", bound=np.ndarray[Any, Any])
+
+
+def read_only(array: _Array) -> _Array:
+    """Return `array` itself, which nobody may write to from now on."""
     array.setflags(write=False)
+    return array
+
+
+class Frozen:
+    """Base of the dataclasses that keep arrays: none of these may be written to.
+
+    That holds for the fields, for copies, and for what is read with pickle. A cached property
+    returns its array through `read_only`.
+    """
+
+    def __post_init__(self) -> None:
+        self._keep(**vars(self))
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        # Arrays that were copied or pickled may be written to again.
+        self._keep(**state)
+
+    def _keep(self, **values: Any) -> None:
+        """Set attributes; their arrays, and those in tuples, are read-only from now on."""
+        for value in values.values():
+            for item in value if isinstance(value, tuple) else (value,):
+                if isinstance(item, np.ndarray):
+                    read_only(item)
+        vars(self).update(values)
 
 
 def as_points(
-    values: ArrayLike, name: str, error: type[SkeletonError] | type[OptionError] = SkeletonError
+    values: ArrayLike, name: str, error: type[ScaffoldCadError] = SkeletonError
 ) -> Points:
     """Return a read-only copy of `values` as (n, 3) float64, all finite.
 
@@ -58,8 +89,7 @@ def as_points(
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if len(bad):
         raise error(f"{name}[{bad[0]}] is {points[bad[0]].tolist()}; need finite numbers")
-    read_only(points)
-    return points
+    return read_only(points)
 
 
 def as_radii(values: ArrayLike, name: str, count: int) -> Radii:
@@ -80,8 +110,27 @@ def as_radii(values: ArrayLike, name: str, count: int) -> Radii:
     bad = np.flatnonzero(~(np.isfinite(radii) & (radii > 0)))
     if len(bad):
         raise SkeletonError(f"node {bad[0]} has radius {radii[bad[0]]:g} mm; need > 0")
-    read_only(radii)
-    return radii
+    return read_only(radii)
+
+
+def check_believable(values: Floats, what: str) -> None:
+    """Raise if a coordinate or a radius of a node is beyond `LARGEST_COORDINATE`.
+
+    Parameters
+    ----------
+    values : (n,) or (n, 3) float64, mm, of n nodes; nan passes
+    what : they are, such as "is at", for the message
+
+    Raises
+    ------
+    SkeletonError
+        If one is; the node is named.
+    """
+    far = np.argwhere(np.abs(values) > LARGEST_COORDINATE)
+    if len(far):
+        node = far[0, 0]
+        found = values[node].tolist()
+        raise SkeletonError(f"node {node} {what} {found} mm; need at most {LARGEST_COORDINATE:g}")
 
 
 def as_edges(values: ArrayLike, name: str, count: int) -> Edges:
@@ -92,13 +141,7 @@ def as_edges(values: ArrayLike, name: str, count: int) -> Edges:
     SkeletonError
         If the shape or the type is wrong or an index is out of range; the edge is named.
     """
-    edges = _as_index(values, name, width=2, error=SkeletonError)
-    bad = np.flatnonzero(((edges < 0) | (edges >= count)).any(axis=1))
-    if len(bad):
-        pair = edges[bad[0]].tolist()
-        raise SkeletonError(f"{name}[{bad[0]}] joins nodes {pair}; need 0 to {count - 1}")
-    read_only(edges)
-    return edges
+    return _as_rows(values, name, 2, count, "joins nodes", SkeletonError)
 
 
 def as_quads(values: ArrayLike, name: str, count: int) -> Quads:
@@ -109,29 +152,52 @@ def as_quads(values: ArrayLike, name: str, count: int) -> Quads:
     MeshError
         If the shape or the type is wrong or an index is out of range; the quad is named.
     """
-    quads = _as_index(values, name, width=4, error=MeshError)
-    bad = np.flatnonzero(((quads < 0) | (quads >= count)).any(axis=1))
+    return _as_rows(values, name, 4, count, "has vertices", MeshError)
+
+
+def as_triangles(values: ArrayLike, name: str, count: int) -> Triangles:
+    """Return a read-only copy of `values` as (t, 3) intp, all in 0..count-1, see `as_quads`."""
+    return _as_rows(values, name, 3, count, "has vertices", MeshError)
+
+
+def as_chosen(values: ArrayLike, name: str, count: int) -> Ints:
+    """Return the items, of `count`, that are chosen by number or by mark, shape (k,).
+
+    Raises
+    ------
+    OptionError
+        If `values` are neither whole numbers in 0..count-1 nor as many truth values as items.
+    """
+    given = _as_array(values, name, OptionError)
+    if given.dtype == np.bool_:
+        if given.shape != (count,):
+            raise OptionError(f"{name} has shape {given.shape}; need ({count},), a mark each")
+        return np.flatnonzero(given)
+    numbers = as_indices(given, name, OptionError)
+    if numbers.ndim != 1:
+        raise OptionError(f"{name} has shape {numbers.shape}; need (k,)")
+    bad = np.flatnonzero((numbers < 0) | (numbers >= count))
     if len(bad):
-        row = quads[bad[0]].tolist()
-        raise MeshError(f"{name}[{bad[0]}] has vertices {row}; need 0 to {count - 1}")
-    read_only(quads)
-    return quads
+        raise OptionError(f"{name}[{bad[0]}] is {numbers[bad[0]]}; need 0 to {count - 1}")
+    return numbers
 
 
 def as_floats(
-    values: ArrayLike, name: str, error: type[SkeletonError] | type[OptionError] = SkeletonError
+    values: ArrayLike, name: str, error: type[ScaffoldCadError] = SkeletonError
 ) -> Floats:
     """Return a copy of `values` as float64 of any shape, finite or not.
 
     Raises
     ------
     SkeletonError, or another `error`
-        If they are not numbers.
+        If they are not real numbers.
     """
     try:
         raw = np.asarray(values)
         if raw.dtype.kind in "SU":
             raise TypeError(f"it holds text, {raw.reshape(-1)[0]!s:.40}")
+        if raw.dtype.kind == "c":  # numpy would drop the imaginary parts
+            raise TypeError("it holds complex numbers")
         if values is None:  # numpy makes it nan
             raise TypeError("it is None")
         return np.array(raw, dtype=np.float64, order="C")
@@ -139,17 +205,38 @@ def as_floats(
         raise error(f"{name} is not an array of numbers: {reason}") from None
 
 
-def _as_index(
-    values: ArrayLike, name: str, width: int, error: type[SkeletonError] | type[MeshError]
-) -> Ints:
+def as_indices(values: ArrayLike, name: str, error: type[ScaffoldCadError]) -> Ints:
+    """Return a copy of `values` as intp of any shape, in any range; no values are (0,).
+
+    Raises
+    ------
+    `error`
+        If they are not whole numbers.
+    """
+    raw = _as_array(values, name, error)
+    if raw.size and raw.dtype.kind not in "iu":
+        raise error(f"{name} has dtype {raw.dtype}; need whole numbers")
+    return np.array(raw, dtype=np.intp, order="C")
+
+
+def _as_array(values: ArrayLike, name: str, error: type[ScaffoldCadError]) -> NDArray[Any]:
     try:
-        raw = np.asarray(values)
+        return np.asarray(values)
     except ValueError as reason:
         raise error(f"{name} is not an array of indices: {reason}") from None
-    if raw.size == 0:
-        raw = np.zeros((0, width), dtype=np.intp)
-    if raw.dtype.kind not in "iu":
-        raise error(f"{name} has dtype {raw.dtype}; need whole numbers")
-    if raw.ndim != 2 or raw.shape[1] != width:
-        raise error(f"{name} has shape {raw.shape}; need (n, {width})")
-    return np.array(raw, dtype=np.intp, order="C")
+
+
+def _as_rows(
+    values: ArrayLike, name: str, width: int, count: int, verb: str, error: type[ScaffoldCadError]
+) -> Ints:
+    """Return a read-only copy of `values` as (n, width) intp, all in 0..count-1."""
+    rows = as_indices(values, name, error)
+    if rows.size == 0:
+        rows = rows.reshape(0, width)
+    if rows.ndim != 2 or rows.shape[1] != width:
+        raise error(f"{name} has shape {rows.shape}; need (n, {width})")
+    bad = np.flatnonzero(((rows < 0) | (rows >= count)).any(axis=1))
+    if len(bad):
+        found = rows[bad[0]].tolist()
+        raise error(f"{name}[{bad[0]}] {verb} {found}; need 0 to {count - 1}")
+    return read_only(rows)

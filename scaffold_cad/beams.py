@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad.arguments import check_kind
-from scaffold_cad.arrays import Floats, as_floats, read_only
+from scaffold_cad.arrays import Floats, Frozen, as_floats, check_believable
 from scaffold_cad.errors import SkeletonError
 from scaffold_cad.skeleton import Skeleton
 
 
 @dataclass(frozen=True, eq=False)
-class BeamLattice:
+class BeamLattice(Frozen):
     """Beams along the edges of a skeleton, for `write` to a 3MF file.
 
     Raises
@@ -32,17 +32,20 @@ class BeamLattice:
 
     skeleton: Skeleton
     """Its radii are those of the beams' ends, which are spheres."""
-    balls: Floats = field(default_factory=lambda: np.zeros(()))
-    """Radius of a ball at each node, 0 for none: one for all or shape (n,), mm."""
-    clip: Any = None
+    balls: Floats
+    """Radius of a ball at each node, 0 for none, shape (n,), mm; one number stands for all."""
+    clip: Any
     """Closed mesh or solid outside of which the beams are cut away."""
-    mesh: Any = None
+    mesh: Any
     """Closed mesh or solid in the same object as the beams: programs that know no beams show and
     print it alone, others unite the two. A skin, or the solid of the very beams."""
 
-    def __post_init__(self) -> None:
-        check_kind(self.skeleton, Skeleton)
-        object.__setattr__(self, "balls", _ball_radii(self.balls, len(self.skeleton.nodes)))
+    def __init__(
+        self, skeleton: Skeleton, balls: ArrayLike = 0.0, clip: Any = None, mesh: Any = None
+    ) -> None:
+        check_kind(skeleton, Skeleton)
+        radii = _ball_radii(balls, len(skeleton.nodes))
+        self._keep(skeleton=skeleton, balls=radii, clip=clip, mesh=mesh)
 
 
 def _ball_radii(values: ArrayLike, count: int) -> Floats:
@@ -56,5 +59,5 @@ def _ball_radii(values: ArrayLike, count: int) -> Floats:
         raise SkeletonError(
             f"the ball at node {bad[0]} has radius {balls[bad[0]]:g} mm; need >= 0 and finite"
         )
-    read_only(balls)
+    check_believable(balls, "has a ball of radius")
     return balls

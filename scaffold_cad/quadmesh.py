@@ -12,6 +12,7 @@ from scaffold_cad.arrays import (
     Bools,
     Edges,
     Floats,
+    Frozen,
     Ints,
     Points,
     Quads,
@@ -26,7 +27,7 @@ from scaffold_cad.vectors import dot
 
 
 @dataclass(frozen=True, eq=False)
-class QuadMesh(Shown):
+class QuadMesh(Frozen, Shown):
     """A mesh of quads, each counter-clockwise seen from outside."""
 
     vertices: Points
@@ -34,10 +35,9 @@ class QuadMesh(Shown):
     quads: Quads
     """Vertex indices of each quad, shape (f, 4)."""
 
-    def __post_init__(self) -> None:
-        vertices = as_points(self.vertices, "vertices")
-        object.__setattr__(self, "vertices", vertices)
-        object.__setattr__(self, "quads", as_quads(self.quads, "quads", count=len(vertices)))
+    def __init__(self, vertices: ArrayLike, quads: ArrayLike) -> None:
+        points = as_points(vertices, "vertices", MeshError)
+        self._keep(vertices=points, quads=as_quads(quads, "quads", count=len(points)))
 
     def moved(self, vertices: ArrayLike) -> QuadMesh:
         """Return the same quads on other vertices, shape (v, 3), mm.
@@ -45,31 +45,27 @@ class QuadMesh(Shown):
         Raises
         ------
         MeshError
-            If there are not as many vertices as before.
+            If there are not as many vertices as before, or one is no place.
         """
-        points = as_points(vertices, "vertices")
+        points = as_points(vertices, "vertices", MeshError)
         if len(points) != len(self.vertices):
             raise MeshError(f"{len(points)} vertices given; need {len(self.vertices)}")
         mesh = object.__new__(QuadMesh)
-        object.__setattr__(mesh, "vertices", points)
-        object.__setattr__(mesh, "quads", self.quads)
+        mesh._keep(vertices=points, quads=self.quads)
         return mesh
 
     @cached_property
     def half_edges(self) -> Edges:
         """Start and end vertex of each quad's four sides in turn, shape (4 f, 2)."""
-        pairs = np.stack([self.quads, np.roll(self.quads, -1, axis=1)], axis=2).reshape(-1, 2)
-        read_only(pairs)
-        return pairs
+        pairs = np.stack([self.quads, np.roll(self.quads, -1, axis=1)], axis=2)
+        return read_only(pairs.reshape(-1, 2))
 
     @cached_property
     def _undirected(self) -> tuple[Edges, Ints]:
         low, high = np.sort(self.half_edges, axis=1).T
         keys, edge_of_half_edge = np.unique(low * len(self.vertices) + high, return_inverse=True)
         edges = np.stack(np.divmod(keys, max(len(self.vertices), 1)), axis=1)
-        read_only(edges)
-        read_only(edge_of_half_edge)
-        return edges, edge_of_half_edge
+        return read_only(edges), read_only(edge_of_half_edge)
 
     @property
     def edges(self) -> Edges:
@@ -103,9 +99,7 @@ class QuadMesh(Shown):
         q = self.quads
         split_ac = np.stack([q[:, [0, 1, 2]], q[:, [0, 2, 3]]], axis=1)
         split_bd = np.stack([q[:, [0, 1, 3]], q[:, [1, 2, 3]]], axis=1)
-        triangles = np.where(first[:, None, None], split_ac, split_bd).reshape(-1, 3)
-        read_only(triangles)
-        return triangles
+        return read_only(np.where(first[:, None, None], split_ac, split_bd).reshape(-1, 3))
 
     @property
     def signed_volume(self) -> float:

@@ -12,17 +12,18 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.arguments import as_number, check_kind
 from scaffold_cad.arrays import (
-    Bools,
     Edges,
     Floats,
+    Frozen,
     Ints,
     Points,
     Radii,
     UnitVectors,
+    as_chosen,
     as_edges,
-    as_floats,
     as_points,
     as_radii,
+    check_believable,
     read_only,
 )
 from scaffold_cad.backends import need
@@ -44,12 +45,12 @@ LEAST_RADIUS = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Skeleton(Shown):
+class Skeleton(Frozen, Shown):
     """A skeleton (G, p, r): nodes joined by straight edges, with a radius at each node.
 
-    The constructor refuses what no graph may hold: wrong shapes, numbers that are not finite,
-    radii ≤ 0, indices out of range. `check_skeleton` refuses what cannot be scaffolded, and
-    `cleaned` repairs it.
+    The constructor refuses what no graph may hold: wrong shapes, numbers that are not finite or
+    beyond 1e12 mm, radii ≤ 0, indices out of range. `check_skeleton` refuses what cannot be
+    scaffolded, and `cleaned` repairs it.
 
     Half-edge `2 e` leaves node `edges[e, 0]`, half-edge `2 e + 1` leaves `edges[e, 1]`.
     """
@@ -61,11 +62,13 @@ class Skeleton(Shown):
     radii: Radii
     """Sphere radius of each node, shape (n,), mm, all > 0; one number stands for all."""
 
-    def __post_init__(self) -> None:
-        nodes = as_points(self.nodes, "nodes")
-        object.__setattr__(self, "nodes", nodes)
-        object.__setattr__(self, "edges", as_edges(self.edges, "edges", count=len(nodes)))
-        object.__setattr__(self, "radii", as_radii(self.radii, "radii", count=len(nodes)))
+    def __init__(self, nodes: ArrayLike, edges: ArrayLike, radii: ArrayLike) -> None:
+        points = as_points(nodes, "nodes")
+        pairs = as_edges(edges, "edges", count=len(points))
+        sizes = as_radii(radii, "radii", count=len(points))
+        check_believable(points, "is at")
+        check_believable(sizes, "has radius")
+        self._keep(nodes=points, edges=pairs, radii=sizes)
 
     @classmethod
     def from_edges(
@@ -119,13 +122,10 @@ class Skeleton(Shown):
 
         return wires.wire_compound(self)
 
-    def __deepcopy__(self, memo: dict[int, object]) -> Skeleton:
-        return self  # nothing of it changes; copies of its arrays would not be read-only
-
     @cached_property
     def valency(self) -> Ints:
         """Number of edges at each node, shape (n,)."""
-        return _frozen(valencies(self.edges, len(self.nodes)))
+        return read_only(valencies(self.edges, len(self.nodes)))
 
     @property
     def extremities(self) -> Ints:
@@ -150,14 +150,14 @@ class Skeleton(Shown):
     @cached_property
     def lengths(self) -> Floats:
         """Length of each edge, shape (m,), mm."""
-        return _frozen(length(self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]]))
+        return read_only(length(self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]]))
 
     @cached_property
     def directions(self) -> UnitVectors:
         """Unit direction in which each half-edge leaves its node, shape (2 m, 3)."""
         spans = self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]]
         ahead = spans / self.lengths[:, None]
-        return _frozen(np.stack([ahead, -ahead], axis=1).reshape(-1, 3))
+        return read_only(np.stack([ahead, -ahead], axis=1).reshape(-1, 3))
 
     @cached_property
     def incidence(self) -> Incidence:
@@ -172,7 +172,7 @@ class Skeleton(Shown):
     @cached_property
     def component_of_node(self) -> Ints:
         """Component of each node, numbered from 0, shape (n,)."""
-        return _frozen(component_labels(self.edges, len(self.nodes)))
+        return read_only(component_labels(self.edges, len(self.nodes)))
 
     @property
     def component_count(self) -> int:
@@ -186,21 +186,24 @@ class Skeleton(Shown):
 
     def moved(self, nodes: ArrayLike) -> Skeleton:
         """Return the same graph and radii at other positions, shape (n, 3), mm."""
-        return Skeleton(as_points(nodes, "nodes"), self.edges, self.radii)
+        return Skeleton(nodes, self.edges, self.radii)
 
     def with_radii(self, radii: ArrayLike) -> Skeleton:
         """Return the same graph with other radii, shape (n,) or one number, mm."""
-        return Skeleton(self.nodes, self.edges, as_floats(radii, "radii"))
+        return Skeleton(self.nodes, self.edges, radii)
 
-    def with_edges(self, edges: Ints | Bools) -> Skeleton:
+    def with_edges(self, edges: ArrayLike) -> Skeleton:
         """Return some of the edges, by number or by mark, and their nodes, numbered anew."""
-        nodes, ends = np.unique(self.edges[edges], return_inverse=True)
+        chosen = as_chosen(edges, "edges", len(self.edges))
+        nodes, ends = np.unique(self.edges[chosen], return_inverse=True)
         return Skeleton(self.nodes[nodes], ends.reshape(-1, 2), self.radii[nodes])
 
     def scaled(self, factor: float) -> Skeleton:
         """Return the skeleton with positions and radii multiplied by `factor` > 0."""
         factor = as_number(factor, "scale factor", unit="")
-        return Skeleton(self.nodes * factor, self.edges, self.radii * factor)
+        with np.errstate(over="ignore"):  # what overflows is refused by name
+            nodes, radii = self.nodes * factor, self.radii * factor
+        return Skeleton(nodes, self.edges, radii)
 
     def cleaned(
         self, *, weld_distance: float | None = None, split_contacts: bool = False
@@ -362,8 +365,3 @@ def _equal_rows(rows: np.ndarray) -> list[tuple[int, int]]:
     at = int(np.argmax(same))
     first, second = sorted((int(order[at]), int(order[at + 1])))
     return [(first, second)]
-
-
-def _frozen(array: np.ndarray) -> np.ndarray:
-    read_only(array)
-    return array

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arrays import Floats, Points, Triangles, as_points, read_only
+from scaffold_cad.arrays import Floats, Frozen, Points, Triangles, as_points, as_triangles
 from scaffold_cad.errors import MeshError
 from scaffold_cad.notebook import Shown
 from scaffold_cad.vectors import triple
 
 
 @dataclass(frozen=True, eq=False)
-class TriangleMesh(Shown):
+class TriangleMesh(Frozen, Shown):
     """A mesh of triangles, each counter-clockwise seen from outside."""
 
     vertices: Points
@@ -22,10 +22,10 @@ class TriangleMesh(Shown):
     triangles: Triangles
     """Vertex indices of each triangle, shape (t, 3)."""
 
-    def __post_init__(self) -> None:
-        vertices = as_points(self.vertices, "vertices")
-        object.__setattr__(self, "vertices", vertices)
-        object.__setattr__(self, "triangles", _as_triangles(self.triangles, count=len(vertices)))
+    def __init__(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
+        points = as_points(vertices, "vertices", MeshError)
+        corners = as_triangles(triangles, "triangles", count=len(points))
+        self._keep(vertices=points, triangles=corners)
 
     @property
     def signed_volume(self) -> float:
@@ -84,21 +84,3 @@ def cone_volumes(vertices: Points, triangles: Triangles) -> Floats:
         return np.zeros(0)
     corners = (vertices - vertices.mean(axis=0))[triangles]  # (t, 3, 3)
     return triple(corners[:, 0], corners[:, 1], corners[:, 2]) / 6.0
-
-
-def _as_triangles(values: ArrayLike, count: int) -> Triangles:
-    """Return a read-only copy of `values` as (t, 3) intp, all in 0..count-1."""
-    raw = np.asarray(values)
-    if raw.size == 0:
-        raw = np.zeros((0, 3), dtype=np.intp)
-    if raw.dtype.kind not in "iu":
-        raise MeshError(f"triangles has dtype {raw.dtype}; need whole numbers")
-    if raw.ndim != 2 or raw.shape[1] != 3:
-        raise MeshError(f"triangles has shape {raw.shape}; need (t, 3)")
-    bad = np.flatnonzero(((raw < 0) | (raw >= count)).any(axis=1))
-    if len(bad):
-        row = raw[bad[0]].tolist()
-        raise MeshError(f"triangles[{bad[0]}] has vertices {row}; need 0 to {count - 1}")
-    triangles = np.array(raw, dtype=np.intp, order="C")
-    read_only(triangles)
-    return triangles

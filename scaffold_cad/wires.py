@@ -64,7 +64,7 @@ def skeleton_from_edges(
         raise SkeletonError("the shapes have no edges; need at least one")
     polylines = [_sampled(edge, tolerance) for edge in _split_where_they_meet(edges, contact)]
     nodes, pairs = _chained(polylines)
-    clean = Skeleton(nodes, pairs, np.asarray(1.0)).cleaned(weld_distance=contact).skeleton
+    clean = Skeleton(nodes, pairs, 1.0).cleaned(weld_distance=contact).skeleton
     return clean.with_radii(radii_at(clean.nodes, radius))
 
 

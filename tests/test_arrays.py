@@ -1,12 +1,25 @@
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable
+from copy import copy, deepcopy
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pytest
 
-from scaffold_cad.arrays import as_edges, as_floats, as_points, as_quads, as_radii
+from scaffold_cad.arrays import (
+    Bools,
+    Floats,
+    Frozen,
+    as_edges,
+    as_floats,
+    as_points,
+    as_quads,
+    as_radii,
+    as_triangles,
+)
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 
 
@@ -71,6 +84,7 @@ def test_one_radius_stands_for_all() -> None:
         ([[0, 0, 0], [0, 0]], "nodes is not an array of numbers"),
         ([[0, 0, 10**400]], "nodes is not an array of numbers"),
         ([[0, 0, {}]], "nodes is not an array of numbers"),
+        ([[0, 0, 1j]], "nodes is not an array of numbers: it holds complex numbers"),
     ],
 )
 def test_points_that_are_none_are_refused(values: Any, message: str) -> None:
@@ -126,3 +140,48 @@ def test_edges_that_are_none_are_refused(values: Any, message: str) -> None:
 def test_quads_that_are_none_are_refused(values: Any, message: str) -> None:
     with pytest.raises(MeshError, match=message):
         as_quads(values, "quads", count=4)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ([[0, 1, 4]], r"triangles\[0\] has vertices \[0, 1, 4\]; need 0 to 3"),
+        ([[0, 1, 2, 3]], r"triangles has shape \(1, 4\); need \(n, 3\)"),
+        ([[0, 1, 2], [0]], "triangles is not an array of indices"),
+        ([["a", "b", "c"]], "triangles has dtype <U1; need whole numbers"),
+    ],
+)
+def test_triangles_that_are_none_are_refused(values: Any, message: str) -> None:
+    with pytest.raises(MeshError, match=message):
+        as_triangles(values, "triangles", count=4)
+
+
+# What keeps arrays
+
+
+@dataclass(frozen=True, eq=False)
+class Marks(Frozen):
+    """Something that keeps arrays."""
+
+    kept: Bools
+    pair: tuple[Floats, str]
+    part: Marks | None = None
+
+
+def test_arrays_that_are_kept_cannot_be_written_to() -> None:
+    marks = Marks(np.array([True]), (np.ones(2), "x"))
+    for array in (marks.kept, marks.pair[0]):
+        with pytest.raises(ValueError, match="read-only"):
+            array[:] = 0
+
+
+@pytest.mark.parametrize(
+    "copied", [copy, deepcopy, lambda marks: pickle.loads(pickle.dumps(marks))]
+)
+def test_neither_can_those_of_copies(copied: Callable[[Marks], Marks]) -> None:
+    marks = copied(Marks(np.array([True]), (np.ones(2), "x"), Marks(np.zeros(3), (np.ones(1), ""))))
+    assert marks.part is not None
+    assert marks.pair[1] == "x"
+    for array in (marks.kept, marks.pair[0], marks.part.kept, marks.part.pair[0]):
+        with pytest.raises(ValueError, match="read-only"):
+            array[:] = 0

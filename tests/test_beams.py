@@ -152,6 +152,7 @@ def test_mesh_and_beams_in_one_object_are_a_mesh_to_programs_without_beams(tmp_p
     [
         (-1.0, r"the ball at node 0 has radius -1 mm; need >= 0"),
         ([1.0, np.nan], r"the ball at node 1 has radius nan mm; need >= 0"),
+        ([0.0, 1e30], r"node 1 has a ball of radius 1e\+30 mm; need at most 1e\+12"),
         ([1.0, 2.0, 3.0], r"balls has shape \(3,\); need a number or shape \(2,\)"),
     ],
 )
@@ -159,6 +160,13 @@ def test_bad_balls_are_refused(balls: Any, message: str) -> None:
     skeleton = Skeleton([[0, 0, 0], [1, 0, 0]], [[0, 1]], 1.0)
     with pytest.raises(SkeletonError, match=message):
         BeamLattice(skeleton, balls=balls)
+
+
+def test_one_ball_stands_for_all_and_cannot_be_changed() -> None:
+    beams = BeamLattice(Skeleton([[0, 0, 0], [1, 0, 0]], [[0, 1]], 1.0), 2)
+    assert beams.balls.tolist() == [2.0, 2.0]
+    with pytest.raises(ValueError, match="read-only"):
+        beams.balls[0] = 1.0
 
 
 @pytest.mark.parametrize("part", ["clip", "mesh"])

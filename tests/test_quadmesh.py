@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import pickle
+from collections.abc import Callable
+from copy import copy, deepcopy
 from dataclasses import FrozenInstanceError
 
 import numpy as np
@@ -7,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaffold_cad.errors import MeshError, SkeletonError
+from scaffold_cad.errors import MeshError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.vectors import triple
 
@@ -77,6 +80,16 @@ def test_a_mesh_cannot_be_changed() -> None:
             getattr(CUBE, name)[0] = 0
 
 
+@pytest.mark.parametrize("copied", [copy, deepcopy, lambda mesh: pickle.loads(pickle.dumps(mesh))])
+def test_no_copy_of_a_mesh_can_be_changed(copied: Callable[[QuadMesh], QuadMesh]) -> None:
+    mesh = torus(6, 4)
+    assert len(mesh.edges) == 48
+    other = copied(mesh)
+    for name in ("vertices", "quads", "half_edges", "edges", "edge_of_half_edge", "triangles"):
+        np.testing.assert_array_equal(getattr(other, name), getattr(mesh, name))
+        assert not getattr(other, name).flags.writeable
+
+
 def test_moving_shares_the_quads_and_nothing_that_was_computed() -> None:
     wide = CUBE.moved(CORNERS * [2, 1, 1])
     assert wide.quads is CUBE.quads
@@ -92,8 +105,10 @@ def test_moving_needs_as_many_vertices() -> None:
 def test_bad_arrays_are_refused() -> None:
     with pytest.raises(MeshError, match=r"quads\[5\] has vertices \[1, 3, 7, 5\]; need 0 to 6"):
         QuadMesh(CORNERS[:7], CUBE_QUADS[[0, 0, 0, 0, 0, 5]])
-    with pytest.raises(SkeletonError, match=r"vertices\[0\] is \[nan, nan, nan\]; need finite"):
+    with pytest.raises(MeshError, match=r"vertices\[0\] is \[nan, nan, nan\]; need finite"):
         QuadMesh(CORNERS * np.nan, CUBE_QUADS)
+    with pytest.raises(MeshError, match=r"vertices\[0\] is \[nan, nan, nan\]; need finite"):
+        CUBE.moved(CORNERS * np.nan)
 
 
 # Triangles and volume
@@ -101,8 +116,8 @@ def test_bad_arrays_are_refused() -> None:
 
 def test_triangles_split_each_quad_along_its_shorter_diagonal() -> None:
     rhombus = np.array([[0, 0, 0], [3, -1, 0], [6, 0, 0], [3, 1, 0]], dtype=float)
-    assert QuadMesh(rhombus, [[0, 1, 2, 3]]).triangles.tolist() == [[0, 1, 3], [1, 2, 3]]  # type: ignore[arg-type]
-    assert QuadMesh(rhombus, [[1, 2, 3, 0]]).triangles.tolist() == [[1, 2, 3], [1, 3, 0]]  # type: ignore[arg-type]
+    assert QuadMesh(rhombus, [[0, 1, 2, 3]]).triangles.tolist() == [[0, 1, 3], [1, 2, 3]]
+    assert QuadMesh(rhombus, [[1, 2, 3, 0]]).triangles.tolist() == [[1, 2, 3], [1, 3, 0]]
 
 
 def test_at_a_tie_the_first_diagonal_is_taken() -> None:

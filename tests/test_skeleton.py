@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable
+from copy import copy, deepcopy
 from dataclasses import FrozenInstanceError
 from typing import Any
 
@@ -37,7 +39,7 @@ def make(nodes: Any, edges: Any, radii: Any = 1.0) -> Skeleton:
 
 
 def test_lists_are_taken_and_a_single_radius_stands_for_all() -> None:
-    skeleton = Skeleton([[0, 0, 0], [1, 0, 0]], [[0, 1]], 2)  # type: ignore[arg-type]
+    skeleton = Skeleton([[0, 0, 0], [1, 0, 0]], [[0, 1]], 2)
     assert skeleton.radii.tolist() == [2, 2]
     assert skeleton.nodes.dtype == np.float64
 
@@ -48,6 +50,16 @@ def test_a_skeleton_cannot_be_changed() -> None:
     for name in ("nodes", "edges", "radii", "valency", "lengths", "directions"):
         with pytest.raises(ValueError, match="read-only"):
             getattr(STICK_FIGURE, name)[0] = 0
+
+
+@pytest.mark.parametrize("copied", [copy, deepcopy, lambda each: pickle.loads(pickle.dumps(each))])
+def test_no_copy_of_a_skeleton_can_be_changed(copied: Callable[[Skeleton], Skeleton]) -> None:
+    skeleton = STICK_FIGURE.moved(STICK_FIGURE.nodes)
+    assert skeleton.valency[0] == 3
+    other = copied(skeleton)
+    for name in ("nodes", "edges", "radii", "valency", "lengths", "directions"):
+        np.testing.assert_array_equal(getattr(other, name), getattr(skeleton, name))
+        assert not getattr(other, name).flags.writeable
 
 
 def test_arrays_of_the_caller_are_copied() -> None:
@@ -65,6 +77,13 @@ def test_arrays_of_the_caller_are_copied() -> None:
         ([[0, 0, 0], [1, 0, 0]], [[0, 2]], 1, r"edges\[0\] joins nodes \[0, 2\]; need 0 to 1"),
         ([[0, 0, 0], [1, 0, 0]], [[0, 1]], [1, 0], "node 1 has radius 0 mm; need > 0"),
         ([[0, 0, 0], [1, 0, 0]], [[0, 1]], [1], r"radii has shape \(1,\); need \(2,\), one a node"),
+        (
+            [[0, 0, 0], [0, -1e30, 0]],
+            [[0, 1]],
+            1,
+            r"node 1 is at \[0.0, -1e\+30, 0.0\] mm; need at",
+        ),
+        ([[0, 0, 0], [1, 0, 0]], [[0, 1]], [1, 1e30], r"node 1 has radius 1e\+30 mm; need at most"),
     ],
 )
 def test_what_is_no_graph_is_refused(nodes: Any, edges: Any, radii: Any, message: str) -> None:
@@ -146,6 +165,14 @@ def test_scaling_scales_positions_and_radii() -> None:
 def test_a_scale_that_is_none_is_refused(factor: float) -> None:
     with pytest.raises(OptionError, match=r"scale factor is \S+; need > 0"):
         STRUT.scaled(factor)
+
+
+def test_a_scale_that_leads_out_of_range_is_refused() -> None:
+    with pytest.raises(SkeletonError, match=r"nodes\[1\] is \[inf, 0.0, 0.0\]; need finite num"):
+        ELBOW.scaled(1e308)
+    with pytest.raises(SkeletonError, match=r"node 1 is at .* need at most 1e\+12"):
+        ELBOW.scaled(1e100)
+    check_skeleton(ELBOW.scaled(1e11))
 
 
 # Checking and cleaning
@@ -314,11 +341,28 @@ def test_a_radius_below_the_rounding_of_coordinates_is_refused() -> None:
 
 def test_some_edges_make_a_skeleton_of_their_own() -> None:
     path = Skeleton([[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]], polyline(4), [1, 2, 3, 4])
-    for chosen in (np.array([1, 2]), np.array([False, True, True])):
+    for chosen in ([1, 2], np.array([1, 2]), np.array([False, True, True])):
         part = path.with_edges(chosen)
         np.testing.assert_array_equal(part.nodes, path.nodes[1:])
         np.testing.assert_array_equal(part.edges, [[0, 1], [1, 2]])
         np.testing.assert_array_equal(part.radii, [2, 3, 4])
+
+
+@pytest.mark.parametrize(
+    ("chosen", "message"),
+    [
+        ([0, 2], r"edges\[1\] is 2; need 0 to 1"),
+        ([-1], r"edges\[0\] is -1; need 0 to 1"),
+        ([[0, 1]], r"edges has shape \(1, 2\); need \(k,\)"),
+        ([True], r"edges has shape \(1,\); need \(2,\), a mark each"),
+        ([0.0], "edges has dtype float64; need whole numbers"),
+        (["0"], "edges has dtype <U1; need whole numbers"),
+        ([0, [1]], "edges is not an array of indices"),
+    ],
+)
+def test_edges_that_cannot_be_chosen_are_refused(chosen: Any, message: str) -> None:
+    with pytest.raises(OptionError, match=message):
+        ELBOW.with_edges(chosen)
 
 
 def test_a_half_edge_leaves_each_extremity() -> None:

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from scaffold_cad.arrays import Points
+from scaffold_cad.arrays import LARGEST_COORDINATE, Points
 from scaffold_cad.backends import need
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._formats import register_reader
-from scaffold_cad.io._raw import LARGEST_COORDINATE, RawSkeleton, joined_polylines
+from scaffold_cad.io._raw import RawSkeleton, joined_polylines
 from scaffold_cad.io._text import check_size
 
 CURVES = ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE")

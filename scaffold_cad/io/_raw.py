@@ -8,16 +8,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arrays import Bools, Edges, Floats, Points, as_edges, as_floats, read_only
+from scaffold_cad.arrays import (
+    Edges,
+    Floats,
+    Frozen,
+    Points,
+    as_edges,
+    as_floats,
+    check_believable,
+)
 from scaffold_cad.errors import SkeletonError
 from scaffold_cad.repair import equal_positions
 
-LARGEST_COORDINATE = 1e12
-"""Largest coordinate or radius that is believed, mm: a million km."""
-
 
 @dataclass(frozen=True, eq=False)
-class RawSkeleton:
+class RawSkeleton(Frozen):
     """A graph as a file holds it: perhaps with faults, perhaps without radii.
 
     The constructor refuses what no repair could use: arrays that do not fit each other, indices
@@ -35,31 +40,17 @@ class RawSkeleton:
         nodes = as_floats(self.nodes, "nodes")
         if nodes.ndim != 2 or nodes.shape[1] != 3:
             raise SkeletonError(f"nodes have shape {nodes.shape}; need (n, 3)")
-        _refuse_first(np.abs(nodes).max(axis=1, initial=0.0) > LARGEST_COORDINATE, "is at", nodes)
-        read_only(nodes)
-        object.__setattr__(self, "nodes", nodes)
-        object.__setattr__(self, "edges", as_edges(self.edges, "edges", count=len(nodes)))
-        if self.radii is not None:
-            object.__setattr__(self, "radii", _as_raw_radii(self.radii, count=len(nodes)))
+        check_believable(nodes, "is at")
+        radii = None if self.radii is None else _as_raw_radii(self.radii, count=len(nodes))
+        self._keep(nodes=nodes, edges=as_edges(self.edges, "edges", len(nodes)), radii=radii)
 
 
 def _as_raw_radii(values: ArrayLike, count: int) -> Floats:
     radii = as_floats(values, "radii")
     if radii.shape != (count,):
         raise SkeletonError(f"radii have shape {radii.shape}; need ({count},), one a node")
-    _refuse_first(np.abs(radii) > LARGEST_COORDINATE, "has radius", radii)
-    read_only(radii)
+    check_believable(radii, "has radius")
     return radii
-
-
-def _refuse_first(absurd: Bools, verb: str, values: Floats) -> None:
-    """Raise for the first node marked in `absurd` (n,)."""
-    found = np.flatnonzero(absurd)
-    if len(found):
-        value = values[found[0]].tolist()
-        raise SkeletonError(
-            f"node {found[0]} {verb} {value} mm; need at most {LARGEST_COORDINATE:g}"
-        )
 
 
 def joined_polylines(polylines: Sequence[Points]) -> RawSkeleton:

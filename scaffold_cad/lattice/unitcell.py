@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -12,9 +12,9 @@ from scaffold_cad.arrays import (
     Bools,
     Edges,
     Floats,
+    Frozen,
     Ints,
     Points,
-    as_edges,
     as_floats,
     as_points,
     read_only,
@@ -29,7 +29,7 @@ FACE_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class UnitCell:
+class UnitCell(Frozen):
     """A block of struts in the unit cube, repeated along x, y and z to make a lattice.
 
     Struts and nodes on the faces are shared with the neighbouring cells. List a strut that lies
@@ -42,24 +42,33 @@ class UnitCell:
     """Node positions in the unit cube, shape (n, 3), all in 0..1."""
     edges: Edges
     """Node pairs, shape (m, 2), each strut once."""
-    description: str = ""
+    description: str
     """One sentence on what the cell is."""
-    proportions: Floats = field(default_factory=lambda: np.ones(3))
+    proportions: Floats
     """Size along x, y and z of a cell of size 1 that is not distorted, shape (3,)."""
 
-    def __post_init__(self) -> None:
-        if not isinstance(self.name, str) or not self.name.strip():
-            raise OptionError(f"a unit cell's name is {self.name!r}; need a text that is not blank")
+    def __init__(
+        self,
+        name: str,
+        nodes: ArrayLike,
+        edges: ArrayLike,
+        description: str = "",
+        proportions: ArrayLike = (1.0, 1.0, 1.0),
+    ) -> None:
+        if not isinstance(name, str) or not name.strip():
+            raise OptionError(f"a unit cell's name is {name!r}; need a text that is not blank")
         try:
-            nodes = _snapped(as_points(self.nodes, "nodes"))
-            edges = as_edges(self.edges, "edges", count=len(nodes))
-            check_skeleton(Skeleton(nodes, edges, np.asarray(1.0)))
+            struts = Skeleton(_snapped(as_points(nodes, "nodes")), edges, 1.0)
+            check_skeleton(struts)
         except SkeletonError as error:
-            raise SkeletonError(f"unit cell {self.name!r}: {error}") from None
-        proportions = as_three(self.proportions, f"proportions of unit cell {self.name!r}")
-        object.__setattr__(self, "nodes", nodes)
-        object.__setattr__(self, "edges", edges)
-        object.__setattr__(self, "proportions", proportions)
+            raise SkeletonError(f"unit cell {name!r}: {error}") from None
+        self._keep(
+            name=name,
+            nodes=struts.nodes,
+            edges=struts.edges,
+            description=description,
+            proportions=as_three(proportions, f"proportions of unit cell {name!r}"),
+        )
 
     def __str__(self) -> str:
         valency = " and ".join(str(n) for n in self.valencies)
@@ -107,7 +116,7 @@ class UnitCell:
 
 
 @dataclass(frozen=True, eq=False)
-class Motif:
+class Motif(Frozen):
     """What one cell adds to an endless lattice: sites (nodes) and struts, none shared.
 
     Any node of the lattice is a site moved by whole cells. A strut joins two sites, each moved
@@ -177,8 +186,7 @@ def as_three(values: ArrayLike, name: str) -> Floats:
     three = as_floats(values, name, OptionError)
     if three.shape != (3,) or not (np.isfinite(three) & (three > 0)).all():
         raise OptionError(f"{name} = {three.tolist()}; need three numbers > 0")
-    read_only(three)
-    return three
+    return read_only(three)
 
 
 def _snapped(nodes: Points) -> Points:
@@ -190,7 +198,6 @@ def _snapped(nodes: Points) -> Points:
     if len(outside):
         place = nodes[outside[0]].tolist()
         raise SkeletonError(f"node {outside[0]} is at {place}; need coordinates in 0..1")
-    read_only(snapped)
     return snapped
 
 
