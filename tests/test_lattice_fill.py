@@ -357,6 +357,15 @@ def test_arguments_out_of_range_are_refused(
 # ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("size", [1e-6, 1e-30, 1e-320, (1.0, 1.0, 1e-9)])
+def test_cells_too_small_for_the_region_are_refused_before_memory_is_taken(
+    size: float | tuple[float, ...],
+) -> None:
+    for region in ([[0, 0, 0], [10, 10, 10]], trimesh.creation.icosphere(1, 10.0)):
+        with pytest.raises(OptionError, match=r"x .* cells of 'bcc' have .*; need at most 1e\+08"):
+            fill(region, "bcc", size, 0.1)
+
+
 def test_cut_struts_are_pieces_in_a_row() -> None:
     struts = Struts(np.array([[0.0, 0, 0], [10, 0, 0], [10, 20, 0]]), np.array([[0, 1], [1, 2]]))
     pieces = struts.cut(np.array([0, 1, 1]), np.array([0.5, 0.25, 0.75]))

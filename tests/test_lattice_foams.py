@@ -149,6 +149,7 @@ def test_a_truss_has_the_nodes_that_a_foam_has_cells() -> None:
     ("arguments", "message"),
     [
         ({"count": 0}, "count is 0; need 1 or more"),
+        ({"count": 10**20}, "count is 100000000000000000000; need at most 10000000"),
         ({"regularity": 0.8}, r"regularity is 0\.8; need 0 to 0\.7"),
         ({"regularity": -0.1}, r"regularity is -0\.1; need 0 to 0\.7"),
         ({"box": BOX[::-1]}, "need the first below the second"),

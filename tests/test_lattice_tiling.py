@@ -150,6 +150,14 @@ def test_counts_that_are_no_counts_are_refused(counts: tuple[int, int, int]) -> 
         tile("bcc", 1.0, counts, radius=1.0)
 
 
+@pytest.mark.parametrize("counts", [(10**5, 10**5, 10**5), (1, 10**9, 1), 2**62])
+def test_more_struts_than_memory_holds_are_refused_before_it_is_taken(
+    counts: int | tuple[int, int, int],
+) -> None:
+    with pytest.raises(OptionError, match=r"cells of 'bcc' have .* struts; need at most 1e\+08"):
+        tile("bcc", 1.0, counts, radius=0.1)
+
+
 # ---------------------------------------------------------------------------------------------
 # Bent lattices
 # ---------------------------------------------------------------------------------------------

@@ -14,8 +14,7 @@ from scaffold_cad.lattice.clipping import Keep, clipped, least_length
 from scaffold_cad.lattice.meshregion import MeshRegion
 from scaffold_cad.lattice.regions import BoxRegion, ImplicitRegion, Region
 from scaffold_cad.lattice.registry import as_cell
-from scaffold_cad.lattice.repetition import repeated
-from scaffold_cad.lattice.struts import Struts
+from scaffold_cad.lattice.repetition import as_counts, repeated
 from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.lattice.unitcell import UnitCell
 from scaffold_cad.radii import Radius
@@ -80,7 +79,8 @@ def fill(
     Raises
     ------
     OptionError
-        If an argument is out of its range or the region is none of these.
+        If an argument is out of its range, the region is none of these, or its bounds hold more
+        than 1e8 struts.
     MeshError
         If the mesh is not closed.
     SkeletonError
@@ -92,7 +92,8 @@ def fill(
     sizes = cell_size(cell, size)
     shortest = least_length(shortest, SHORTEST_FRACTION * float(sizes.min()))
     space = as_region(region, bounds)
-    struts = _cells_around(space, cell, sizes, origin)
+    counts, corner = cells_around(space.bounds, cell, sizes, origin)
+    struts = repeated(cell, sizes, counts, corner)
     if keep == "whole":
         struts = struts.kept(space.contains(struts.middles))
     else:
@@ -126,13 +127,22 @@ def as_region(region: FillRegion, bounds: ArrayLike | None = None) -> Region:
     return BoxRegion(region)
 
 
-def _cells_around(region: Region, cell: UnitCell, size: Floats, origin: ArrayLike | None) -> Struts:
-    """Return the struts of all cells that the bounds of a region meet."""
-    low, high = region.bounds
+def cells_around(
+    bounds: Floats, cell: UnitCell, size: Floats, origin: ArrayLike | None = None
+) -> tuple[tuple[int, int, int], Points]:
+    """Return how many cells along x, y and z a box meets, and the lowest corner of the first.
+
+    Raises
+    ------
+    OptionError
+        If `origin` is no position, or the cells have too many struts, see `as_counts`.
+    """
+    low, high = bounds
     corner = low if origin is None else as_floats(origin, "origin", OptionError)
     if corner.shape != (3,) or not np.isfinite(corner).all():
         raise OptionError(f"origin is {corner.tolist()}; need three numbers, mm")
-    first = np.floor((low - corner) / size + COUNT_SLACK)
-    last = np.ceil((high - corner) / size - COUNT_SLACK)
-    x, y, z = np.maximum(last - first, 1).astype(np.intp).tolist()
-    return repeated(cell, size, (x, y, z), corner + first * size)
+    with np.errstate(over="ignore", invalid="ignore"):  # too many cells to count are too many
+        first = np.floor((low - corner) / size + COUNT_SLACK)
+        last = np.ceil((high - corner) / size - COUNT_SLACK)
+        counts = as_counts(cell, np.maximum(last - first, 1))
+    return counts, corner + first * size

@@ -25,6 +25,9 @@ SHORTEST_FRACTION = 1e-3
 LARGEST_REGULARITY = 0.7
 """Beyond it, random points find no room any more."""
 
+MOST_POINTS = 10_000_000
+"""Most random points: a foam of so many has some 1e8 struts, see `MOST_STRUTS`."""
+
 KELVIN_SPACING = np.sqrt(3) / 2 * np.cbrt(2)
 """Distance of neighbours in a body-centred cubic lattice of one point a unit of volume."""
 
@@ -141,6 +144,8 @@ def random_points(count: int, box: ArrayLike, seed: int, regularity: float = 0.0
     """
     bounds = as_box(box)
     count = as_count(count, "count", least=1)
+    if count > MOST_POINTS:
+        raise OptionError(f"count is {count}; need at most {MOST_POINTS}")
     if not 0 <= as_real(regularity, "regularity") <= LARGEST_REGULARITY:
         raise OptionError(f"regularity is {regularity:g}; need 0 to {LARGEST_REGULARITY:g}")
     random = np.random.default_rng(as_count(seed, "seed"))

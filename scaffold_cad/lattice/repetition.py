@@ -5,8 +5,32 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.arrays import Edges, Floats, Ints, Points
+from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.lattice.unitcell import Motif, UnitCell
+
+MOST_STRUTS = 100_000_000
+"""Most struts of a lattice: they alone take some 6 GB, and a scaffold of them 100 times that."""
+
+
+def as_counts(cell: UnitCell, counts: Floats | Ints) -> tuple[int, int, int]:
+    """Return numbers of cells along x, y and z (3,), not lower than 1, that can be repeated.
+
+    Raises
+    ------
+    OptionError
+        If they make more than `MOST_STRUTS` struts.
+    """
+    numbers = counts.astype(np.float64)
+    struts = cell.strut_count * float(numbers.prod())
+    if not struts <= MOST_STRUTS:
+        x, y, z = numbers.tolist()
+        raise OptionError(
+            f"{x:g} x {y:g} x {z:g} cells of {cell.name!r} have {struts:.3g} struts; need at most "
+            f"{MOST_STRUTS:g} (larger or fewer cells)"
+        )
+    x, y, z = counts.astype(np.intp).tolist()
+    return x, y, z
 
 
 def repeated(
@@ -18,7 +42,7 @@ def repeated(
     ----------
     cell : unit cell
     size : (3,) float64, of one cell, mm
-    counts : cells along x, y and z, all ≥ 1
+    counts : cells along x, y and z, see `as_counts`
     origin : (3,) float64, lowest corner of the first cell, mm; by default 0
     """
     motif = cell.motif

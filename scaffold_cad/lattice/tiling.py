@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad.arguments import check_kind
-from scaffold_cad.arrays import Floats, Points, as_floats
+from scaffold_cad.arrays import Floats, Ints, Points, as_floats
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice.registry import as_cell
-from scaffold_cad.lattice.repetition import repeated
+from scaffold_cad.lattice.repetition import as_counts, repeated
 from scaffold_cad.lattice.unitcell import UnitCell, as_three
 from scaffold_cad.radii import Radius
 from scaffold_cad.skeleton import Skeleton
@@ -34,10 +34,11 @@ def tile(
     Raises
     ------
     OptionError
-        If the cell is not known, or a size, a count or a radius is not > 0.
+        If the cell is not known, a size, a count or a radius is not > 0, or there are more than
+        1e8 struts.
     """
     cell = as_cell(cell)
-    struts = repeated(cell, cell_size(cell, size), _counts(counts))
+    struts = repeated(cell, cell_size(cell, size), as_counts(cell, _three(counts)))
     return struts.skeleton(radius)
 
 
@@ -84,9 +85,9 @@ def cell_size(cell: UnitCell, size: ArrayLike) -> Floats:
     return as_three(sizes, "cell size in mm")
 
 
-def _counts(counts: int | tuple[int, int, int]) -> tuple[int, int, int]:
+def _three(counts: int | tuple[int, int, int]) -> Ints:
+    """Return `counts` as three whole numbers, shape (3,)."""
     values = np.asarray(counts)
     if values.shape not in {(), (3,)} or values.dtype.kind not in "iu" or (values < 1).any():
         raise OptionError(f"counts are {counts}; need three whole numbers >= 1")
-    x, y, z = np.broadcast_to(values, 3).tolist()
-    return x, y, z
+    return np.broadcast_to(values, 3)
