@@ -18,7 +18,8 @@ from OCP.TopoDS import (
 )
 
 from scaffold_cad._occt import TOLERANCE, edges_between, lines, shell_of, solid_of
-from scaffold_cad.arrays import Edges, Points, Triangles
+from scaffold_cad.arrays import Edges, Ints, Points, Triangles, UnitVectors
+from scaffold_cad.errors import BrepError
 from scaffold_cad.vectors import normalize
 
 
@@ -36,12 +37,34 @@ def triangulated_face(points: Points, triangles: Triangles) -> Face:
     return Face(face)
 
 
-def solid_of_triangles(points: Points, shells: list[Triangles]) -> Shape:
+def solid_of_triangles(points: Points, triangles: Triangles, shell: Ints) -> Shape:
     """Return a solid of each closed shell of triangles, one plane face a triangle.
 
     Neighbouring faces share their edges. Several solids are a Compound.
+
+    Parameters
+    ----------
+    points, triangles : (p, 3) float64, mm, and (t, 3) intp
+    shell : (t,) intp, shell of each triangle, numbered from 0
+
+    Raises
+    ------
+    BrepError
+        If a triangle has no area, and so no plane; it is named.
     """
-    solids = [Solid(solid_of(shell_of(_faces(points, shell), True))) for shell in shells]
+    corners = points[triangles]
+    normals = normalize(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+    flat = np.flatnonzero(~normals.any(axis=1))
+    if len(flat):
+        raise BrepError(
+            f"triangle {flat[0]} with vertices {triangles[flat[0]].tolist()} has no area; need "
+            "some for a plane face"
+        )
+    solids = []
+    for number in range(int(shell.max()) + 1):
+        rows = shell == number
+        faces = _faces(points, triangles[rows], normals[rows])
+        solids.append(Solid(solid_of(shell_of(faces, True))))
     return solids[0] if len(solids) == 1 else Compound(solids)
 
 
@@ -50,7 +73,7 @@ def line_edges(points: Points, pairs: Edges) -> list[TopoDS_Edge]:
     return edges_between(points, pairs, lines(points[pairs[:, 0]], points[pairs[:, 1]]))
 
 
-def _faces(points: Points, triangles: Triangles) -> list[TopoDS_Face]:
+def _faces(points: Points, triangles: Triangles, normals: UnitVectors) -> list[TopoDS_Face]:
     """Return a plane face on each triangle; neighbours share their edges."""
     builder = BRep_Builder()
     sides = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
@@ -60,11 +83,9 @@ def _faces(points: Points, triangles: Triangles) -> list[TopoDS_Face]:
     edges = line_edges(points[used], pairs)
     turned = [(edge, edge.Reversed()) for edge in edges]
     uses = 2 * edge_of_side.reshape(-1, 3) + (index[:, 0] > index[:, 1]).reshape(-1, 3)
-    corners = points[triangles]
-    normals = normalize(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
     faces = []
     for (x, y, z), normal, three in zip(
-        corners[:, 0].tolist(), normals.tolist(), uses.tolist(), strict=True
+        points[triangles[:, 0]].tolist(), normals.tolist(), uses.tolist(), strict=True
     ):
         face = TopoDS_Face()
         builder.MakeFace(face, Geom_Plane(gp_Pnt(x, y, z), gp_Dir(*normal)), TOLERANCE)

@@ -24,6 +24,9 @@ from scaffold_cad.vectors import length
 if TYPE_CHECKING:
     from build123d import Shape
 
+BREP_SUFFIXES = (".step", ".stp", ".brep")
+"""Suffixes of the formats of B-reps that are read and written."""
+
 Kind = Literal["solid", "shell"]
 """What a mesh becomes: solids, or shells, which may be open."""
 
@@ -40,28 +43,8 @@ distance 21-gons, of 98.5 % of their area; a smaller angle takes up to 40 times 
 the thin patches of a smooth strut."""
 
 
-def to_brep(mesh: QuadMesh | BezierMesh, kind: Kind = "solid") -> Shape:
-    """Return the B-rep of `mesh`: one face a quad, neighbours sharing their edges.
-
-    Parameters
-    ----------
-    mesh : for solids closed and outward; for shells neighbouring quads must agree in direction
-    kind : "solid" or "shell"
-
-    Returns
-    -------
-    build123d Solid or Shell, or a Compound of them if the mesh is not connected. The faces of each
-    are in the order of their quads.
-
-    Raises
-    ------
-    MeshError
-        If the mesh is not closed (solids), not oriented, or inside out (solids).
-    BrepError
-        If an edge or a quad is smaller than the tolerance of CAD systems.
-    MissingBackendError
-        If build123d is not installed.
-    """
+def brep_of_patches(mesh: QuadMesh | BezierMesh, kind: Kind = "solid") -> Shape:
+    """Return the B-rep of `mesh`: what `cad.to_brep` returns of it, and raises."""
     if kind not in get_args(Kind):
         raise OptionError(f"kind is {kind!r}; need one of {', '.join(get_args(Kind))}")
     patches = BezierMesh.bilinear(mesh) if isinstance(mesh, QuadMesh) else mesh

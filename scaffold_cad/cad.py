@@ -67,4 +67,4 @@ def to_brep(
         raise OptionError(f"{given} is for smooth=True; need it too, or {given} left out")
     if isinstance(what, Scaffold):
         what = what.mesh
-    return brep.to_brep(what.bezier if isinstance(what, Patches) else what, kind)
+    return brep.brep_of_patches(what.bezier if isinstance(what, Patches) else what, kind)

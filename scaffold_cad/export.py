@@ -43,9 +43,6 @@ from scaffold_cad.writers.stl import write_stl, write_stl_slabs
 from scaffold_cad.writers.swc import write_swc
 from scaffold_cad.writers.threemf import write_3mf, write_3mf_beams
 
-BREP_SUFFIXES = (".step", ".stp", ".brep")
-"""Suffixes of the formats that hold B-reps."""
-
 
 @dataclass(frozen=True)
 class Content:
@@ -249,7 +246,7 @@ def _shape(what: Any) -> Any:
             f"STEP and BREP files need a B-rep, which a {_kind(what)} has not; "
             "need a Scaffold, a QuadMesh, a BezierMesh or a build123d shape"
         )
-    return brep.to_brep(patches)
+    return brep.brep_of_patches(patches)
 
 
 def _triangles(what: Any) -> TriangleMesh:

@@ -10,6 +10,7 @@ from typing import TypeAlias
 import numpy as np
 
 from scaffold_cad.backends import need
+from scaffold_cad.brep import BREP_SUFFIXES
 from scaffold_cad.errors import FormatError, MeshError, SkeletonError
 from scaffold_cad.manifolds import meshes_in
 from scaffold_cad.trianglemesh import TriangleMesh
@@ -26,7 +27,7 @@ MILLIMETRES = {
 }
 """Length of each unit of lib3mf, mm."""
 
-CAD_SUFFIXES = (".step", ".stp", ".brep", ".iges", ".igs")
+CAD_SUFFIXES = (*BREP_SUFFIXES, ".iges", ".igs")
 """Suffixes of formats that hold faces on surfaces, which are not read."""
 
 

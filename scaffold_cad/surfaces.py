@@ -8,6 +8,7 @@ from scaffold_cad import brep
 from scaffold_cad.backends import is_instance
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.builders import built
+from scaffold_cad.cad import to_brep
 from scaffold_cad.errors import OptionError
 from scaffold_cad.manifolds import manifold_triangles
 from scaffold_cad.quadmesh import QuadMesh
@@ -42,7 +43,7 @@ def surface_of(what: Any) -> QuadMesh | TriangleMesh | None:
     if isinstance(what, Solidified):
         return manifold_triangles(what.manifold)
     if isinstance(what, BezierMesh | Patches):
-        return brep.tessellated(brep.to_brep(what.bezier if isinstance(what, Patches) else what))
+        return brep.tessellated(to_brep(what))
     if is_instance(what, "manifold3d", "Manifold"):
         return manifold_triangles(what)
     if is_instance(what, "build123d", "Shape"):

@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 
 from scaffold_cad.arrays import Floats, Points
 from scaffold_cad.beziermesh import BezierMesh
-from scaffold_cad.brep import TESSELLATION_DISTANCE, export_brep, export_step, tessellated, to_brep
+from scaffold_cad.brep import TESSELLATION_DISTANCE, export_brep, export_step, tessellated
+from scaffold_cad.cad import to_brep
 from scaffold_cad.errors import BrepError, MeshError, MissingBackendError, OptionError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import build_scaffold

@@ -136,6 +136,14 @@ def test_info_counts(figure: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert rows["repairs"] == "nothing"
 
 
+@pytest.mark.parametrize("command", [["info"], ["build", "-o", "x.stl"]])
+def test_more_nodes_than_asked_for_are_refused(
+    figure: str, command: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*command, figure, "--max-nodes", "3"]) == 2
+    assert "need at most 3 nodes" in capsys.readouterr().err
+
+
 def test_info_needs_no_radii(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     source = tmp_path / "lines.obj"
     source.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nl 1 2 3\nl 3 2\n")

@@ -99,6 +99,13 @@ def test_a_box_has_a_skin_too(tmp_path: Path) -> None:
         (["--inside", "absent.step", "-o", "out.stl"], "there is no such file"),
         (["--inside", "part.swc", "-o", "out.stl"], "holds no closed part"),
         (["--box", "8x8x8", "-o", "out.xyz"], "its suffix is '.xyz'"),
+        (["--size", "1e-30", "--box", "8x8x8", "-o", "out.stl"], "need at most 1e+08"),
+        (["--size", "1e-320", "--box", "8x8x8", "--skin", "1", "-o", "out.stl"], "need at most 1e"),
+        (
+            ["--size", "0.05", "--box", "10x10x10", "-o", "out.stl"],
+            "8000000 cells have some 16000000 nodes and 64000000 struts; need at most 2000000",
+        ),
+        (["--box", "16x16x16", "--max-nodes", "9", "-o", "out.3mf"], "need at most 9 nodes: to"),
     ],
 )
 def test_bad_input_is_told_in_one_line(

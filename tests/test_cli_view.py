@@ -92,6 +92,30 @@ def test_meshes_are_shown_as_they_are(suffix: str, tmp_path: Path, opened: list[
     assert list(layers_of(page)) == ["solid"]
 
 
+@pytest.mark.parametrize(
+    "option",
+    ["--as frame", "--collars", "--fit paper", "--section area", "--strut-radius 1", "--radius 1"],
+)
+def test_options_of_skeletons_are_refused_for_a_mesh(
+    option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(build_scaffold(K4), tmp_path / "k4.stl")
+    page = tmp_path / "page.html"
+    assert main(["view", str(tmp_path / "k4.stl"), *option.split(), "-o", str(page)]) == 2
+    assert f"{option.split()[0]} is for skeletons" in capsys.readouterr().err
+    assert not page.exists()
+
+
+@pytest.mark.parametrize("product", [[], ["--as", "smooth"]])
+def test_the_radius_of_a_frame_is_refused_for_other_solids(
+    k4: str, product: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = tmp_path / "page.html"
+    assert main(["view", k4, "--strut-radius", "3", *product, "-o", str(page)]) == 2
+    assert "--strut-radius is for --as frame" in capsys.readouterr().err
+    assert not page.exists()
+
+
 def test_without_a_browser_the_page_is_named(
     k4: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from scaffold_cad._occt_meshes import solid_of_triangles
 from scaffold_cad.brep import tessellated
 from scaffold_cad.errors import BrepError, MeshError, OptionError, SkeletonError
 from scaffold_cad.lattice import fill
@@ -72,6 +73,19 @@ def test_part_has_the_volume_of_the_scaffold() -> None:
     )
     assert part.is_valid
     assert len(part.solids()) == 1
+
+
+def test_a_union_with_a_triangle_without_area_has_no_brep() -> None:
+    # The middle of a side of the cube is a corner of its own, and one triangle lies in the side.
+    a, b = CUBE.triangles[0, :2].tolist()
+    middle = len(CUBE.vertices)
+    split = [[a, middle, CUBE.triangles[0, 2]], [middle, b, CUBE.triangles[0, 2]], [a, b, middle]]
+    triangles = np.concatenate([split, CUBE.triangles[1:]])
+    vertices = np.concatenate([CUBE.vertices, CUBE.vertices[[a, b]].mean(axis=0)[None]])
+    TriangleMesh(vertices, triangles).check_closed()
+    shell = np.zeros(len(triangles), dtype=np.intp)
+    with pytest.raises(BrepError, match=rf"triangle 2 with vertices \[{a}, {b}, {middle}\] has no"):
+        solid_of_triangles(vertices, triangles, shell)
 
 
 def test_builder_adds() -> None:

@@ -5,17 +5,28 @@ from __future__ import annotations
 import json
 import math
 from base64 import b64decode
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaffold_cad import QuadMesh, TriangleMesh, build_scaffold, tile, to_solid, write
-from scaffold_cad.cli import main
+from scaffold_cad import (
+    QuadMesh,
+    Scaffold,
+    TriangleMesh,
+    build_scaffold,
+    smooth_mesh,
+    smooth_patches,
+    solidified,
+    tile,
+    to_solid,
+    write,
+)
 from scaffold_cad.errors import FormatError, MeshError, OptionError
 from scaffold_cad.printability import (
     MATERIALS,
@@ -207,8 +218,29 @@ def test_a_mesh_without_a_proper_triangle_is_refused() -> None:
 
 
 def test_what_has_no_surface_is_refused() -> None:
-    with pytest.raises(OptionError, match="a str has no surface; need a Skeleton"):
+    with pytest.raises(OptionError, match="the body is a str; need"):
         check_printability("cube.stl")
+
+
+def test_a_skeleton_of_struts_is_a_skeleton() -> None:
+    with pytest.raises(OptionError, match=r"need a Skeleton: scaffold\.skeleton is one"):
+        check_printability(CUBE, skeleton=build_scaffold(STRUT))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("make", [solidified, smooth_mesh, smooth_patches])
+def test_all_that_has_a_surface_is_checked(make: Callable[[Scaffold], Any]) -> None:
+    pytest.importorskip("build123d")
+    report = check_printability(make(build_scaffold(STRUT)))
+    assert report.printable, report
+    assert report["volume"].value["volume_mm3"] == pytest.approx(10 * math.pi, rel=0.4)
+
+
+def test_builders_of_build123d_are_checked() -> None:
+    build123d = pytest.importorskip("build123d")
+    with build123d.BuildPart() as builder:
+        build123d.Box(2, 3, 4)
+    report = check_printability(builder)
+    assert report["volume"].value["volume_mm3"] == pytest.approx(24.0)
 
 
 def test_solids_of_other_packages_are_checked_as_they_are() -> None:
@@ -363,10 +395,17 @@ def test_the_floor_of_a_hollow_is_no_island() -> None:
     assert check_printability(HOLLOW, "fdm")["islands"].value["count"] == 0
 
 
-@pytest.mark.parametrize("direction", [[0, 0, 0], [1, 0], [math.nan, 0, 1]])
-def test_a_bad_direction_is_refused(direction: list[float]) -> None:
+@pytest.mark.parametrize(
+    "direction", [[0, 0, 0], [1, 0], [math.nan, 0, 1], "up", ["x", "y", "z"], None]
+)
+def test_a_bad_direction_is_refused(direction: Any) -> None:
     with pytest.raises(OptionError, match="build direction is"):
         check_printability(CUBE, direction=direction)
+
+
+@pytest.mark.parametrize("size", [1e-300, 1.0, 1e300])
+def test_the_length_of_a_direction_does_not_matter(size: float) -> None:
+    assert check_printability(CUBE, direction=[0, size, 0]).direction.tolist() == [0, 1, 0]
 
 
 def jar(opening: float) -> Manifold:
@@ -435,8 +474,14 @@ def test_the_printed_volume_of_the_file_is_its_size(tmp_path: Path) -> None:
 def test_unknown_names_and_negative_limits_are_refused() -> None:
     with pytest.raises(OptionError, match="process is 'glue'; need one of fdm, sla, sls, lpbf"):
         check_printability(CUBE, "glue")
+    with pytest.raises(OptionError, match=r"process is \[\]; need one of .*, or a Process"):
+        check_printability(CUBE, [])  # type: ignore[arg-type]
     with pytest.raises(OptionError, match="material is 'cheese'"):
         check_printability(CUBE, material="cheese")
+    with pytest.raises(OptionError, match=r"material is \['pla'\]"):
+        check_printability(CUBE, material=["pla"])  # type: ignore[arg-type]
+    with pytest.raises(OptionError, match="layer of a process is 'thin'; need a number"):
+        replace(SLS, layer="thin")  # type: ignore[arg-type]
     with pytest.raises(OptionError, match="least_gap of a process is -1; need >= 0"):
         replace(SLS, least_gap=-1)
     with pytest.raises(OptionError, match="build_volume of a process is nan"):
@@ -513,7 +558,7 @@ def test_the_page_holds_the_report_and_nothing_from_outside() -> None:
     assert len(b64decode(marks["points"])) == 4 * 3 * 4  # open edges, coordinates, bytes
 
 
-# -- files and the command line ---------------------------------------------------------------
+# -- files ------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("suffix", [".stl", ".3mf", ".obj", ".ply"])
@@ -544,46 +589,6 @@ def test_bad_mesh_files_are_refused_by_name(tmp_path: Path) -> None:
     (tmp_path / "bad.stl").write_bytes(b"solid nothing\nendsolid\n")
     with pytest.raises(FormatError, match=r"bad.stl"):
         read_triangles(tmp_path / "bad.stl")
-
-
-def test_the_command_gives_0_for_printable_1_for_not_and_2_for_bad_input(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    write(K4, tmp_path / "k4.json")
-    write(OPEN_CUBE, tmp_path / "open.ply")
-    assert main(["check", str(tmp_path / "k4.json")]) == 0
-    assert "printable by sls" in capsys.readouterr().out
-    assert main(["check", str(tmp_path / "k4.json"), "--radius", "0.2"]) == 1
-    assert "raise --radius to 0.4" in capsys.readouterr().out
-    assert main(["check", str(tmp_path / "k4.json"), "--min-diameter", "3"]) == 1
-    assert main(["check", str(tmp_path / "k4.json"), "--build-volume", "5,5,5"]) == 1
-    assert main(["check", str(tmp_path / "open.ply")]) == 1
-    assert main(["check", str(tmp_path / "absent.stl")]) == 2
-    assert "absent.stl" in capsys.readouterr().err
-
-
-def test_the_command_prints_json_and_writes_the_page(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    write(build_scaffold(K4), tmp_path / "k4.stl")
-    write(K4, tmp_path / "k4.json")
-    arguments = ["--skeleton", str(tmp_path / "k4.json"), "--direction", "best", "--json"]
-    arguments += ["--process", "fdm", "--overhang", "30", "--html", str(tmp_path / "k4.html")]
-    assert main(["check", str(tmp_path / "k4.stl"), *arguments]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["findings"]["genus"]["value"] == {"genus": 3, "loops": 3}
-    assert told["findings"]["strut_diameter"]["value"]["least_mm"] == 2.0
-    assert told["findings"]["strut_overhang"]["value"]["needed_deg"] == pytest.approx(30)
-    assert "k4.stl" in (tmp_path / "k4.html").read_text(encoding="utf-8")
-
-
-def test_a_skeleton_beside_a_skeleton_is_bad_input(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    write(K4, tmp_path / "k4.json")
-    path = str(tmp_path / "k4.json")
-    assert main(["check", path, "--skeleton", path]) == 2
-    assert "--skeleton is for mesh files" in capsys.readouterr().err
 
 
 def test_a_lattice_is_checked_as_a_whole() -> None:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from scaffold_cad.arrays import Floats
 from scaffold_cad.beziermesh import BezierMesh
-from scaffold_cad.brep import to_brep
+from scaffold_cad.cad import to_brep
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.lattice import tile
 from scaffold_cad.quadmesh import QuadMesh

@@ -10,10 +10,13 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 
 from scaffold_cad.arrays import Ints
+from scaffold_cad.brep import BREP_SUFFIXES
+from scaffold_cad.cad import to_brep
 from scaffold_cad.cli import source
 from scaffold_cad.cli.progress import FILE_RATE, SCAFFOLD_RATE, SMOOTH_RATE, SOLID_RATE, Progress
 from scaffold_cad.errors import OptionError
-from scaffold_cad.export import BREP_SUFFIXES, check_writable, write
+from scaffold_cad.export import check_writable, write
+from scaffold_cad.parts.bodies import ROUND_SIDES
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.smooth import Caps, crossing_struts, fine_surface, smooth_patches
 from scaffold_cad.solid import solidified, to_solid
@@ -29,7 +32,10 @@ FINE_SUFFIXES = (".stl", ".ply")
 """Suffixes of the formats that hold fine surfaces."""
 
 LEVELS = 2
-"""Subdivisions of a smooth mesh when none are given."""
+"""Subdivisions of a smooth mesh when none are given, and the most of struts that are united."""
+
+SCAFFOLD_OPTIONS = ("strut_radius", "fit", "section", "collars")
+"""What `add_scaffold_arguments` adds."""
 
 FRAME_RADIUS = 0.15
 """Radius of a frame's struts when none is given, as a fraction of the median node radius."""
@@ -64,7 +70,8 @@ def add_parser(
     parser.add_argument(
         "--smooth",
         action="store_true",
-        help="round struts and smooth nodes: G1 patches in CAD formats, fine meshes in others",
+        help="round struts and smooth nodes: G1 patches in CAD formats, in others meshes whose "
+        f"struts have {ROUND_SIDES} sides",
     )
     parser.add_argument(
         "--levels",
@@ -99,14 +106,13 @@ def add_scaffold_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--fit",
         choices=get_args(Fit),
-        default="enclose",
-        help="how large branch points are: so that no strut is cut thin, or as in the paper",
+        help="how large branch points are: so that no strut is cut thin (default: enclose), or as "
+        "in the paper",
     )
     parser.add_argument(
         "--section",
         choices=get_args(Section),
-        default="circumscribed",
-        help="which square section stands for a circle of the radius",
+        help="which square section stands for a circle of the radius (default: circumscribed)",
     )
     parser.add_argument(
         "--collars", action="store_true", help="keep struts straight between their nodes' blends"
@@ -135,9 +141,9 @@ def run(options: argparse.Namespace) -> None:
 
 def scaffold_from(options: argparse.Namespace, skeleton: Skeleton) -> Scaffold:
     """Return the scaffold that the arguments ask for."""
-    return build_scaffold(
-        skeleton, fit=options.fit, section=options.section, collars=options.collars
-    )
+    given = {name: getattr(options, name) for name in ("fit", "section")}
+    chosen = {name: value for name, value in given.items() if value is not None}
+    return build_scaffold(skeleton, collars=options.collars, **chosen)
 
 
 def frame_radius(options: argparse.Namespace, skeleton: Skeleton) -> float:
@@ -170,8 +176,14 @@ def _check_combination(options: argparse.Namespace) -> None:
             f"{name} cannot hold {options.levels} levels; need {' or '.join(FINE_SUFFIXES)}, "
             "or --levels 2"
         )
-    if options.strut_radius is not None and options.product != "frame":
-        raise OptionError("--strut-radius is for --as frame; --radius is that of the nodes")
+    check_frame_options(options)
+
+
+def check_frame_options(options: argparse.Namespace) -> None:
+    """Raise where an option of frames is given for something else."""
+    if options.product != "frame":
+        why = "is for --as frame; --radius is that of the nodes"
+        source.refuse(options, ["strut_radius"], why)
 
 
 def _is_fine(options: argparse.Namespace) -> bool:
@@ -190,9 +202,6 @@ def _product(scaffold: Scaffold, options: argparse.Namespace) -> Any:
         return scaffold if cad or len(left_out) == 0 else to_solid(scaffold)
     if not cad:
         return scaffold.mesh
-    # Imported here: only CAD shells need build123d.
-    from scaffold_cad.brep import to_brep
-
     return to_brep(scaffold.mesh, "shell")
 
 
@@ -204,7 +213,8 @@ def _smooth_product(scaffold: Scaffold, options: argparse.Namespace, cad: bool) 
         _warn(scaffold, crossing_struts(patches, scaffold), united=False)
         return patches
     if not _is_fine(options):
-        solid = solidified(scaffold, sides=4 * 2 ** (options.levels or LEVELS))
+        sides = ROUND_SIDES if options.levels is None else 4 * 2**options.levels
+        solid = solidified(scaffold, sides=sides)
         _warn(scaffold, solid.united_edges, united=True)
         return solid.manifold
     surface = fine_surface(scaffold, options.levels, caps)

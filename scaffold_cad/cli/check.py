@@ -12,8 +12,8 @@ from typing import Any
 from scaffold_cad.cli import source
 from scaffold_cad.errors import OptionError
 from scaffold_cad.files import check_page
-from scaffold_cad.io import read_skeleton
-from scaffold_cad.printability import MATERIALS, PROCESSES, check_printability, read_triangles
+from scaffold_cad.meshfiles import read_triangles
+from scaffold_cad.printability import MATERIALS, PROCESSES, check_printability
 from scaffold_cad.printability.page import write_page
 from scaffold_cad.printability.processes import Process
 
@@ -84,7 +84,9 @@ def run(options: argparse.Namespace) -> int:
     if options.skeleton is not None:
         if triangles is None:
             raise OptionError("--skeleton is for mesh files; the input is a skeleton itself")
-        skeleton = read_skeleton(options.skeleton, options.radius, options.strict)
+        skeleton = source.skeleton_from(options, options.skeleton)
+    elif triangles is not None:
+        source.refuse(options, source.OPTIONS, "is for skeletons; need --skeleton beside a mesh")
     report = check_printability(
         source.skeleton_from(options) if triangles is None else triangles,
         _process(options),

@@ -4,17 +4,23 @@ from __future__ import annotations
 
 import argparse
 import logging
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from scaffold_cad import brep
-from scaffold_cad.arrays import Floats
+from scaffold_cad.arrays import Floats, Points
+from scaffold_cad.brep import BREP_SUFFIXES, read_brep, tessellated
+from scaffold_cad.cli import source
 from scaffold_cad.cli.progress import SCAFFOLD_RATE, SMOOTH_RATE, SOLID_RATE, Progress
 from scaffold_cad.errors import FormatError, OptionError
-from scaffold_cad.export import BREP_SUFFIXES, check_writable, write
+from scaffold_cad.export import check_writable, write
+from scaffold_cad.io import BYTES_PER_EDGE
 from scaffold_cad.lattice import fill
+from scaffold_cad.lattice.filling import cells_around
+from scaffold_cad.lattice.registry import unit_cell
+from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.meshfiles import read_triangles
 from scaffold_cad.parts import lattice_part
 from scaffold_cad.quadmesh import QuadMesh
@@ -33,8 +39,8 @@ BOX_QUADS = np.array(
 BEAM_SUFFIXES = (".3mf", ".json", ".obj", ".swc")
 """Suffixes of the formats that hold struts as lines."""
 
-SMOOTH_SIDES = 8
-"""Sides of a smooth strut."""
+LATTICE_SIDES = 8
+"""Sides of round struts: half of `ROUND_SIDES`, for a lattice has thousands of them."""
 
 _log = logging.getLogger(__name__)
 
@@ -61,7 +67,11 @@ def add_parser(
     parser.add_argument(
         "--skin", type=float, metavar="T", help="thickness of a closed wall around it, mm"
     )
-    parser.add_argument("--smooth", action="store_true", help="round struts, smooth at the nodes")
+    parser.add_argument(
+        "--smooth",
+        action="store_true",
+        help=f"round struts of {LATTICE_SIDES} sides, smooth at the nodes",
+    )
     parser.add_argument(
         "--beams",
         action="store_true",
@@ -75,6 +85,7 @@ def add_parser(
         metavar="OUT",
         help="file to write: .3mf .stl .obj .ply .glb, without part and skin also .step .brep",
     )
+    source.add_max_nodes(parser, "lattice")
     parser.set_defaults(run=run)
 
 
@@ -107,22 +118,40 @@ def _product(options: argparse.Namespace, progress: Progress) -> Any:
     """Return what to write."""
     cad = options.output.suffix.lower() in BREP_SUFFIXES
     bodied = options.inside is not None or options.skin is not None
-    region = options.box if options.inside is None else _body(options.inside)
+    part = None if options.inside is None else _body(options.inside)
+    cells = _cell_count(options.box if part is None else part.vertices, options)
     if options.beams or not bodied:
-        skeleton = fill(region, options.cell, options.size, options.radius)
+        skeleton = fill(
+            options.box if part is None else part, options.cell, options.size, options.radius
+        )
         _log.info("%d struts", len(skeleton.edges))
         return skeleton if options.beams else _solid(skeleton, cad, options.smooth, progress)
-    body = _box_mesh(options.box) if options.inside is None else region
-    cells = np.ptp(body.vertices, axis=0).prod() / np.prod(np.broadcast_to(options.size, 3))
-    with progress.stage("lattice", int(np.ceil(cells)), "cells", SOLID_RATE / 10):
+    body = _box_mesh(options.box) if part is None else part
+    with progress.stage("lattice", cells, "cells", SOLID_RATE / 10):
         return lattice_part(
             body,
             options.cell,
             options.size,
             options.radius,
             skin=options.skin,
-            sides=SMOOTH_SIDES if options.smooth else 4,
+            sides=LATTICE_SIDES if options.smooth else 4,
         )
+
+
+def _cell_count(corners: Points, options: argparse.Namespace) -> int:
+    """Return how many cells the box around points (n, 3) meets; refuse what memory may not hold."""
+    cell = unit_cell(options.cell)
+    bounds = np.stack([corners.min(axis=0), corners.max(axis=0)])
+    counts, _ = cells_around(bounds, cell, cell_size(cell, options.size))
+    cells, most = math.prod(counts), source.max_nodes(options)
+    nodes, struts = cells * cell.site_count, cells * cell.strut_count
+    if nodes > most:
+        raise OptionError(
+            f"{cells} cells have some {nodes} nodes and {struts} struts; need at most {most} "
+            f"nodes: to build them takes about {struts * BYTES_PER_EDGE / 1e9:.3g} GB of memory, "
+            "and --max-nodes allows it"
+        )
+    return cells
 
 
 def _solid(skeleton: Skeleton, cad: bool, smooth: bool, progress: Progress) -> Any:
@@ -133,13 +162,13 @@ def _solid(skeleton: Skeleton, cad: bool, smooth: bool, progress: Progress) -> A
     if cad:
         return scaffold
     with progress.stage("solid", struts, "struts", SMOOTH_RATE if smooth else SOLID_RATE):
-        return to_solid(scaffold, sides=SMOOTH_SIDES if smooth else 4)
+        return to_solid(scaffold, sides=LATTICE_SIDES if smooth else 4)
 
 
 def _body(path: Path) -> TriangleMesh:
     """Return the triangles of the part in a file."""
     if path.suffix.lower() in BREP_SUFFIXES:
-        return brep.tessellated(brep.read_brep(path))
+        return tessellated(read_brep(path))
     mesh = read_triangles(path)
     if mesh is None:
         raise FormatError(f"{path} holds no closed part; need .step, .brep, .stl, .3mf, .obj, .ply")

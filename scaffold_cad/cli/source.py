@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import argparse
 import logging
+from collections.abc import Iterable
+from pathlib import Path
 
+from scaffold_cad.errors import OptionError
 from scaffold_cad.io import read_skeleton
 from scaffold_cad.skeleton import Skeleton
 
 MAX_NODES = 2_000_000
 """Most nodes of a file that are taken unless more are asked for."""
+
+OPTIONS = ("radius", "max_nodes", "simplify", "strict")
+"""What `add_arguments` adds beside the input."""
 
 _log = logging.getLogger(__name__)
 
@@ -32,21 +38,39 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_max_nodes(parser: argparse.ArgumentParser) -> None:
-    """Add the argument that guards memory."""
+def add_max_nodes(parser: argparse.ArgumentParser, what: str = "file") -> None:
+    """Add the argument that guards memory; `max_nodes` gives its value."""
     parser.add_argument(
         "--max-nodes",
         type=int,
-        default=MAX_NODES,
         metavar="N",
-        help="refuse a file with more nodes, as a guard of memory (default: %(default)s)",
+        help=f"refuse a {what} with more nodes, as a guard of memory (default: {MAX_NODES})",
     )
 
 
-def skeleton_from(options: argparse.Namespace) -> Skeleton:
-    """Return the skeleton that the arguments ask for."""
+def max_nodes(options: argparse.Namespace) -> int:
+    """Return how many nodes are taken at most."""
+    return MAX_NODES if options.max_nodes is None else int(options.max_nodes)
+
+
+def refuse(options: argparse.Namespace, names: Iterable[str], why: str) -> None:
+    """Raise if one of the options called `names` is given: it would do nothing.
+
+    None and False stand for an option that is not given.
+    """
+    for name in names:
+        if getattr(options, name) not in (None, False):
+            flag = "as" if name == "product" else name.replace("_", "-")
+            raise OptionError(f"--{flag} {why}")
+
+
+def skeleton_from(options: argparse.Namespace, path: Path | None = None) -> Skeleton:
+    """Return the skeleton that the arguments ask for, of the input or of another file."""
     skeleton = read_skeleton(
-        options.input, options.radius, options.strict, max_nodes=options.max_nodes
+        options.input if path is None else path,
+        options.radius,
+        options.strict,
+        max_nodes=max_nodes(options),
     )
     if options.simplify is None:
         return skeleton

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from scaffold_cad.cli import build, source
 from scaffold_cad.files import check_page
 from scaffold_cad.meshfiles import read_triangles
+from scaffold_cad.parts.bodies import ROUND_SIDES
 from scaffold_cad.solid import to_solid
 from scaffold_cad.thicken import thicken
 from scaffold_cad.webpage import write_page
@@ -22,9 +23,6 @@ if TYPE_CHECKING:
     from scaffold_cad.scaffold import Scaffold
 
 SOLIDS = ("scaffold", "smooth", "frame")
-
-SMOOTH_SIDES = 16
-"""Sides of the struts of a smooth solid."""
 
 _log = logging.getLogger(__name__)
 
@@ -53,9 +51,8 @@ def add_parser(
         "--as",
         dest="product",
         choices=SOLIDS,
-        default="scaffold",
-        help="which solid: the one inside the scaffold, the smooth one, or the scaffold's edges "
-        "as struts",
+        help="which solid: the one inside the scaffold (default), the smooth one, whose struts "
+        f"have {ROUND_SIDES} sides, or the scaffold's edges as struts",
     )
     build.add_scaffold_arguments(parser)
     parser.set_defaults(run=run)
@@ -67,9 +64,12 @@ def run(options: argparse.Namespace) -> None:
         check_page(options.output)
     mesh = read_triangles(options.input)
     if mesh is not None:
+        given = (*source.OPTIONS, *build.SCAFFOLD_OPTIONS, "product")
+        source.refuse(options, given, "is for skeletons; a mesh is shown as it is")
         page = _page_path(options)
         write_page(mesh, page)
     else:
+        build.check_frame_options(options)
         scaffold = build.scaffold_from(options, source.skeleton_from(options))
         solid = _solid(scaffold, options)
         page = _page_path(options)
@@ -89,4 +89,4 @@ def _page_path(options: argparse.Namespace) -> Path:
 def _solid(scaffold: Scaffold, options: argparse.Namespace) -> Manifold:
     if options.product == "frame":
         return thicken(scaffold, build.frame_radius(options, scaffold.skeleton))
-    return to_solid(scaffold, sides=SMOOTH_SIDES if options.product == "smooth" else 4)
+    return to_solid(scaffold, sides=ROUND_SIDES if options.product == "smooth" else 4)

@@ -97,7 +97,7 @@ def solid_of_union(scaffold: Scaffold, *, sides: int) -> Shape:
     Raises
     ------
     BrepError
-        If it has more than 10 000 triangles.
+        If it has more than 10 000 triangles, or one without area.
     """
     mesh = manifolds.manifold_triangles(to_solid(scaffold, sides=sides))
     if len(mesh.triangles) > MOST_TRIANGLES:
@@ -109,9 +109,7 @@ def solid_of_union(scaffold: Scaffold, *, sides: int) -> Shape:
     need("build123d", "a B-rep")
     from scaffold_cad import _occt_meshes
 
-    shell = _shell_of_triangle(mesh)
-    shells = [mesh.triangles[shell == k] for k in range(int(shell.max()) + 1)]
-    return _occt_meshes.solid_of_triangles(mesh.vertices, shells)
+    return _occt_meshes.solid_of_triangles(mesh.vertices, mesh.triangles, _shell_of_triangle(mesh))
 
 
 def _shell_of_triangle(mesh: TriangleMesh) -> Ints:

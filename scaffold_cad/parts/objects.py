@@ -378,9 +378,9 @@ def lattice_faces(skeleton: Skeleton, *, smooth: bool, drop_stubs: bool) -> Face
 
 def add_joints(body: Shape, scaffold: Scaffold) -> None:
     """Give `body` a rigid joint at each extremity: z outwards, x to the middle of a side."""
-    skeleton = scaffold.refined  # its first nodes are those of the skeleton
-    for node in scaffold.skeleton.extremities.tolist():
-        half_edge = int(skeleton.incidence.half_edges[skeleton.incidence.offsets[node]])
+    skeleton = scaffold.refined  # its extremities are those of the skeleton
+    ends = zip(skeleton.extremities.tolist(), skeleton.leaving_extremities.tolist(), strict=True)
+    for node, half_edge in ends:
         outward: Floats = -skeleton.directions[half_edge]
         section = scaffold.mesh.vertices[scaffold.sleeves[half_edge >> 1, half_edge & 1]]
         place = skeleton.nodes[node]

@@ -6,9 +6,8 @@ from typing import Any, Literal
 
 from numpy.typing import ArrayLike
 
-from scaffold_cad.brep import tessellated
-from scaffold_cad.errors import MeshError, OptionError
-from scaffold_cad.manifolds import manifold_triangles
+from scaffold_cad.arguments import check_kind
+from scaffold_cad.errors import MeshError
 from scaffold_cad.printability.direction import (
     Facets,
     as_direction,
@@ -23,12 +22,11 @@ from scaffold_cad.printability.processes import USUAL_MATERIAL, Process, process
 from scaffold_cad.printability.report import Finding, Report
 from scaffold_cad.printability.surface import surface_findings
 from scaffold_cad.printability.topology import Connectivity, welded
-from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import to_solid
 from scaffold_cad.stars import APOTHEM
-from scaffold_cad.trianglemesh import TriangleMesh
+from scaffold_cad.surfaces import triangles_of
 
 
 def check_printability(
@@ -45,8 +43,9 @@ def check_printability(
 
     Parameters
     ----------
-    what : a Skeleton or a Scaffold, whose solid is made; or what has a surface: a mesh, a
-        manifold3d Manifold, a trimesh Trimesh, a build123d shape
+    what : a Skeleton or a Scaffold, whose solid is made; or anything else that has a surface,
+        see `surface_of`: a mesh, smooth patches, a Solidified, a manifold3d Manifold, a trimesh
+        Trimesh, a build123d shape or a builder
     process : a name in `PROCESSES`, or limits of your own
     skeleton : of the struts of a mesh, with their radii; a Skeleton or a Scaffold has its own
     direction : that is built upwards in, or "best"
@@ -59,15 +58,18 @@ def check_printability(
     MeshError
         If there is no triangle.
     OptionError
-        If `what` has no surface, or the process, the material or the direction is not known.
+        If `what` has no surface, `skeleton` is none, or the process, the material or the
+        direction is not known.
     """
     process = process_named(process)
+    if skeleton is not None:
+        check_kind(skeleton, Skeleton)
     if isinstance(what, Skeleton):
         what = build_scaffold(what)
     if isinstance(what, Scaffold):
         skeleton = _as_built(what) if skeleton is None else skeleton
         what = to_solid(what)
-    mesh = welded(_triangles(what))
+    mesh = welded(triangles_of(what))
     surface = Connectivity(mesh)
     if len(surface.triangles) == 0:
         raise MeshError(f"{name} has no triangle of three vertices; need at least one")
@@ -97,25 +99,6 @@ def assert_printable(what: Any, process: str | Process = "sls", **options: Any) 
     report = check_printability(what, process, **options)
     if not report.printable:
         raise AssertionError(str(report))
-
-
-def _triangles(what: Any) -> TriangleMesh:
-    """Return the surface of `what` as it is."""
-    if isinstance(what, TriangleMesh):
-        return what
-    if isinstance(what, QuadMesh):
-        return TriangleMesh(what.vertices, what.triangles)
-    # Known by what they offer, so that no back end need be imported.
-    if hasattr(what, "to_mesh64"):  # manifold3d
-        return manifold_triangles(what)
-    if hasattr(what, "wrapped"):  # build123d
-        return tessellated(what)
-    if hasattr(what, "vertices") and hasattr(what, "faces"):  # trimesh
-        return TriangleMesh(what.vertices, what.faces)
-    raise OptionError(
-        f"a {type(what).__name__} has no surface; need a Skeleton, a Scaffold, a mesh, a "
-        "manifold3d Manifold, a trimesh Trimesh or a build123d shape"
-    )
 
 
 def _as_built(scaffold: Scaffold) -> Skeleton:

@@ -17,7 +17,7 @@ from scaffold_cad.printability.report import MOST_PLACES, Finding, Verdict, coun
 from scaffold_cad.printability.topology import Connectivity
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.topology import component_labels
-from scaffold_cad.vectors import any_perpendicular, length
+from scaffold_cad.vectors import any_perpendicular, length, normalize
 
 CANDIDATES = 150
 """Directions spread over the sphere that are tried, beside the axes and the largest faces."""
@@ -41,10 +41,13 @@ def as_direction(values: ArrayLike) -> UnitVectors:
     OptionError
         If it is not three finite numbers, or all are zero.
     """
-    vector = as_floats(values, "direction")
+    needed = '3 numbers, not all 0, or "best"'
+    if isinstance(values, str):
+        raise OptionError(f"build direction is {values!r}; need {needed}")
+    vector = as_floats(values, "build direction", OptionError)
     if vector.shape != (3,) or not np.isfinite(vector).all() or not vector.any():
-        raise OptionError(f"build direction is {vector.tolist()}; need 3 numbers, not all 0")
-    return vector / np.linalg.norm(vector)
+        raise OptionError(f"build direction is {vector.tolist()}; need {needed}")
+    return normalize(vector / np.abs(vector).max())  # squares of large ones would overflow
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ import numpy as np
 
 from scaffold_cad.arrays import Floats, Ints, Points
 from scaffold_cad.printability.topology import Connectivity
-from scaffold_cad.vectors import dot, length, triple
+from scaffold_cad.visibility import seen
 
 TRIANGLES_AT_ONCE = 1 << 16
 
@@ -60,18 +60,12 @@ def nesting(surface: Connectivity) -> Nesting:
 
 
 def winding_numbers(points: Points, corners: Floats) -> Floats:
-    """Return how often triangles (t, 3, 3) go around each of `points` (k, 3), shape (k,).
-
-    References
-    ----------
-    van Oosterom, Strackee, The solid angle of a plane triangle, IEEE Trans. Biomed. Eng. 1983.
-    """
+    """Return how often triangles (t, 3, 3) go around each of `points` (k, 3), shape (k,)."""
     total = np.zeros(len(points))
     step = max(1, TRIANGLES_AT_ONCE // max(len(points), 1))
     for start in range(0, len(corners), step):
         spokes = corners[None, start : start + step] - points[:, None, None]  # (k, t', 3, 3)
         a, b, c = np.moveaxis(spokes, 2, 0)
-        la, lb, lc = length(a), length(b), length(c)
-        below = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb
-        total += np.arctan2(triple(a, b, c), below).sum(axis=1)
-    return total / (2.0 * np.pi)
+        _, solid_angles = seen(a, b, c, rounding=0.0)
+        total += solid_angles.sum(axis=1)
+    return total / (4.0 * np.pi)

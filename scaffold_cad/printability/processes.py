@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 
+from scaffold_cad.arguments import as_number
 from scaffold_cad.errors import OptionError
 
 
@@ -39,8 +40,7 @@ class Process:
         for field in fields(self)[1:]:
             values = getattr(self, field.name)
             for value in values if isinstance(values, tuple) else (values,):
-                if not 0 <= value < math.inf:
-                    raise OptionError(f"{field.name} of a process is {value:g}; need >= 0")
+                as_number(value, f"{field.name} of a process", unit="", or_zero=True)
 
     @property
     def encloses(self) -> bool:
@@ -100,12 +100,13 @@ def process_named(process: str | Process) -> Process:
     Raises
     ------
     OptionError
-        If there is no preset of that name.
+        If there is no preset of that name, or it is neither a name nor a process.
     """
     if isinstance(process, Process):
         return process
-    if process not in PROCESSES:
-        raise OptionError(f"process is {process!r}; need one of {', '.join(PROCESSES)}")
+    if not isinstance(process, str) or process not in PROCESSES:
+        known = ", ".join(PROCESSES)
+        raise OptionError(f"process is {process!r}; need one of {known}, or a Process")
     return PROCESSES[process]
 
 
@@ -117,6 +118,6 @@ def density_of(material: str) -> float:
     OptionError
         If it is not known.
     """
-    if material not in MATERIALS:
+    if not isinstance(material, str) or material not in MATERIALS:
         raise OptionError(f"material is {material!r}; need one of {', '.join(MATERIALS)}")
     return MATERIALS[material]

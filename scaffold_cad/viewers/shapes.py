@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from scaffold_cad.backends import is_instance
 from scaffold_cad.beziermesh import BezierMesh
-from scaffold_cad.brep import to_brep
 from scaffold_cad.builders import built
+from scaffold_cad.cad import to_brep
 from scaffold_cad.errors import ScaffoldCadError
 from scaffold_cad.parts.meshshapes import to_mesh_shape
 from scaffold_cad.quadmesh import QuadMesh
@@ -46,7 +46,7 @@ def to_shape(what: Any) -> Shape:
     if isinstance(what, Skeleton):
         return what.to_wire_compound()
     if isinstance(what, Patches | BezierMesh):
-        return to_brep(what.bezier if isinstance(what, Patches) else what, "shell")
+        return to_brep(what, "shell")
     if isinstance(what, Scaffold | Subdivision):
         what = what.mesh
     if isinstance(what, Solidified):

@@ -1,0 +1,86 @@
+"""`scaffold-cad check`: exit codes, reports, and options that would do nothing."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from scaffold_cad import build_scaffold, write
+from scaffold_cad.cli import main
+from tests.meshes import OPEN_CUBE
+from tests.skeletons import K4, ZIGZAG
+
+
+def test_it_gives_0_for_printable_1_for_not_and_2_for_bad_input(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(K4, tmp_path / "k4.json")
+    write(OPEN_CUBE, tmp_path / "open.ply")
+    assert main(["check", str(tmp_path / "k4.json")]) == 0
+    assert "printable by sls" in capsys.readouterr().out
+    assert main(["check", str(tmp_path / "k4.json"), "--radius", "0.2"]) == 1
+    assert "raise --radius to 0.4" in capsys.readouterr().out
+    assert main(["check", str(tmp_path / "k4.json"), "--min-diameter", "3"]) == 1
+    assert main(["check", str(tmp_path / "k4.json"), "--build-volume", "5,5,5"]) == 1
+    assert main(["check", str(tmp_path / "open.ply")]) == 1
+    assert main(["check", str(tmp_path / "absent.stl")]) == 2
+    assert "absent.stl" in capsys.readouterr().err
+
+
+def test_it_prints_json_and_writes_the_page(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(build_scaffold(K4), tmp_path / "k4.stl")
+    write(K4, tmp_path / "k4.json")
+    arguments = ["--skeleton", str(tmp_path / "k4.json"), "--direction", "best", "--json"]
+    arguments += ["--process", "fdm", "--overhang", "30", "--html", str(tmp_path / "k4.html")]
+    assert main(["check", str(tmp_path / "k4.stl"), *arguments]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["findings"]["genus"]["value"] == {"genus": 3, "loops": 3}
+    assert told["findings"]["strut_diameter"]["value"]["least_mm"] == 2.0
+    assert told["findings"]["strut_overhang"]["value"]["needed_deg"] == pytest.approx(30)
+    assert "k4.stl" in (tmp_path / "k4.html").read_text(encoding="utf-8")
+
+
+def test_a_skeleton_beside_a_skeleton_is_bad_input(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(K4, tmp_path / "k4.json")
+    path = str(tmp_path / "k4.json")
+    assert main(["check", path, "--skeleton", path]) == 2
+    assert "--skeleton is for mesh files" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "name"),
+    [
+        (["--radius", "5"], "--radius"),
+        (["--simplify", "1"], "--simplify"),
+        (["--strict"], "--strict"),
+        (["--max-nodes", "1"], "--max-nodes"),
+    ],
+)
+def test_options_of_skeletons_are_refused_for_a_mesh(
+    options: list[str], name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(build_scaffold(K4), tmp_path / "k4.stl")
+    assert main(["check", str(tmp_path / "k4.stl"), *options]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert f"{name} is for skeletons; need --skeleton beside a mesh" in captured.err
+
+
+def test_the_skeleton_beside_a_mesh_is_read_with_the_options_of_skeletons(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(build_scaffold(ZIGZAG), tmp_path / "zigzag.stl")
+    write(ZIGZAG, tmp_path / "zigzag.json")
+    command = ["check", str(tmp_path / "zigzag.stl"), "--skeleton", str(tmp_path / "zigzag.json")]
+    assert main([*command, "--max-nodes", "1"]) == 2
+    assert "zigzag.json has 6 nodes" in capsys.readouterr().err
+    assert main([*command, "--radius", "2.5", "--simplify", "100", "--json"]) == 0
+    captured = capsys.readouterr()
+    assert "simplified from 5 to 1 edges" in captured.err
+    assert json.loads(captured.out)["findings"]["strut_diameter"]["value"]["least_mm"] == 5.0
