@@ -136,3 +136,11 @@ def test_binary_ply_edges_of_either_order(tmp_path: Path) -> None:
 def test_errors_name_what_is_wrong(tmp_path: Path, name: str, content: bytes, message: str) -> None:
     with pytest.raises(FormatError, match=message):
         read_raw(written(tmp_path, name, content))
+
+
+def test_nan_of_any_kind_is_a_node_without_a_place(tmp_path: Path) -> None:
+    sound = SAMPLES["binary.stl"]
+    signalling = b"\x01\0\xa0\x7f"  # of the kind that processors warn of
+    content = sound[:96] + signalling + sound[100:]
+    raw = read_raw(written(tmp_path, "damaged.stl", content))
+    assert np.isnan(raw.nodes).any(axis=1).sum() == 1

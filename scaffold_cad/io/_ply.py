@@ -9,6 +9,7 @@ import numpy as np
 
 from scaffold_cad.arrays import Floats, Ints
 from scaffold_cad.errors import FormatError
+from scaffold_cad.io._binary import as_doubles
 from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._mesh import Faces, skeleton_of_mesh
 from scaffold_cad.io._raw import RawSkeleton
@@ -169,7 +170,7 @@ def _binary_tables(
             stop = at + row.itemsize * element.count
             _refuse_end(path, stop, len(body), element)
             table = np.frombuffer(body[at:stop], dtype=row)
-            columns = {name: table[name].astype(np.float64) for name, _, _ in element.properties}
+            columns = {name: as_doubles(table[name]) for name, _, _ in element.properties}
             tables[element.name] = _Table(columns, {})
             at = stop
             continue
@@ -212,7 +213,7 @@ def _even_rows(body: bytes, at: int, element: _Element, order: str) -> tuple[_Ta
     table = np.frombuffer(body[at:stop], dtype=row)
     if (table["size"] != size).any():
         return None
-    values = table["values"].astype(np.float64).reshape(-1)
+    values = as_doubles(table["values"]).reshape(-1)
     return _Table({name: values}, {name: np.full(element.count, size)}), stop
 
 

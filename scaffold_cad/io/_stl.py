@@ -9,6 +9,7 @@ import numpy as np
 
 from scaffold_cad.arrays import Points
 from scaffold_cad.errors import FormatError
+from scaffold_cad.io._binary import as_doubles
 from scaffold_cad.io._formats import HEAD_SIZE, register_reader
 from scaffold_cad.io._mesh import Faces, skeleton_of_mesh
 from scaffold_cad.io._raw import RawSkeleton
@@ -55,7 +56,7 @@ def _of_binary(path: Path, data: bytes) -> Points:
     if len(data) != size or not count:
         raise FormatError(f"{path} has {len(data)} bytes; need {size}, as its header says")
     corners = np.frombuffer(data, dtype=_FACET, offset=_HEADER)["corners"]
-    return corners.astype(np.float64).reshape(-1, 3)
+    return as_doubles(corners).reshape(-1, 3)
 
 
 def _of_text(path: Path, data: bytes) -> Points:

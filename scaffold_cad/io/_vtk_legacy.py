@@ -10,6 +10,7 @@ import numpy as np
 
 from scaffold_cad.arrays import Floats, Ints
 from scaffold_cad.errors import FormatError
+from scaffold_cad.io._binary import as_doubles
 from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import LARGEST_FILE, as_indices, check_size
@@ -95,7 +96,7 @@ class _LegacyFile:
                 raise self._error(words, "DATASET POLYDATA or UNSTRUCTURED_GRID")
         elif keyword == "POINTS":
             values = self._numbers(3 * self._count(words, 1), self._word(words, 2))
-            self._points = values.astype(np.float64).reshape(-1, 3)
+            self._points = as_doubles(values).reshape(-1, 3)
         elif keyword in _CELLS:
             self._cells[keyword] = self._lines(self._count(words, 1), self._count(words, 2))
         elif keyword == "CELL_TYPES":
@@ -171,7 +172,7 @@ class _LegacyFile:
 
     def _keep_radii(self, name: str, owner: str, width: int, values: Floats) -> None:
         if owner == "POINT_DATA" and width == 1 and is_radii(name):
-            self._radii = values.astype(np.float64)
+            self._radii = as_doubles(values)
 
     def _line(self) -> str:
         """Return the next line without blanks at its ends; "" at the end of the file."""
@@ -199,7 +200,7 @@ class _LegacyFile:
             raise FormatError(f"{self._path}: {error}; need {count} numbers") from None
 
     def _indices(self, count: int, kind: str) -> Ints:
-        return as_indices(self._path, self._numbers(count, kind).astype(np.float64))
+        return as_indices(self._path, as_doubles(self._numbers(count, kind)))
 
     def _binary_numbers(self, count: int, kind: str) -> Floats:
         if kind.lower() not in _TYPES:

@@ -12,6 +12,7 @@ import numpy as np
 
 from scaffold_cad.arrays import Floats, Ints
 from scaffold_cad.errors import FormatError
+from scaffold_cad.io._binary import as_doubles
 from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import LARGEST_FILE, as_indices, check_size
@@ -107,7 +108,7 @@ class _XmlFile:
 
     def piece(self, piece: Element) -> _Piece:
         """Return what a piece holds."""
-        points = self._array(self._element(piece, "Points/DataArray")).astype(np.float64)
+        points = as_doubles(self._array(self._element(piece, "Points/DataArray")))
         if len(points) % 3:
             raise FormatError(f"{self._path} has {len(points)} coordinates; need 3 a point")
         points = points.reshape(-1, 3)
@@ -123,7 +124,7 @@ class _XmlFile:
         radii = None
         for array in piece.findall("PointData/DataArray"):
             if is_radii(array.get("Name", "")):
-                radii = self._array(array).astype(np.float64)
+                radii = as_doubles(self._array(array))
         count = piece.get("NumberOfPoints", "")
         if count.strip() != str(len(points)):
             raise FormatError(f"{self._path} has {len(points)} points; need {count[:80]}")
@@ -138,7 +139,7 @@ class _XmlFile:
         return found
 
     def _indices(self, array: Element) -> Ints:
-        return as_indices(self._path, self._array(array).astype(np.float64))
+        return as_indices(self._path, as_doubles(self._array(array)))
 
     def _array(self, array: Element) -> Floats:
         """Return the numbers of an array, flat."""
