@@ -225,10 +225,12 @@ def test_label_and_colour_are_the_parts() -> None:
     assert (ScaffoldSolid(TRIPOD).label, ScaffoldSolid(TRIPOD).color) == ("", None)
 
 
-def test_copies_share_the_skeleton() -> None:
+def test_copies_keep_the_skeleton() -> None:
     part = ScaffoldSolid(TRIPOD)
     assert part.skeleton is TRIPOD
-    assert (bd.Pos(1, 0, 0) * part).skeleton is TRIPOD
+    moved = (bd.Pos(1, 0, 0) * part).skeleton
+    assert moved.nodes.tolist() == TRIPOD.nodes.tolist()
+    assert moved.edges.tolist() == TRIPOD.edges.tolist()
 
 
 def test_step_file_of_an_assembly_keeps_labels(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ from scaffold_cad.lattice.regions import surface_tolerance
 from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.trianglemesh import TriangleMesh
 from scaffold_cad.vectors import dot, length, rotate
+from scaffold_cad.welding import welded, without_repeated_corners
 
 SURFACE_FRACTION = 1e-6
 """Distance within which a point is on the surface, as a fraction of the bounds' diagonal.
@@ -38,7 +39,7 @@ class MeshRegion:
         MeshError
             If the mesh is not closed.
         """
-        mesh = welded(mesh)
+        mesh = without_repeated_corners(welded(mesh))
         mesh.check_closed()
         self._corners = mesh.vertices[mesh.triangles]  # (t, 3, 3)
         self.bounds = np.stack([self._corners.min(axis=(0, 1)), self._corners.max(axis=(0, 1))])
@@ -156,11 +157,3 @@ def _turn(points: Floats) -> Floats:
     """Return `points` (..., 3) turned so that what lies along the axes is nowhere near z."""
     x, z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
     return rotate(rotate(points, z, np.asarray(0.7)), x, np.asarray(1.1))
-
-
-def welded(mesh: TriangleMesh) -> TriangleMesh:
-    """Return the mesh with one vertex a position, without triangles that so become edges."""
-    vertices, number = np.unique(mesh.vertices, axis=0, return_inverse=True)
-    triangles = number.reshape(-1)[mesh.triangles]
-    proper = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
-    return TriangleMesh(vertices, triangles[proper])

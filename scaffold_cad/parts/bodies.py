@@ -27,25 +27,25 @@ MOST_TRIANGLES = 10_000
 """Triangles of a union that may become faces: with more of them CAD is no fun."""
 
 ROUND_SIDES = 16
-"""Sides of round struts in a union."""
+"""Sides of round struts in a mesh: as many as `solidified` makes."""
 
 NAMED = 5
 """Struts that an error names."""
 
 
 @dataclass(frozen=True, eq=False)
-class Faces:
+class BodySurface:
     """The faces of a scaffold's B-rep, and the struts whose faces may cross others."""
 
     scaffold: Scaffold
     """The scaffold."""
-    surface: QuadMesh | Patches
+    faces: QuadMesh | Patches
     """One face a quad."""
     overlapping: Ints
     """Struts that are not known to keep apart from the others, ascending."""
 
 
-def faces_of(scaffold: Scaffold, *, smooth: bool = False, caps: Caps = "round") -> Faces:
+def body_surface(scaffold: Scaffold, *, smooth: bool = False, caps: Caps = "round") -> BodySurface:
     """Return the faces of a scaffold, tested: see `crossing_struts` and `Scaffold.embedding`.
 
     Parameters
@@ -54,13 +54,13 @@ def faces_of(scaffold: Scaffold, *, smooth: bool = False, caps: Caps = "round") 
     caps : of the smooth solid, see `smooth_patches`
     """
     if not smooth:
-        return Faces(scaffold, scaffold.mesh, scaffold.embedding().left_out)
+        return BodySurface(scaffold, scaffold.mesh, scaffold.embedding().left_out)
     # Patches that turn over are among those that cross, and so reported.
     patches = patches_around(scaffold, caps=caps)
-    return Faces(scaffold, patches, crossing_struts(patches, scaffold))
+    return BodySurface(scaffold, patches, crossing_struts(patches, scaffold))
 
 
-def sound_body(faces: Faces, *, unite: bool = False) -> Shape:
+def sound_body(surface: BodySurface, *, unite: bool = False) -> Shape:
     """Return the B-rep of a scaffold whose struts keep apart, or of their union.
 
     Parameters
@@ -77,9 +77,9 @@ def sound_body(faces: Faces, *, unite: bool = False) -> Shape:
     BrepError
         If struts overlap and `unite` is not asked for, or the union has too many triangles.
     """
-    overlapping, struts = faces.overlapping, len(faces.scaffold.skeleton.edges)
+    overlapping, struts = surface.overlapping, len(surface.scaffold.skeleton.edges)
     if len(overlapping) == 0:
-        return to_brep(faces.surface)
+        return to_brep(surface.faces)
     if not unite:
         raise BrepError(
             f"{len(overlapping)} of {struts} struts may overlap others "
@@ -87,8 +87,8 @@ def sound_body(faces: Faces, *, unite: bool = False) -> Shape:
             "apart (smaller radii, larger cells), or unite=True for a B-rep of the triangles of "
             "their union, or to_mesh_shape(to_solid(scaffold)) for a mesh"
         )
-    sides = ROUND_SIDES if isinstance(faces.surface, Patches) else 4
-    return solid_of_union(faces.scaffold, sides=sides)
+    sides = ROUND_SIDES if isinstance(surface.faces, Patches) else 4
+    return solid_of_union(surface.scaffold, sides=sides)
 
 
 def solid_of_union(scaffold: Scaffold, *, sides: int) -> Shape:

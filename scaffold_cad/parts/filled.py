@@ -15,7 +15,6 @@ from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 from scaffold_cad.insets import inset
 from scaffold_cad.lattice import UnitCell, fill
 from scaffold_cad.lattice.filling import HasTriangles, as_region
-from scaffold_cad.lattice.meshregion import welded
 from scaffold_cad.lattice.regions import Region
 from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.quadmesh import QuadMesh
@@ -25,6 +24,7 @@ from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import clean_surface, to_solid
 from scaffold_cad.surfaces import triangles_of
 from scaffold_cad.trianglemesh import TriangleMesh
+from scaffold_cad.welding import welded, without_repeated_corners
 
 if TYPE_CHECKING:
     from build123d import Shape
@@ -80,7 +80,7 @@ def lattice_part(
     """
     if skin is not None and not 0 < as_real(skin, "skin") < np.inf:
         raise OptionError(f"skin is {skin:g} mm; need > 0, or none")
-    surface = welded(triangles_of(body))
+    surface = without_repeated_corners(welded(triangles_of(body)))
     region = as_region(surface)
     outer = manifolds.to_manifold(surface)
     inner = outer if skin is None else _inside(surface, outer, skin)

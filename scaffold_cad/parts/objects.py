@@ -16,7 +16,7 @@ from scaffold_cad.arrays import Floats
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import UnitCell, fill
 from scaffold_cad.lattice.clipping import Keep
-from scaffold_cad.parts.bodies import Faces, faces_of, sound_body
+from scaffold_cad.parts.bodies import BodySurface, body_surface, sound_body
 from scaffold_cad.parts.stubs import without_overlapping_stubs
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.radii import Radius
@@ -95,7 +95,7 @@ class ScaffoldSolid(SkeletonPart):
         """
         scaffold = as_scaffold(skeleton, options)
         super().__init__(
-            sound_body(faces_of(scaffold), unite=unite),
+            sound_body(body_surface(scaffold), unite=unite),
             scaffold,
             with_joints=with_joints,
             label=label,
@@ -148,7 +148,7 @@ class SmoothScaffold(SkeletonPart):
         """
         scaffold = as_scaffold(skeleton, options)
         super().__init__(
-            sound_body(faces_of(scaffold, smooth=True, caps=caps), unite=unite),
+            sound_body(body_surface(scaffold, smooth=True, caps=caps), unite=unite),
             scaffold,
             with_joints=with_joints,
             label=label,
@@ -200,7 +200,7 @@ class StrutFrame(SkeletonPart):
         """
         frame = frame_scaffold(what, radius)
         super().__init__(
-            sound_body(faces_of(frame, smooth=smooth), unite=unite),
+            sound_body(body_surface(frame, smooth=smooth), unite=unite),
             what if isinstance(what, Scaffold) else frame,
             with_joints=with_joints,
             label=label,
@@ -270,10 +270,10 @@ class LatticeBox(SkeletonPart):
             raise OptionError(f"the box is {length:g} x {width:g} x {height:g} mm; need > 0")
         low = -sides * [ALIGNED[one] for one in tuplify(align, 3) or [Align.NONE] * 3]
         skeleton = fill([low, low + sides], cell, size, radius, keep=keep, dangling=dangling)
-        faces = lattice_faces(skeleton, smooth=smooth, drop_stubs=drop_stubs and not unite)
+        surface = lattice_surface(skeleton, smooth=smooth, drop_stubs=drop_stubs and not unite)
         super().__init__(
-            sound_body(faces, unite=unite),
-            faces.scaffold,
+            sound_body(surface, unite=unite),
+            surface.scaffold,
             with_joints=with_joints,
             label=label,
             color=color,
@@ -338,10 +338,10 @@ class LatticeFill(SkeletonPart):
             as stubs, or the union has too many triangles.
         """
         skeleton = fill(part, cell, size, radius, keep=keep, dangling=dangling, origin=origin)
-        faces = lattice_faces(skeleton, smooth=smooth, drop_stubs=drop_stubs and not unite)
+        surface = lattice_surface(skeleton, smooth=smooth, drop_stubs=drop_stubs and not unite)
         super().__init__(
-            sound_body(faces, unite=unite),
-            faces.scaffold,
+            sound_body(surface, unite=unite),
+            surface.scaffold,
             with_joints=with_joints,
             label=label,
             color=color,
@@ -369,11 +369,11 @@ def as_scaffold(what: Skeleton | Scaffold, options: dict[str, Any]) -> Scaffold:
     return what
 
 
-def lattice_faces(skeleton: Skeleton, *, smooth: bool, drop_stubs: bool) -> Faces:
-    """Return the faces of a lattice with collars, without stubs that overlap if asked."""
+def lattice_surface(skeleton: Skeleton, *, smooth: bool, drop_stubs: bool) -> BodySurface:
+    """Return the surface of a lattice with collars, without stubs that overlap if asked."""
     if drop_stubs:
         return without_overlapping_stubs(skeleton, smooth=smooth)
-    return faces_of(build_scaffold(skeleton, collars=True), smooth=smooth)
+    return body_surface(build_scaffold(skeleton, collars=True), smooth=smooth)
 
 
 def add_joints(body: Shape, scaffold: Scaffold) -> None:

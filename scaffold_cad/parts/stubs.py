@@ -11,7 +11,7 @@ import logging
 import numpy as np
 
 from scaffold_cad.errors import BrepError
-from scaffold_cad.parts.bodies import Faces, faces_of
+from scaffold_cad.parts.bodies import BodySurface, body_surface
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 
@@ -21,7 +21,7 @@ MOST_DROPPED = 0.2
 _log = logging.getLogger(__name__)
 
 
-def without_overlapping_stubs(skeleton: Skeleton, *, smooth: bool) -> Faces:
+def without_overlapping_stubs(skeleton: Skeleton, *, smooth: bool) -> BodySurface:
     """Return the scaffold, with collars, without the struts that end free and overlap others.
 
     Struts that overlap and do not end free stay. A warning tells how many are left out.
@@ -33,10 +33,10 @@ def without_overlapping_stubs(skeleton: Skeleton, *, smooth: bool) -> Faces:
     """
     count = len(skeleton.edges)
     while True:
-        faces = faces_of(build_scaffold(skeleton, collars=True), smooth=smooth)
+        surface = body_surface(build_scaffold(skeleton, collars=True), smooth=smooth)
         is_stub = (skeleton.valency[skeleton.edges] == 1).any(axis=1)
         keep = np.ones(len(skeleton.edges), dtype=np.bool_)
-        keep[faces.overlapping] = False
+        keep[surface.overlapping] = False
         keep |= ~is_stub
         dropped = count - int(keep.sum())
         if dropped > MOST_DROPPED * count:
@@ -50,4 +50,4 @@ def without_overlapping_stubs(skeleton: Skeleton, *, smooth: bool) -> Faces:
         skeleton = skeleton.with_edges(keep)
     if dropped:
         _log.warning("%d of %d struts left out: they end free and overlap others", dropped, count)
-    return faces
+    return surface

@@ -8,25 +8,26 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.arguments import check_kind
 from scaffold_cad.errors import MeshError
-from scaffold_cad.printability.direction import (
-    Facets,
-    as_direction,
-    best_direction,
-    direction_findings,
-    standing_size,
-)
+from scaffold_cad.printability.direction import direction_findings
 from scaffold_cad.printability.drainage import drainage_finding
-from scaffold_cad.printability.lattice import lattice_findings
 from scaffold_cad.printability.part import part_findings
 from scaffold_cad.printability.processes import USUAL_MATERIAL, Process, process_named
 from scaffold_cad.printability.report import Finding, Report
+from scaffold_cad.printability.standing import (
+    Facets,
+    as_direction,
+    best_direction,
+    standing_size,
+)
+from scaffold_cad.printability.struts import strut_findings
 from scaffold_cad.printability.surface import surface_findings
-from scaffold_cad.printability.topology import Connectivity, welded
+from scaffold_cad.printability.triangletopology import TriangleTopology
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import to_solid
 from scaffold_cad.stars import APOTHEM
 from scaffold_cad.surfaces import triangles_of
+from scaffold_cad.welding import welded
 
 
 def check_printability(
@@ -70,7 +71,7 @@ def check_printability(
         skeleton = _as_built(what) if skeleton is None else skeleton
         what = to_solid(what)
     mesh = welded(triangles_of(what))
-    surface = Connectivity(mesh)
+    surface = TriangleTopology(mesh)
     if len(surface.triangles) == 0:
         raise MeshError(f"{name} has no triangle of three vertices; need at least one")
     facets = Facets.of(surface)
@@ -79,7 +80,7 @@ def check_printability(
     loops = None if skeleton is None else skeleton.loop_count
     findings += surface_findings(surface, process, loops)
     if skeleton is not None and len(skeleton.edges):
-        findings += lattice_findings(skeleton, process)
+        findings += strut_findings(skeleton, process)
     findings += direction_findings(surface, facets, upwards, process, skeleton, supports)
     findings.append(drainage_finding(surface, process))
     findings += part_findings(

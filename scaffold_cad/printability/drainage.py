@@ -12,7 +12,7 @@ from scaffold_cad.arrays import Bools, Floats, Ints, Points
 from scaffold_cad.printability.nesting import winding_numbers
 from scaffold_cad.printability.processes import Process
 from scaffold_cad.printability.report import Finding, counted
-from scaffold_cad.printability.topology import Connectivity
+from scaffold_cad.printability.triangletopology import TriangleTopology
 from scaffold_cad.vectors import length
 
 GRID_STEPS = 6
@@ -23,7 +23,7 @@ MOST_POCKETS = 100
 """How many pockets are told from solid, the largest first."""
 
 
-def drainage_finding(surface: Connectivity, process: Process) -> Finding:
+def drainage_finding(surface: TriangleTopology, process: Process) -> Finding:
     """Return the finding on pockets that a ball of the least opening fits in but cannot leave.
 
     The grid is no finer than that a ball a third larger must fit in, and one a third smaller must
@@ -59,7 +59,9 @@ def drainage_finding(surface: Connectivity, process: Process) -> Finding:
     )
 
 
-def _pockets(surface: Connectivity, low: Points, shape: Ints, step: float) -> tuple[Points, Floats]:
+def _pockets(
+    surface: TriangleTopology, low: Points, shape: Ints, step: float
+) -> tuple[Points, Floats]:
     """Return a point in each pocket (k, 3), and the volume open to a ball's centre there (k,)."""
     touched = _touched(surface, low, shape, step)
     # The surface is up to half a step out of the cells that it touches.
@@ -106,7 +108,7 @@ def _near(touched: Bools, reach: float) -> Bools:
     return near.reshape(touched.shape)
 
 
-def _touched(surface: Connectivity, low: Points, shape: Ints, step: float) -> Bools:
+def _touched(surface: TriangleTopology, low: Points, shape: Ints, step: float) -> Bools:
     """Return the cells of the grid that the surface goes through, of `shape`."""
     corners = surface.corners
     sides = length(np.roll(corners, -1, axis=1) - corners).max(axis=1)

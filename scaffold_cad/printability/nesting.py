@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from scaffold_cad.arrays import Floats, Ints, Points
-from scaffold_cad.printability.topology import Connectivity
+from scaffold_cad.printability.triangletopology import TriangleTopology
 from scaffold_cad.visibility import seen
 
 TRIANGLES_AT_ONCE = 1 << 16
@@ -30,7 +30,7 @@ class Nesting:
     """A point of each shell of the mesh, shape (s, 3), mm."""
 
 
-def nesting(surface: Connectivity) -> Nesting:
+def nesting(surface: TriangleTopology) -> Nesting:
     """Return what each closed shell of a mesh is; open ones are passed over."""
     volumes = surface.shell_volumes
     closed = np.flatnonzero(np.isfinite(volumes))

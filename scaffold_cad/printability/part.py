@@ -8,13 +8,13 @@ import numpy as np
 
 from scaffold_cad.printability.processes import Process, density_of
 from scaffold_cad.printability.report import Finding
-from scaffold_cad.printability.topology import Connectivity
+from scaffold_cad.printability.triangletopology import TriangleTopology
 
 STL_HEADER, STL_TRIANGLE = 84, 50  # bytes of a binary STL file
 
 
 def part_findings(
-    surface: Connectivity, size: tuple[float, float, float], process: Process, material: str
+    surface: TriangleTopology, size: tuple[float, float, float], process: Process, material: str
 ) -> Iterator[Finding]:
     """Yield what there is to say of a part.
 

@@ -11,7 +11,7 @@ from scaffold_cad.printability.crossings import meeting_places
 from scaffold_cad.printability.nesting import nesting
 from scaffold_cad.printability.processes import Process
 from scaffold_cad.printability.report import MOST_PLACES, Finding, Verdict, counted
-from scaffold_cad.printability.topology import Connectivity
+from scaffold_cad.printability.triangletopology import TriangleTopology
 
 MOST_CROSSINGS = 100_000
 """How many pairs of triangles that meet are counted before a surface is given up."""
@@ -20,7 +20,7 @@ ROUNDING = 1e-6
 
 
 def surface_findings(
-    surface: Connectivity, process: Process, loops: int | None = None
+    surface: TriangleTopology, process: Process, loops: int | None = None
 ) -> Iterator[Finding]:
     """Yield what there is to say of a surface, whatever it is to print.
 
@@ -38,7 +38,7 @@ def surface_findings(
     yield _genus(surface, loops)
 
 
-def _edges(surface: Connectivity) -> Iterator[Finding]:
+def _edges(surface: TriangleTopology) -> Iterator[Finding]:
     count = len(surface.open_edges)
     yield Finding(
         "watertight",
@@ -80,7 +80,7 @@ def _edges(surface: Connectivity) -> Iterator[Finding]:
     )
 
 
-def _vertices(surface: Connectivity) -> Finding:
+def _vertices(surface: TriangleTopology) -> Finding:
     count = len(surface.pinched_vertices)
     return Finding(
         "manifold_vertices",
@@ -96,7 +96,7 @@ def _vertices(surface: Connectivity) -> Finding:
     )
 
 
-def _flat_triangles(surface: Connectivity) -> Finding:
+def _flat_triangles(surface: TriangleTopology) -> Finding:
     count = len(surface.flat)
     return Finding(
         "degenerate_triangles",
@@ -111,7 +111,7 @@ def _flat_triangles(surface: Connectivity) -> Finding:
     )
 
 
-def _shells(surface: Connectivity, process: Process) -> Iterator[Finding]:
+def _shells(surface: TriangleTopology, process: Process) -> Iterator[Finding]:
     nested = nesting(surface)
     volumes = surface.shell_volumes
     inverted, buried, voids = nested.inverted, nested.buried, nested.voids
@@ -166,7 +166,7 @@ def _shells(surface: Connectivity, process: Process) -> Iterator[Finding]:
     )
 
 
-def _crossings(surface: Connectivity) -> Finding:
+def _crossings(surface: TriangleTopology) -> Finding:
     pairs = self_intersections(surface.mesh, limit=MOST_CROSSINGS)
     extent = float(np.ptp(surface.mesh.vertices, axis=0).max())
     deep = pairs
@@ -197,7 +197,7 @@ def _crossings(surface: Connectivity) -> Finding:
     )
 
 
-def _genus(surface: Connectivity, loops: int | None) -> Finding:
+def _genus(surface: TriangleTopology, loops: int | None) -> Finding:
     if not surface.closed:
         return Finding("genus", "mesh", "note", None, "none: the surface is not closed")
     text = counted(surface.genus, "handle")

@@ -16,7 +16,7 @@ from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.vectors import length
 
 
-def lattice_findings(skeleton: Skeleton, process: Process) -> Iterator[Finding]:
+def strut_findings(skeleton: Skeleton, process: Process) -> Iterator[Finding]:
     """Yield what there is to say of struts with the radii of `skeleton`, at least one."""
     thinnest = 2.0 * skeleton.radii[skeleton.edges].min(axis=1)
     yield _diameter(skeleton, thinnest, process)

@@ -8,8 +8,6 @@ from functools import cached_property
 import numpy as np
 
 from scaffold_cad.arrays import Bools, Edges, Floats, Ints, Points
-from scaffold_cad.errors import MeshError
-from scaffold_cad.repair import equal_positions
 from scaffold_cad.topology import component_labels
 from scaffold_cad.trianglemesh import TriangleMesh, cone_volumes
 from scaffold_cad.vectors import length
@@ -18,22 +16,8 @@ SINGLE_STEP = 2.0**-22
 """Largest error of a height by the rounding of 32-bit coordinates, parts of the largest of them."""
 
 
-def welded(mesh: TriangleMesh) -> TriangleMesh:
-    """Return the mesh with vertices at the very same position made one.
-
-    Files such as STL give each triangle its own corners. A mesh that is closed as it is stays so:
-    parts of it may touch along equal vertices.
-    """
-    try:
-        mesh.check_closed()
-    except MeshError:
-        place, first = equal_positions(mesh.vertices)
-        return TriangleMesh(mesh.vertices[first], place[mesh.triangles])
-    return mesh
-
-
 @dataclass(frozen=True, eq=False)
-class Connectivity:
+class TriangleTopology:
     """The sides of the triangles of a mesh, its shells, and what is wrong with them."""
 
     mesh: TriangleMesh

@@ -1,0 +1,199 @@
+"""How a part stands on the plate: the directions to build it in, and what each asks for."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scaffold_cad.arrays import Bools, Floats, Ints, Points, UnitVectors, as_floats
+from scaffold_cad.errors import OptionError
+from scaffold_cad.printability.processes import Process
+from scaffold_cad.printability.triangletopology import TriangleTopology
+from scaffold_cad.vectors import any_perpendicular, length, normalize
+
+CANDIDATES = 150
+"""Directions spread over the sphere that are tried, beside the axes and the largest faces."""
+LARGEST_FACES = 20
+"""Directions that put one of the largest flat parts on the plate are tried too."""
+SAME_AREA = 0.01
+"""Support areas that differ by less than this part of the surface are taken as equal."""
+SAME_NORMAL = 1e-4
+"""Step to which normals are rounded to tell which faces face the same way."""
+ROUNDING = 1e-6
+"""Room left for rounding at the limit of what hangs over, in the cosine."""
+
+
+def as_direction(values: ArrayLike) -> UnitVectors:
+    """Return a direction as a unit vector (3,).
+
+    Raises
+    ------
+    OptionError
+        If it is not three finite numbers, or all are zero.
+    """
+    needed = '3 numbers, not all 0, or "best"'
+    if isinstance(values, str):
+        raise OptionError(f"build direction is {values!r}; need {needed}")
+    vector = as_floats(values, "build direction", OptionError)
+    if vector.shape != (3,) or not np.isfinite(vector).all() or not vector.any():
+        raise OptionError(f"build direction is {vector.tolist()}; need {needed}")
+    return normalize(vector / np.abs(vector).max())  # squares of large ones would overflow
+
+
+@dataclass(frozen=True, eq=False)
+class Facets:
+    """The triangles of a surface, as the plate sees them."""
+
+    vertices: Points
+    """Positions, shape (v, 3), mm."""
+    triangles: Ints
+    """Vertex indices, shape (t, 3)."""
+    area_vectors: Floats
+    """Outward normals as long as the areas, shape (t, 3), mm²."""
+
+    @classmethod
+    def of(cls, surface: TriangleTopology) -> Facets:
+        """Return the facets of a surface."""
+        corners = surface.corners
+        vectors = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
+        return cls(surface.mesh.vertices, surface.mesh.triangles, vectors)
+
+    @cached_property
+    def kinds(self) -> Floats:
+        """Sums of the area vectors that face the same way, shape (k, 3), mm²: few in a lattice."""
+        areas = length(self.area_vectors)
+        proper = areas > 0
+        normals = self.area_vectors[proper] / areas[proper, None]
+        steps = np.round(normals / SAME_NORMAL).astype(np.int64)
+        keys = (steps[:, 0] << 42) + (steps[:, 1] << 21) + steps[:, 2]
+        found, kind = np.unique(keys, return_inverse=True)
+        sums = np.zeros((len(found), 3))
+        np.add.at(sums, kind, self.area_vectors[proper])
+        return sums
+
+    @cached_property
+    def _first_corners(self) -> Ints:
+        return np.ascontiguousarray(self.triangles[:, 0])
+
+    @property
+    def area(self) -> float:
+        """Area of the surface, mm²."""
+        return float(length(self.area_vectors).sum())
+
+    def within(self, low: Bools) -> Ints:
+        """Return the triangles all of whose vertices are `low`, shape (v,)."""
+        rows = np.flatnonzero(low[self._first_corners])
+        return rows[low[self.triangles[rows]].all(axis=1)]
+
+
+@dataclass(frozen=True)
+class Standing:
+    """Facets built in one direction."""
+
+    floor: float
+    """Height of the plate along the direction, mm."""
+    height: float
+    """Of the part, mm."""
+    support_area: float
+    """Area of the triangles that need support, seen from below, mm²."""
+    contact_area: float
+    """Area of the triangles on the plate, mm²."""
+
+
+def standing(facets: Facets, direction: UnitVectors, process: Process) -> Standing:
+    """Return what facets ask for when they are built in a direction."""
+    heights = facets.vertices @ direction
+    floor = float(heights.min())
+    on_plate = facets.area_vectors[facets.within(heights <= floor + process.layer)]
+    shown = on_plate @ direction
+    hanging = _hanging(facets.kinds, direction, process)
+    hanging_on_plate = _hanging(on_plate, direction, process)
+    support = facets.kinds[hanging].sum(axis=0) - on_plate[hanging_on_plate].sum(axis=0)
+    return Standing(
+        floor,
+        float(heights.max()) - floor,
+        max(-float(support @ direction), 0.0),
+        abs(float(shown[shown < 0].sum())),
+    )
+
+
+def hanging_facets(facets: Facets, direction: UnitVectors, process: Process) -> Ints:
+    """Return the triangles that need support when they are built in a direction."""
+    heights = facets.vertices @ direction
+    hanging = _hanging(facets.area_vectors, direction, process)
+    hanging[facets.within(heights <= heights.min() + process.layer)] = False
+    return np.flatnonzero(hanging)
+
+
+def _hanging(area_vectors: Floats, direction: UnitVectors, process: Process) -> Bools:
+    """Return whether faces are too flat to need no support, wherever they are, shape (t,)."""
+    if process.overhang_angle == 0:
+        return np.zeros(len(area_vectors), dtype=np.bool_)
+    # A face at an angle a to the plate shows it the share cos a of its area; those at the very
+    # limit are steep enough, whatever rounding says.
+    limit = (math.cos(process.overhang_angle) + ROUNDING) * length(area_vectors)
+    hanging: Bools = -(area_vectors @ direction) > limit
+    return hanging
+
+
+def best_direction(facets: Facets, process: Process) -> UnitVectors:
+    """Return the direction that needs least support, of many that are tried.
+
+    Among directions of nearly the same support, the one of the lowest part, and among those the
+    one with the largest hold on the plate. +z wins over its equals.
+    """
+    tried = np.concatenate([[[0, 0, 1]], _axes(), _onto_faces(facets), _spiral(CANDIDATES)])
+    stands = [standing(facets, direction, process) for direction in tried]
+    step = max(SAME_AREA * facets.area, 1e-300)
+    keys = [
+        (round(stand.support_area / step), round(stand.height, 3), -round(stand.contact_area, 3))
+        for stand in stands
+    ]
+    best: UnitVectors = tried[min(range(len(keys)), key=keys.__getitem__)]
+    return best
+
+
+def _axes() -> UnitVectors:
+    return np.concatenate([np.eye(3), -np.eye(3)])
+
+
+def _onto_faces(facets: Facets) -> UnitVectors:
+    """Return the directions that put the largest flat parts on the plate, shape (k, 3)."""
+    areas = length(facets.kinds)
+    largest = np.argsort(-areas, kind="stable")[:LARGEST_FACES]
+    return -facets.kinds[largest] / areas[largest, None]
+
+
+def _spiral(count: int) -> UnitVectors:
+    """Return directions spread evenly over the sphere along a golden spiral, shape (count, 3)."""
+    number = np.arange(count) + 0.5
+    z = 1.0 - 2.0 * number / count
+    turn = np.pi * (1.0 + math.sqrt(5.0)) * number
+    flat = np.sqrt(1.0 - z * z)
+    return np.stack([flat * np.cos(turn), flat * np.sin(turn), z], axis=1)
+
+
+def standing_size(
+    vertices: Points, direction: UnitVectors, room: tuple[float, float, float]
+) -> tuple[float, float, float]:
+    """Return width, depth and height of a part as it stands on the plate.
+
+    It is turned about `direction`, in steps of 5°, no farther than it must be to fit into the
+    width and depth of `room`; if it never fits, as it comes nearest to that.
+    """
+    side = any_perpendicular(direction)
+    flat = np.stack([vertices @ side, vertices @ np.cross(direction, side)])  # (2, v)
+    least, most = sorted(room[:2])
+    sizes = []
+    for turn in np.radians(np.arange(0, 180, 5)):
+        axes = np.array([[math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]])
+        width, depth = np.ptp(axes @ flat, axis=1).tolist()
+        short, long = sorted((width, depth))
+        sizes.append((max(short / least, long / most, 1.0), width, depth))
+    # The first of equals is turned least.
+    _, width, depth = min(sizes, key=lambda size: size[0])
+    return width, depth, float(np.ptp(vertices @ direction))
