@@ -317,6 +317,15 @@ def test_a_damaged_archive_is_refused(tmp_path: Path) -> None:
         read_raw(written(tmp_path, "broken.3mf", damaged))
 
 
+def test_an_archive_with_a_name_that_is_no_text_is_refused(tmp_path: Path) -> None:
+    data = bytearray(packed(tmp_path, model([mesh()])).read_bytes())
+    at = data.index(b"PK\x01\x02")
+    data[at + 9] |= 0x08  # names are UTF-8
+    data[at + 46] = 0xDD
+    with pytest.raises(FormatError, match=r"broken\.3mf cannot be unpacked: .*codec"):
+        read_raw(written(tmp_path, "broken.3mf", bytes(data)))
+
+
 def test_an_archive_without_a_model_is_refused(tmp_path: Path) -> None:
     for name, content, message in [
         ("readme.txt", "", r"empty\.3mf has no part /_rels/\.rels; need it"),

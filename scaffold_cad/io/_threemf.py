@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -66,8 +67,8 @@ def _opened(path: Path) -> Iterator[ZipFile]:
     try:
         with ZipFile(path) as archive:
             yield archive
-    # RuntimeError: a password or a compression that Python doesn't know.
-    except (BadZipFile, zlib.error, EOFError, RuntimeError) as error:
+    # RuntimeError: a password or a compression that Python doesn't know; UnicodeError: a name.
+    except (BadZipFile, zlib.error, struct.error, EOFError, RuntimeError, UnicodeError) as error:
         raise FormatError(f"{path} cannot be unpacked: {error}; need a ZIP archive") from None
 
 
