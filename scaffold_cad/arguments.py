@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from numbers import Integral, Real
 from typing import Any
 
@@ -42,6 +43,31 @@ def check_kind(what: object, *kinds: type | str) -> None:
     ways = [WAYS[found, name] for name in names if (found, name) in WAYS]
     hint = f": {ways[0]}" if ways else ""
     raise OptionError(f"got {_described(what)}; need a {' or a '.join(names)}{hint}")
+
+
+def check_choice(value: object, name: str, known: Iterable[str]) -> None:
+    """Raise unless `value`, of that name, is one of the `known` ones.
+
+    Raises
+    ------
+    OptionError
+        If it is none.
+    """
+    if not isinstance(value, str) or value not in known:
+        raise OptionError(f"{name} is {value!r}; need one of {', '.join(known)}")
+
+
+def as_flag(value: Any, name: str) -> bool:
+    """Return `value` as a bool.
+
+    Raises
+    ------
+    OptionError
+        If it is none.
+    """
+    if not isinstance(value, bool | np.bool_):
+        raise OptionError(f"{name} is {_described(value)}; need True or False")
+    return bool(value)
 
 
 def as_number(

@@ -16,7 +16,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scaffold_cad.arrays import Floats, Frames, Ints, Points, UnitVectors, as_floats, as_points
+from scaffold_cad.arrays import Floats, Frames, Ints, UnitVectors, as_floats, as_points
 from scaffold_cad.errors import OptionError
 from scaffold_cad.vectors import any_perpendicular, dot, length, normalize
 
@@ -24,7 +24,7 @@ Quaternions: TypeAlias = NDArray[np.float64]
 """Rotations as unit quaternions (w, x, y, z), shape (k, 4)."""
 
 LEAST_ACROSS = 1e-9
-"""Sine of the least angle between a first x axis and a polyline: rounding decides below it."""
+"""Least length of a difference of unit vectors, or of a part of one: rounding decides below it."""
 
 
 def double_reflection(
@@ -42,7 +42,11 @@ def double_reflection(
     (k, 4) float64, unit quaternions that turn `start_tangents` to `end_tangents`
     """
     mirrored = start_tangents - 2.0 * dot(chords, start_tangents)[:, None] * chords
-    normals = normalize(end_tangents - mirrored)
+    normals = end_tangents - mirrored
+    # Where a tangent was turned back already, any mirror that it lies in leaves it so.
+    turned_back = length(normals) < LEAST_ACROSS
+    normals[turned_back] = any_perpendicular(end_tangents[turned_back])
+    normals = normalize(normals)
     # Mirroring in planes with unit normals c, then n, turns by twice the angle from c to n.
     return np.column_stack([dot(chords, normals), np.cross(chords, normals)])
 
@@ -87,17 +91,15 @@ def accumulate(steps: Quaternions, position: Ints) -> Quaternions:
     return total
 
 
-def polyline_tangents(points: Points, *, closed: bool = False) -> UnitVectors:
-    """Return a unit tangent at each point of a polyline: the bisector of its two chords, (k, 3).
+def bisectors(before: UnitVectors, after: UnitVectors) -> UnitVectors:
+    """Return the unit tangents between the chords `before` and those `after`, (k, 3).
 
-    The ends of an open polyline take the direction of their only chord.
+    Chords that turn back on themselves have no bisector: the tangent stays along the first.
     """
-    chords = normalize(np.diff(points, axis=0, append=points[:1]))
-    before = np.roll(chords, 1, axis=0)
-    tangents = normalize(before + chords)
-    if not closed:
-        tangents[0], tangents[-1] = chords[0], before[-1]
-    return tangents
+    sums = before + after
+    sharp = length(sums) < LEAST_ACROSS
+    sums[sharp] = before[sharp]
+    return normalize(sums)
 
 
 def rotation_minimizing_frames(points: ArrayLike, first_x: ArrayLike | None = None) -> Frames:
@@ -110,7 +112,8 @@ def rotation_minimizing_frames(points: ArrayLike, first_x: ArrayLike | None = No
 
     Returns
     -------
-    (k, 3, 3) float64, rows x, y, z, with z along the polyline
+    (k, 3, 3) float64, rows x, y, z, with z along the polyline: where it bends along the bisector
+        of both sides, and where it turns back on itself along the side before
 
     Raises
     ------
@@ -128,7 +131,7 @@ def rotation_minimizing_frames(points: ArrayLike, first_x: ArrayLike | None = No
         raise OptionError(
             f"points {still[0]} and {still[0] + 1} are both at {place} mm; need distinct ones"
         )
-    tangents = polyline_tangents(points)
+    tangents = np.vstack([chords[:1], bisectors(chords[:-1], chords[1:]), chords[-1:]])
     x = any_perpendicular(tangents[0]) if first_x is None else _across(first_x, tangents[0])
     steps = double_reflection(chords, tangents[:-1], tangents[1:])
     turned = turn(accumulate(steps, np.arange(len(steps))), np.broadcast_to(x, chords.shape))

@@ -27,8 +27,10 @@ WELD_FRACTION = 1e-7
 LEAST_LENGTH = 1e-100
 """Distance within which nodes are always welded, mm: the square of a shorter one may be 0."""
 
-LEAST_ANGLE = 1.7e-4
-"""Least angle between two edges at a node, rad: a little under 0.01°."""
+LEAST_ANGLE = float(np.radians(0.01))
+"""Least angle between two edges at a node, rad; a partition needs it between two directions.
+
+Here the chord of the angle is compared with it, which is a little shorter than the angle."""
 
 CROWD = 64
 """Valency above which a node's directions are compared through a tree, not each with each."""

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import get_args
 
 import numpy as np
 
-from scaffold_cad.arguments import check_kind
-from scaffold_cad.arrays import Floats, Ints, Points, Quads
+from scaffold_cad.arguments import as_flag, check_choice, check_kind
+from scaffold_cad.arrays import Floats, Frozen, Ints, Points, Quads
 from scaffold_cad.collars import Refinement, with_collars, without_collars
 from scaffold_cad.embedding import Embedding, embedding
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.notebook import Shown
+from scaffold_cad.partition.sphere import METHODS
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 from scaffold_cad.sleeves import (
@@ -39,12 +40,10 @@ class ScaffoldOptions:
     method: str = "dual"
 
     def __post_init__(self) -> None:
-        for name, value, known in (
-            ("fit", self.fit, get_args(Fit)),
-            ("section", self.section, get_args(Section)),
-        ):
-            if value not in known:
-                raise OptionError(f"{name} is {value!r}; need one of {', '.join(known)}")
+        check_choice(self.fit, "fit", get_args(Fit))
+        check_choice(self.section, "section", get_args(Section))
+        check_choice(self.method, "method", METHODS)
+        object.__setattr__(self, "collars", as_flag(self.collars, "collars"))
 
     @property
     def corner_distance(self) -> float:
@@ -53,7 +52,7 @@ class ScaffoldOptions:
 
 
 @dataclass(frozen=True, eq=False)
-class Scaffold(Shown):
+class Scaffold(Frozen, Shown):
     """The coarsest all-quad mesh with quadrilateral sections around a skeleton.
 
     Four quads an edge, one an extremity; N + 2 vertices a branch point of valency N, four a
@@ -124,11 +123,11 @@ def build_scaffold(
     fit : "enclose" puts the corners at a branch point far enough out for no strut to be cut thin
         there; "paper" puts them on the sphere of the node's radius
     section : which square stands for a circle of the node's radius: "circumscribed" around it,
-        "area" of its area, "inscribed" in it
+        "area" of its area, "inscribed" in it, "round" the one whose smooth limit it is
     collars : whether a joint is added where each strut leaves the blend of its branch point
     method : of the partition, see `partition_sphere`
     like : a scaffold of a skeleton with the same edges; its quads and its options are kept and
-        only the vertices move
+        only the vertices move, so that no other options can be asked for
 
     Raises
     ------
@@ -137,20 +136,22 @@ def build_scaffold(
     PartitionError
         If a partition of `like` fits the moved skeleton nowhere.
     OptionError
-        If `skeleton` or `like` is of another kind, or an option has none of its values.
+        If `skeleton` or `like` is of another kind, an option has none of its values, or one
+        beside `like` asks for something else.
 
     References
     ----------
     Panotopoulou et al., Scaffolding a Skeleton, 2018, sections 4 to 7.
     """
     check_skeleton(skeleton)
+    options = ScaffoldOptions(fit, section, collars, method)
     if like is None:
-        options = ScaffoldOptions(fit, section, collars, method)
         stars = partition_stars(skeleton, options.method)
     else:
         check_kind(like, Scaffold)
-        options = like.options
         _check_same_edges(skeleton, like.skeleton)
+        _check_same_options(options, like.options)
+        options = like.options
         stars = partition_stars(skeleton, options.method, like.stars)
     positions = star_positions(skeleton, stars, options.fit, options.section)
     if options.collars:
@@ -192,6 +193,16 @@ def _check_same_edges(skeleton: Skeleton, other: Skeleton) -> None:
             f"`like` has {len(other.nodes)} nodes and {len(other.edges)} edges of its own; "
             f"need the same {len(skeleton.nodes)} nodes and {len(skeleton.edges)} edges"
         )
+
+
+def _check_same_options(given: ScaffoldOptions, kept: ScaffoldOptions) -> None:
+    """Raise if an option is given that is not among those `kept`."""
+    for field in fields(ScaffoldOptions):
+        value, own = getattr(given, field.name), getattr(kept, field.name)
+        if value not in (own, field.default):
+            raise OptionError(
+                f"{field.name} is {value!r}; need {own!r} or nothing, as `like` keeps its options"
+            )
 
 
 def _refined_corners(stars: Stars, refinement: Refinement) -> Ints:

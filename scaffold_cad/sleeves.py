@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.arrays import Bools, Floats, Ints, Points, UnitVectors
-from scaffold_cad.frames import accumulate, double_reflection, turn
+from scaffold_cad.arrays import Bools, Floats, Frozen, Ints, Points, UnitVectors
+from scaffold_cad.frames import accumulate, bisectors, double_reflection, turn
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.topology import Chains
 from scaffold_cad.vectors import any_perpendicular, dot, length, normalize, rotate
@@ -37,7 +37,7 @@ REVERSED = np.array([0, 3, 2, 1])
 
 
 @dataclass(frozen=True, eq=False)
-class Walk:
+class Walk(Frozen):
     """All branches walked from start to end: one step an edge, a branch's steps in a row."""
 
     half_edge: Ints
@@ -59,7 +59,7 @@ class Walk:
 
 
 @dataclass(frozen=True, eq=False)
-class SphericalQuads:
+class SphericalQuads(Frozen):
     """The spherical quads of all branch points, by half-edge."""
 
     vertices: UnitVectors
@@ -75,7 +75,7 @@ class SphericalQuads:
 
 
 @dataclass(frozen=True, eq=False)
-class Sections:
+class Sections(Frozen):
     """The sections at joints and extremities, and how the branches' ends are matched."""
 
     steps: Ints
@@ -158,11 +158,7 @@ def _next_step(walk: Walk) -> Ints:
 def _tangents(walk: Walk, chord: UnitVectors) -> tuple[UnitVectors, UnitVectors]:
     """Return the unit tangents at the tail and the head of each step, (m, 3): the bisectors."""
     after = _next_step(walk)
-    bisector = chord + chord[after]
-    # Chords that turn back on themselves have no bisector: the section stays across the chord.
-    sharp = length(bisector) < 1e-9
-    bisector[sharp] = chord[sharp]
-    head = normalize(bisector)
+    head = bisectors(chord, chord[after])
     tail = chord.copy()
     goes_on = after != np.arange(len(after))
     tail[after[goes_on]] = head[goes_on]

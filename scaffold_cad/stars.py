@@ -7,12 +7,11 @@ are partitioned together.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias, get_args
+from typing import Literal, TypeAlias
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, Ints, Points, UnitVectors
-from scaffold_cad.errors import OptionError
+from scaffold_cad.arrays import Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.partition import partition_spheres
 from scaffold_cad.partition.star import nearest_angles
 from scaffold_cad.skeleton import Skeleton
@@ -49,7 +48,7 @@ FREE_REACH = 0.8
 
 
 @dataclass(frozen=True, eq=False)
-class Stars:
+class Stars(Frozen):
     """The partitions of all branch points of a skeleton, vertices and quads run together."""
 
     vertices: UnitVectors
@@ -160,8 +159,6 @@ def star_positions(skeleton: Skeleton, stars: Stars, fit: Fit, section: Section)
     far enough out for the strut sections of the quads around it to pass within them, but neither
     further than its share of the edges nor less than the sphere of the paper's fit.
     """
-    if fit not in get_args(Fit):
-        raise OptionError(f"fit is {fit!r}; need one of {', '.join(get_args(Fit))}")
     owner = np.repeat(np.arange(len(skeleton.nodes)), np.diff(stars.offsets))  # (w,)
     radius = skeleton.radii[owner]
     if fit == "enclose":

@@ -363,6 +363,10 @@ def test_options_out_of_range_are_refused() -> None:
     for width in (-1.0, 0.0, 51.0):
         with pytest.raises(OptionError, match=f"cauchy kernel is {width:g}; {wanted}"):
             ConvolutionField(STRUT, "cauchy", width=width)
+    with pytest.raises(OptionError, match="width of the compact-cubic kernel is '2'; need a numb"):
+        ConvolutionField(STRUT, width="2")  # type: ignore[arg-type]
+    with pytest.raises(OptionError, match=r"points has shape \(3,\); need \(n, 3\)"):
+        ConvolutionField(STRUT).value([0, 0, 0])
     with pytest.raises(SkeletonError, match="edge 0 joins node 0 to itself"):
         ConvolutionField(Skeleton([[0, 0, 0], [1, 0, 0]], [[0, 0], [0, 1]], 1.0))
 

@@ -81,6 +81,25 @@ def test_accumulated_steps_are_the_running_products_of_each_polyline(
         np.testing.assert_allclose(total[k : k + 1], expected, atol=1e-12)
 
 
+def test_frames_go_on_where_the_polyline_turns_back_on_itself() -> None:
+    frames = rotation_minimizing_frames([[0, 0, 0], [1, 0, 0], [0, 0, 0], [0, 0, 2]])
+    np.testing.assert_allclose(frames[:2, 2], [[1, 0, 0], [1, 0, 0]], atol=1e-15)
+    np.testing.assert_allclose(frames[3, 2], [0, 0, 1], atol=1e-15)
+    np.testing.assert_allclose(frames @ np.swapaxes(frames, 1, 2), [np.eye(3)] * 4, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.det(frames), 1.0, atol=1e-12)
+
+
+@given(st.lists(st.sampled_from([*np.eye(3), *-np.eye(3)]), min_size=1, max_size=12))
+def test_frames_along_steps_of_a_grid_are_right_handed_and_along_it(steps: list[Any]) -> None:
+    points = np.cumsum([np.zeros(3), *steps], axis=0)
+    frames = rotation_minimizing_frames(points)
+    np.testing.assert_allclose(
+        frames @ np.swapaxes(frames, 1, 2), np.broadcast_to(np.eye(3), frames.shape), atol=1e-8
+    )
+    np.testing.assert_allclose(np.linalg.det(frames), 1.0, atol=1e-8)
+    assert (np.einsum("ij,ij->i", frames[1:, 2], steps) > 0.7).all()
+
+
 @pytest.mark.parametrize(
     ("points", "first_x", "message"),
     [

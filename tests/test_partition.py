@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -227,7 +229,7 @@ def test_insertion_without_a_certificate_is_replaced_by_lunes() -> None:
         ([[1, 0, 0], [0, 1, 0], [0, 0, 0]], "direction 2 of star 0 has length 0; need > 0"),
         ([[1, 0, 0], [0, np.nan, 0], [0, 0, 1]], r"direction 1 of star 0 is \[0.0, nan, 0.0\]"),
         ([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1e-4, 0]], "directions 0 and 3 .* 0.00573°"),
-        ([["a", 0, 0], [0, 1, 0], [0, 0, 1]], "directions are not an array of numbers"),
+        ([["a", 0, 0], [0, 1, 0], [0, 0, 1]], "directions is not an array of numbers"),
     ],
 )
 def test_bad_directions_are_refused(directions: object, message: str) -> None:
@@ -295,12 +297,33 @@ def test_quads_that_cannot_hold_the_directions_are_refused() -> None:
         (np.zeros((1, 4, 4), dtype=int), "quads of star 0 in like do not close up on 6 vertices"),
         (np.full((1, 4, 4), 9), "quads of star 0 in like do not close up on 6 vertices"),
         (np.zeros((1, 3, 4), dtype=int), r"like has shape \(1, 3, 4\)"),
-        (np.zeros((1, 4, 4)), "like has .* dtype float64"),
+        (np.zeros((1, 4, 4)), "like has dtype float64; need whole numbers"),
     ],
 )
 def test_models_that_are_no_partitions_are_refused(quads: object, message: str) -> None:
     with pytest.raises(PartitionError, match=message):
         partition_spheres([CROSS], like=quads)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("quads", "message"),
+    [
+        ([[[0, 1], [2]]], "like is not an array of indices"),
+        ("quads", "like has dtype <U5; need whole numbers"),
+    ],
+)
+def test_quads_that_are_no_numbers_are_refused(quads: Any, message: str) -> None:
+    with pytest.raises(PartitionError, match=message):
+        partition_spheres([CROSS], like=quads)
+
+
+@pytest.mark.parametrize("near", ["x", [[0, 1], [2]], [1j]])
+def test_vertices_to_stay_near_to_that_are_no_numbers_are_refused(near: Any) -> None:
+    quads = partition_spheres([CROSS]).quads
+    with pytest.raises(PartitionError, match="near is not an array of numbers"):
+        partition_spheres([CROSS], like=quads, near=near)
+    with pytest.raises(OptionError, match="near is given without like"):
+        partition_spheres([CROSS], near=near)
 
 
 def test_vertices_to_stay_near_to_must_fit_the_quads() -> None:
@@ -349,7 +372,9 @@ def test_no_neighbors_ask_for_nothing() -> None:
     [
         ([(0, 6)], "neighbors 0 and 6 are no pair of directions; need two of 0 to 5"),
         ([(2, 2)], "neighbors 2 and 2 are no pair"),
-        ([(0, 1, 2)], r"neighbors have shape \(1, 3\)"),
+        ([(0, 1, 2)], r"neighbors has shape \(1, 3\); need \(k, 2\)"),
+        ([(0, 1), (2,)], "neighbors is not an array of indices"),
+        ([("a", "b")], "neighbors has dtype <U1; need whole numbers"),
         ([(0, k) for k in range(1, 6)], "direction 0 is to have 5 neighbors"),
     ],
 )

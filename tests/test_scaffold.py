@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.repair import LEAST_ANGLE, overlapping_half_edges
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.stars import APOTHEM
@@ -218,6 +221,29 @@ def test_a_moved_skeleton_keeps_its_quads(
     assert again.mesh.quads is scaffold.mesh.quads
 
 
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"fit": "nonsense"}, "fit is 'nonsense'; need one of enclose, paper"),
+        ({"fit": "paper"}, "fit is 'paper'; need 'enclose' or nothing, as `like` keeps its opt"),
+        ({"collars": True}, "collars is True; need False or nothing"),
+        ({"section": "inscribed"}, "section is 'inscribed'; need 'area' or nothing"),
+        ({"method": "lune"}, "method is 'lune'; need 'dual' or nothing"),
+    ],
+)
+def test_like_refuses_other_options(options: Any, message: str) -> None:
+    scaffold = build_scaffold(named.TRIPOD, section="area")
+    assert build_scaffold(named.TRIPOD, like=scaffold, section="area").options == scaffold.options
+    with pytest.raises(OptionError, match=message):
+        build_scaffold(named.TRIPOD, like=scaffold, **options)
+
+
+@pytest.mark.parametrize("collars", ["no", 1, None])
+def test_collars_are_asked_for_by_true_or_false(collars: Any) -> None:
+    with pytest.raises(OptionError, match=r"collars is \S+; need True or False"):
+        build_scaffold(named.TRIPOD, collars=collars)
+
+
 def test_like_refuses_other_edges() -> None:
     with pytest.raises(SkeletonError, match=r"`like` has 2 nodes and 1 edges of its own; need the"):
         build_scaffold(named.ELBOW, like=build_scaffold(named.STRUT))
@@ -273,7 +299,22 @@ def test_a_skeleton_that_cannot_be_scaffolded_is_refused(skeleton: Skeleton, mes
         build_scaffold(skeleton)
 
 
-@pytest.mark.parametrize("name", ["fit", "section"])
+@given(st.floats(-3, 3) | st.floats(-1e-8, 1e-8) | st.floats(-1e-12, 1e-12), st.floats(0, 3))
+def test_edges_that_pass_the_check_are_far_enough_apart_for_a_partition(
+    off: float, turn: float
+) -> None:
+    angle = LEAST_ANGLE * (1 + off / 10)
+    axis = np.array([[0.6, 0.64, 0.48]])
+    tips = [[9, 2, -3], [9 * np.cos(angle), 9 * np.sin(angle), 0], [9, 0, 0], [-4, 4, 4]]
+    skeleton = star(rotate(np.array(tips), axis, np.array([turn])).tolist(), 0.1)
+    sound = len(overlapping_half_edges(skeleton.nodes, skeleton.edges)) == 0
+    if abs(off) > 1e-7:
+        assert sound == (off > 0)
+    if sound:
+        build_scaffold(skeleton).mesh.check_closed()
+
+
+@pytest.mark.parametrize("name", ["fit", "section", "method"])
 def test_unknown_options_are_refused_by_name(name: str) -> None:
     with pytest.raises(OptionError, match=f"{name} is 'round-ish'; need one of "):
         build_scaffold(named.STRUT, **{name: "round-ish"})  # type: ignore[arg-type]

@@ -10,7 +10,8 @@ from typing import Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arrays import Floats, Ints, Points, UnitVectors, as_points
+from scaffold_cad.arguments import as_real, check_choice
+from scaffold_cad.arrays import Floats, Frozen, Ints, Points, UnitVectors, as_points
 from scaffold_cad.convolution.kernels import Cauchy, CompactCubic, Kernel, Pairs, tip_reach
 from scaffold_cad.convolution.nearby import all_pairs, nearby_pairs
 from scaffold_cad.errors import OptionError
@@ -32,7 +33,7 @@ for a hundred radii and more."""
 
 
 @dataclass(frozen=True, eq=False)
-class FieldSamples:
+class FieldSamples(Frozen):
     """The field at some points."""
 
     values: Floats
@@ -42,7 +43,7 @@ class FieldSamples:
 
 
 @dataclass(frozen=True, eq=False)
-class Axes:
+class Axes(Frozen):
     """The straight lines with radii that a kernel is integrated along."""
 
     starts: Points
@@ -102,17 +103,17 @@ class ConvolutionField:
 
     def __post_init__(self) -> None:
         check_skeleton(self.skeleton)
-        if self.kernel not in get_args(KernelName):
-            known = ", ".join(get_args(KernelName))
-            raise OptionError(f"kernel is {self.kernel!r}; need one of {known}")
+        check_choice(self.kernel, "kernel", get_args(KernelName))
         least, most = WIDTH_RANGES[self.kernel]
-        width = WIDTHS[self.kernel] if self.width is None else self.width
+        width = WIDTHS[self.kernel]
+        if self.width is not None:
+            width = as_real(self.width, f"width of the {self.kernel} kernel")
         if not least < width <= most:
             raise OptionError(
                 f"width of the {self.kernel} kernel is {width:g}; "
                 f"need > {least:g} and at most {most:g} radii"
             )
-        object.__setattr__(self, "width", float(width))
+        object.__setattr__(self, "width", width)
 
     @cached_property
     def integrand(self) -> Kernel:
@@ -124,8 +125,7 @@ class ConvolutionField:
     def axes(self) -> Axes:
         """The edges of the skeleton, and then what goes on from each extremity."""
         skeleton = self.skeleton
-        ends = skeleton.extremities
-        leaving = skeleton.incidence.at_nodes(ends, 1)[:, 0]
+        ends, leaving = skeleton.extremities, skeleton.leaving_extremities
         tips = skeleton.radii[ends] * (1 - tip_reach(self.integrand))
         return Axes(
             starts=skeleton.nodes[np.concatenate([skeleton.edges[:, 0], ends])],
@@ -138,7 +138,7 @@ class ConvolutionField:
 
     def value(self, points: ArrayLike) -> Floats:
         """Return the field at `points` (n, 3), shape (n,)."""
-        places = as_points(points, "points")
+        places = as_points(points, "points", OptionError)
         total = np.zeros(len(places))
         for rows, edges in self._pairs(places):
             pairs, _ = self._seen(places, rows, edges)
@@ -151,7 +151,7 @@ class ConvolutionField:
 
     def samples(self, points: ArrayLike) -> FieldSamples:
         """Return the field and its gradient at `points` (n, 3)."""
-        places = as_points(points, "points")
+        places = as_points(points, "points", OptionError)
         values, gradients = np.zeros(len(places)), np.zeros((3, len(places)))
         for rows, edges in self._pairs(places):
             pairs, offsets = self._seen(places, rows, edges)

@@ -25,7 +25,6 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
-from scipy.optimize import brentq
 
 from scaffold_cad.arrays import Floats
 
@@ -35,6 +34,13 @@ which loses a factor of e⁻⁶ of its precision."""
 
 SERIES_TERMS = 15
 """Terms of that series: those left out are below 0.3³⁰."""
+
+ENDLESS = 1e3
+"""Length of an edge whose start its end does not feel, in radii."""
+
+CUTS, PLACES = 6, 1025
+"""How often a range is narrowed down to one of its parts, and how many places bound these: in all
+by 2⁶⁰, beyond what floating point tells apart."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -324,14 +330,14 @@ class _CauchyIntegrals:
 
 def tip_reach(kernel: Kernel) -> float:
     """Return how far beyond its end the surface of an endless half of an edge goes, in radii."""
-    length = 1e3
-
-    def excess(beyond: float) -> float:
-        one = np.ones(1)
-        pairs = Pairs((length + beyond) * one, 0 * one, length * one, one, one)
-        return float(kernel.over(pairs).values()[0]) - 1
-
-    return float(brentq(excess, -length / 2, 1.0, xtol=1e-14))
+    inside, outside = -ENDLESS / 2, 1.0
+    for _ in range(CUTS):
+        places = np.linspace(inside, outside, PLACES)
+        one = np.ones(PLACES)
+        pairs = Pairs(ENDLESS + places, 0 * one, ENDLESS * one, one, one)
+        first = max(int(np.argmax(kernel.over(pairs).values() < 1)), 1)
+        inside, outside = places[first - 1], places[first]
+    return float(outside)
 
 
 def _over(numerator: Floats, denominator: Floats) -> Floats:

@@ -33,16 +33,19 @@ class RawSkeleton(Frozen):
     """Node positions, shape (n, 3), mm; NaN where the file gives a node none."""
     edges: Edges
     """Node pairs, shape (m, 2), all in 0..n-1."""
-    radii: Floats | None = None
+    radii: Floats | None
     """Radius of each node, shape (n,), mm, or None if the file holds no radii."""
 
-    def __post_init__(self) -> None:
-        nodes = as_floats(self.nodes, "nodes")
-        if nodes.ndim != 2 or nodes.shape[1] != 3:
-            raise SkeletonError(f"nodes have shape {nodes.shape}; need (n, 3)")
-        check_believable(nodes, "is at")
-        radii = None if self.radii is None else _as_raw_radii(self.radii, count=len(nodes))
-        self._keep(nodes=nodes, edges=as_edges(self.edges, "edges", len(nodes)), radii=radii)
+    def __init__(self, nodes: ArrayLike, edges: ArrayLike, radii: ArrayLike | None = None) -> None:
+        points = as_floats(nodes, "nodes")
+        if points.ndim != 2 or points.shape[1] != 3:
+            raise SkeletonError(f"nodes have shape {points.shape}; need (n, 3)")
+        check_believable(points, "is at")
+        self._keep(
+            nodes=points,
+            edges=as_edges(edges, "edges", count=len(points)),
+            radii=None if radii is None else _as_raw_radii(radii, count=len(points)),
+        )
 
 
 def _as_raw_radii(values: ArrayLike, count: int) -> Floats:

@@ -13,7 +13,7 @@ from itertools import count
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arrays import Floats, Ints, UnitVectors
+from scaffold_cad.arrays import Floats, Ints, UnitVectors, as_indices
 from scaffold_cad.errors import PartitionError
 from scaffold_cad.partition.delaunay import Triangulations, triangulations
 from scaffold_cad.partition.dual import EFFORTS, Contest, candidates, edges_of
@@ -27,23 +27,20 @@ def as_neighbors(pairs: ArrayLike, valency: int) -> Ints:
     Raises
     ------
     PartitionError
-        If the shape is wrong, an index is out of range, a pair is of one direction, or a
+        If the shape or type is wrong, an index is out of range, a pair is of one direction, or a
         direction has more than four neighbors.
     """
-    wanted = np.asarray(pairs)
+    wanted = as_indices(pairs, "neighbors", PartitionError)
     if wanted.size == 0:
-        return np.zeros((0, 2), dtype=np.intp)
-    if wanted.ndim != 2 or wanted.shape[1] != 2 or wanted.dtype.kind not in "iu":
-        raise PartitionError(
-            f"neighbors have shape {wanted.shape} and dtype {wanted.dtype}; "
-            "need whole numbers of shape (k, 2)"
-        )
+        return wanted.reshape(0, 2)
+    if wanted.ndim != 2 or wanted.shape[1] != 2:
+        raise PartitionError(f"neighbors has shape {wanted.shape}; need (k, 2)")
     for i, j in wanted.tolist():
         if not (0 <= i < valency and 0 <= j < valency and i != j):
             raise PartitionError(
                 f"neighbors {i} and {j} are no pair of directions; need two of 0 to {valency - 1}"
             )
-    wanted = np.unique(np.sort(wanted.astype(np.intp), axis=1), axis=0)
+    wanted = np.unique(np.sort(wanted, axis=1), axis=0)
     uses = np.bincount(wanted.reshape(-1))
     if uses.max() > EDGES_EACH:
         raise PartitionError(

@@ -8,12 +8,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from scaffold_cad.arrays import Floats, Ints, UnitVectors, read_only
+from scaffold_cad.arrays import Floats, Frozen, Ints, UnitVectors, read_only
 from scaffold_cad.partition.star import nearest_angles
 
 
 @dataclass(frozen=True, eq=False)
-class Partition:
+class Partition(Frozen):
     """A sphere cut into N quads, each star-shaped around one of N directions: certified."""
 
     directions: UnitVectors
@@ -27,10 +27,6 @@ class Partition:
     method: str
     """What made it: "dual", "insertion", "lune" or "like"."""
 
-    def __post_init__(self) -> None:
-        for array in (self.directions, self.vertices, self.quads, self.clearance):
-            read_only(array)
-
     @property
     def relative_clearance(self) -> float:
         """Smallest clearance over half the angle to the nearest direction: at most 1."""
@@ -38,7 +34,7 @@ class Partition:
 
 
 @dataclass(frozen=True, eq=False)
-class Partitions:
+class Partitions(Frozen):
     """M partitions of one valency N, each certified."""
 
     directions: UnitVectors
@@ -51,10 +47,6 @@ class Partitions:
     """Angle from each direction to the nearest great circle of its quad, rad, shape (M, N)."""
     methods: NDArray[np.str_]
     """What made each: "dual", "insertion", "lune" or "like", shape (M,)."""
-
-    def __post_init__(self) -> None:
-        for array in (self.directions, self.vertices, self.quads, self.clearance, self.methods):
-            read_only(array)
 
     def __len__(self) -> int:
         return len(self.directions)
@@ -71,5 +63,5 @@ class Partitions:
     @cached_property
     def relative_clearance(self) -> Floats:
         """Smallest clearance of each over half the angle to the nearest direction, shape (M,)."""
-        smallest: Floats = (2 * self.clearance / nearest_angles(self.directions)).min(axis=1)
-        return smallest
+        relative = 2 * self.clearance / nearest_angles(self.directions)
+        return read_only(relative.min(axis=1))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arrays import Bools, Floats, Ints, UnitVectors
+from scaffold_cad.arrays import Bools, Floats, Ints, UnitVectors, as_floats, as_indices
 from scaffold_cad.errors import PartitionError
 from scaffold_cad.partition.arcs import arc_counts, is_closed, side_twins, sides
 from scaffold_cad.partition.certificate import certify
@@ -49,17 +49,14 @@ def as_models(quads: ArrayLike, near: ArrayLike | None, shape: tuple[int, int]) 
     Raises
     ------
     PartitionError
-        If a shape is wrong, or a star's quads do not close up on N + 2 vertices.
+        If a shape or type is wrong, or a star's quads do not close up on N + 2 vertices.
     """
     stars, valency = shape
-    given = np.asarray(quads)
-    if given.shape != (stars, valency, 4) or given.dtype.kind not in "iu":
-        raise PartitionError(
-            f"like has shape {given.shape} and dtype {given.dtype}; "
-            f"need whole numbers of shape {(stars, valency, 4)}"
-        )
+    given = as_indices(quads, "like", PartitionError)
+    if given.shape != (stars, valency, 4):
+        raise PartitionError(f"like has shape {given.shape}; need {(stars, valency, 4)}")
     known = np.all((given >= 0) & (given < valency + 2), axis=(1, 2), keepdims=True)
-    given = np.where(known, given, 0).astype(np.intp)
+    given = np.where(known, given, 0)
     closed = is_closed(given) & (arc_counts(given) > 0).all(axis=1)
     if not closed.all():
         raise PartitionError(
@@ -68,7 +65,7 @@ def as_models(quads: ArrayLike, near: ArrayLike | None, shape: tuple[int, int]) 
         )
     if near is None:
         return Models(given, None)
-    vertices = np.array(near, dtype=np.float64)
+    vertices = as_floats(near, "near", PartitionError)
     if vertices.shape != (stars, valency + 2, 3) or not np.isfinite(vertices).all():
         raise PartitionError(
             f"near has shape {vertices.shape}; need {(stars, valency + 2, 3)}, all finite"

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scaffold_cad.arrays import Floats, Ints, UnitVectors
+from scaffold_cad.arguments import check_choice
+from scaffold_cad.arrays import Floats, Ints, UnitVectors, as_floats
 from scaffold_cad.errors import OptionError, PartitionError
 from scaffold_cad.partition.blocks import blocks
 from scaffold_cad.partition.certificate import (
@@ -66,22 +67,23 @@ def partition_sphere(
     OptionError
         If there is no such method, or `neighbors` are given with another than "dual".
     """
+    alone = as_floats(directions, "directions", PartitionError)[None]  # (1, N, 3)
     if neighbors is None:
-        return partition_spheres([directions], method)[0]
+        return partition_spheres(alone, method)[0]
     if method != "dual":
         raise OptionError(f"method is {method!r}; need 'dual' to choose neighbors")
-    star = as_stars([directions])
+    star = as_stars(alone)
     check_separated(star, np.zeros(1, dtype=np.intp), np.arange(star.shape[1])[None])
     pairs = as_neighbors(neighbors, star.shape[1])
     if star.shape[1] == MIN_VALENCY:
-        return partition_spheres([directions], method)[0]  # each is everyone's neighbor
+        return partition_spheres(alone, method)[0]  # each is everyone's neighbor
     vertices, quads = guided_partition(star[0], pairs)
     clearance = certify(star, vertices[None], quads[None]).clearance
     return Partition(star[0], vertices, quads, clearance[0], method)
 
 
 def partition_spheres(
-    directions: ArrayLike | Sequence[ArrayLike],
+    directions: ArrayLike,
     method: str = "dual",
     *,
     like: ArrayLike | None = None,
@@ -113,10 +115,11 @@ def partition_spheres(
         If a direction is not finite or zero, if two directions of a star are less than 0.01°
         apart, or if no certified vertices are found for the quads of `like`; the star is named.
     OptionError
-        If there is no such method.
+        If there is no such method, or `near` is given without `like`.
     """
-    if not isinstance(method, str) or method not in METHODS:
-        raise OptionError(f"method is {method!r}; need one of {', '.join(METHODS)}")
+    check_choice(method, "method", METHODS)
+    if like is None and near is not None:
+        raise OptionError("near is given without like; need the quads that its vertices belong to")
     stars = as_stars(directions)
     if like is None:
         models, groups = None, distinct_stars(stars)

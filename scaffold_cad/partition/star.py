@@ -5,21 +5,19 @@ A star is an array of N unit vectors; stars of one valency are stacked as (M, N,
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arrays import Floats, Ints, UnitVectors
+from scaffold_cad.arrays import Floats, Ints, UnitVectors, as_floats
 from scaffold_cad.errors import PartitionError
 from scaffold_cad.partition.blocks import blocks
+from scaffold_cad.repair import LEAST_ANGLE
 from scaffold_cad.vectors import angle_between, length
 
 MIN_VALENCY = 3
 """A partition needs a branch point: two directions bound no quad."""
-MIN_ANGLE = np.radians(0.01)
-"""Least angle between two directions of a star, rad."""
 BLOCK = 100_000
 """Pairs of directions treated at once, which bounds the memory taken."""
 KEY_STEPS = 1_000_000
@@ -29,7 +27,7 @@ A coordinate then takes 2 000 001 values, which is less than 2**21: a direction 
 """
 
 
-def as_stars(values: ArrayLike | Sequence[ArrayLike]) -> UnitVectors:
+def as_stars(values: ArrayLike) -> UnitVectors:
     """Return `values` (M, N, 3) as float64 scaled to unit length.
 
     Raises
@@ -37,10 +35,7 @@ def as_stars(values: ArrayLike | Sequence[ArrayLike]) -> UnitVectors:
     PartitionError
         If the shape is wrong, N < 3, or a direction is not finite or zero; it is named.
     """
-    try:
-        stars = np.array(values, dtype=np.float64, order="C")
-    except (TypeError, ValueError, OverflowError) as error:
-        raise PartitionError(f"directions are not an array of numbers: {error}") from None
+    stars = as_floats(values, "directions", PartitionError)
     if stars.ndim != 3 or stars.shape[2] != 3:
         raise PartitionError(f"directions have shape {stars.shape}; need (M, N, 3)")
     if stars.shape[1] < MIN_VALENCY:
@@ -158,9 +153,9 @@ def check_separated(stars: UnitVectors, names: Ints, order: Ints) -> None:
     Raises
     ------
     PartitionError
-        If two directions of a star are less than `MIN_ANGLE` apart; they are named.
+        If two directions of a star are less than `LEAST_ANGLE` apart; they are named.
     """
-    close = np.flatnonzero((nearest_angles(stars) < MIN_ANGLE).any(axis=1))
+    close = np.flatnonzero((nearest_angles(stars) < LEAST_ANGLE).any(axis=1))
     if len(close):
         star = close[np.argmin(names[close])]
         angles = pairwise_angles(stars[star : star + 1])[0]
@@ -168,5 +163,5 @@ def check_separated(stars: UnitVectors, names: Ints, order: Ints) -> None:
         pair = sorted(order[star, [i, j]].tolist())
         raise PartitionError(
             f"directions {pair[0]} and {pair[1]} of star {names[star]} are "
-            f"{np.degrees(angles[i, j]):.3g}° apart; need at least {np.degrees(MIN_ANGLE):g}°"
+            f"{np.degrees(angles[i, j]):.3g}° apart; need at least {np.degrees(LEAST_ANGLE):g}°"
         )
