@@ -57,7 +57,7 @@ def test_a_skeleton_beside_a_skeleton_is_bad_input(
     ("options", "name"),
     [
         (["--radius", "5"], "--radius"),
-        (["--simplify", "1"], "--simplify"),
+        (["--simplify", "0"], "--simplify"),
         (["--strict"], "--strict"),
         (["--max-nodes", "1"], "--max-nodes"),
     ],

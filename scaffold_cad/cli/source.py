@@ -59,7 +59,8 @@ def refuse(options: argparse.Namespace, names: Iterable[str], why: str) -> None:
     None and False stand for an option that is not given.
     """
     for name in names:
-        if getattr(options, name) not in (None, False):
+        value = getattr(options, name)
+        if value is not None and value is not False:  # 0 is given
             flag = "as" if name == "product" else name.replace("_", "-")
             raise OptionError(f"--{flag} {why}")
 
