@@ -96,9 +96,12 @@ def test_the_radius_solved_for_on_solids_has_the_measured_density(
     assert measured == pytest.approx(density, rel=1e-3)
 
 
-def test_a_density_that_no_radius_has_is_refused() -> None:
+@pytest.mark.parametrize("fraction", [0.1, 1e6])
+def test_a_density_that_no_radius_has_is_refused(fraction: float) -> None:
     with pytest.raises(OptionError, match=r"no radius gives relative density 0\.5: the last"):
-        solve_radius("sc", 5.0, 0.5, volume=lambda skeleton: 0.1 * 5.0**3 * len(skeleton.edges))
+        solve_radius(
+            "sc", 5.0, 0.5, volume=lambda skeleton: fraction * 5.0**3 * len(skeleton.edges)
+        )
 
 
 @pytest.mark.parametrize("density", [0.0, 1.0, -0.1, np.nan])

@@ -18,6 +18,9 @@ from scaffold_cad.skeleton import Skeleton
 DENSITY_ACCURACY = 1e-3
 """Relative difference from the wanted density at which a radius is good enough."""
 
+LEAST_RADIUS = 1e-3
+"""Least radius that is tried, as a fraction of the first-order one; the greatest is a cell."""
+
 LARGEST_STEPS = 30
 """Densities measured before the search for a radius is given up."""
 
@@ -82,6 +85,7 @@ def solve_radius(
     radius = float(np.sqrt(relative_density / _density_of_unit_radius(cell, size)))
     if volume is None:
         return radius
+    least, greatest = LEAST_RADIUS * radius, cell_size(as_cell(cell), size).max()
     # Secant steps on log density against log radius, which is almost a line of slope 2.
     slope, before = 2.0, (np.nan, np.nan)
     for _ in range(LARGEST_STEPS):
@@ -92,7 +96,10 @@ def solve_radius(
         secant = (here[1] - before[1]) / (here[0] - before[0])
         # Where the solid fills up the slope tends to 0: keep the steps short.
         slope = float(np.clip(secant, 0.5, 4.0)) if np.isfinite(secant) else slope
-        radius, before = float(np.exp(here[0] - here[1] / slope)), here
+        following = float(np.clip(np.exp(here[0] - here[1] / slope), least, greatest))
+        if following == radius:
+            break
+        radius, before = following, here
     raise OptionError(
         f"no radius gives relative density {relative_density:g}: "
         f"the last one tried, {radius:g} mm, is off by {100 * abs(ratio - 1):.2g} %"
