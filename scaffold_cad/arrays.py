@@ -7,6 +7,8 @@ is kept is a C-contiguous, read-only copy of a known dtype and shape, and its va
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cached_property, wraps
 from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
@@ -40,6 +42,7 @@ LARGEST_COORDINATE = 1e12
 """Largest coordinate or radius of a node that is believed, mm: a million km."""
 
 _Array = TypeVar("_Array", bound=np.ndarray[Any, Any])
+_Value = TypeVar("_Value")
 
 
 def read_only(array: _Array) -> _Array:
@@ -51,9 +54,14 @@ def read_only(array: _Array) -> _Array:
 class Frozen:
     """Base of the dataclasses that keep arrays: none of these may be written to.
 
-    That holds for the fields, for copies, and for what is read with pickle. A cached property
-    returns its array through `read_only`.
+    That holds for fields and cached properties, for copies, and for what is read with pickle.
     """
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        for attribute in vars(cls).values():
+            if isinstance(attribute, cached_property):
+                attribute.func = _with_locked_result(attribute.func)
 
     def __post_init__(self) -> None:
         self._keep(**vars(self))
@@ -63,12 +71,24 @@ class Frozen:
         self._keep(**state)
 
     def _keep(self, **values: Any) -> None:
-        """Set attributes; their arrays, and those in tuples, are read-only from now on."""
-        for value in values.values():
-            for item in value if isinstance(value, tuple) else (value,):
-                if isinstance(item, np.ndarray):
-                    read_only(item)
-        vars(self).update(values)
+        """Set attributes, whose arrays are read-only from now on."""
+        vars(self).update({name: _locked(value) for name, value in values.items()})
+
+
+def _locked(value: _Value) -> _Value:
+    """Return `value` itself; if it is an array, or arrays are in a tuple, they are read-only."""
+    for item in value if isinstance(value, tuple) else (value,):
+        if isinstance(item, np.ndarray):
+            read_only(item)
+    return value
+
+
+def _with_locked_result(compute: Callable[[Any], _Value]) -> Callable[[Any], _Value]:
+    @wraps(compute)
+    def computed(owner: Any) -> _Value:
+        return _locked(compute(owner))
+
+    return computed
 
 
 def as_points(

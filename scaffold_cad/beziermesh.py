@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from scaffold_cad.arrays import Bools, Floats, Ints, Quads, UnitVectors, as_quads, read_only
+from scaffold_cad.arrays import Bools, Floats, Frozen, Ints, Quads, UnitVectors, as_quads, read_only
 from scaffold_cad.errors import MeshError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.vectors import length, normalize, triple
@@ -20,7 +20,7 @@ FLATNESS_TOLERANCE = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
-class BezierMesh:
+class BezierMesh(Frozen):
     """A mesh of Bézier patches of one degree d, one a quad.
 
     The first index of a patch's control points follows the quad's first side, from corner 0 to

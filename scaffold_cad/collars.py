@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.arrays import Bools, Floats, Ints, Points
+from scaffold_cad.arrays import Bools, Floats, Frozen, Ints, Points
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.stars import Stars
 from scaffold_cad.vectors import dot
@@ -31,7 +31,7 @@ MOST_SQUEEZED = 0.9
 
 
 @dataclass(frozen=True, eq=False)
-class Refinement:
+class Refinement(Frozen):
     """A skeleton with more joints, and where its edges come from."""
 
     skeleton: Skeleton

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scaffold_cad.arrays import Bools, Edges, Floats, Ints, Points
+from scaffold_cad.arrays import Bools, Edges, Floats, Frozen, Ints, Points
 from scaffold_cad.boxes import overlapping_boxes
 from scaffold_cad.intersections import self_intersections
 from scaffold_cad.segments import nearest_on_segments
@@ -52,7 +52,7 @@ PAIR_CHUNK = 10_000
 
 
 @dataclass(frozen=True, eq=False)
-class Embedding:
+class Embedding(Frozen):
     """Which struts of a scaffold keep to their own room."""
 
     within_cone: Bools

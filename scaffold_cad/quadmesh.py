@@ -19,7 +19,6 @@ from scaffold_cad.arrays import (
     Triangles,
     as_points,
     as_quads,
-    read_only,
 )
 from scaffold_cad.errors import MeshError
 from scaffold_cad.notebook import Shown
@@ -58,14 +57,14 @@ class QuadMesh(Frozen, Shown):
     def half_edges(self) -> Edges:
         """Start and end vertex of each quad's four sides in turn, shape (4 f, 2)."""
         pairs = np.stack([self.quads, np.roll(self.quads, -1, axis=1)], axis=2)
-        return read_only(pairs.reshape(-1, 2))
+        return pairs.reshape(-1, 2)
 
     @cached_property
     def _undirected(self) -> tuple[Edges, Ints]:
         low, high = np.sort(self.half_edges, axis=1).T
         keys, edge_of_half_edge = np.unique(low * len(self.vertices) + high, return_inverse=True)
         edges = np.stack(np.divmod(keys, max(len(self.vertices), 1)), axis=1)
-        return read_only(edges), read_only(edge_of_half_edge)
+        return edges, edge_of_half_edge
 
     @property
     def edges(self) -> Edges:
@@ -99,7 +98,7 @@ class QuadMesh(Frozen, Shown):
         q = self.quads
         split_ac = np.stack([q[:, [0, 1, 2]], q[:, [0, 2, 3]]], axis=1)
         split_bd = np.stack([q[:, [0, 1, 3]], q[:, [1, 2, 3]]], axis=1)
-        return read_only(np.where(first[:, None, None], split_ac, split_bd).reshape(-1, 3))
+        return np.where(first[:, None, None], split_ac, split_bd).reshape(-1, 3)
 
     @property
     def signed_volume(self) -> float:

@@ -24,7 +24,6 @@ from scaffold_cad.arrays import (
     as_points,
     as_radii,
     check_believable,
-    read_only,
 )
 from scaffold_cad.backends import need
 from scaffold_cad.errors import SkeletonError
@@ -125,7 +124,7 @@ class Skeleton(Frozen, Shown):
     @cached_property
     def valency(self) -> Ints:
         """Number of edges at each node, shape (n,)."""
-        return read_only(valencies(self.edges, len(self.nodes)))
+        return valencies(self.edges, len(self.nodes))
 
     @property
     def extremities(self) -> Ints:
@@ -150,14 +149,14 @@ class Skeleton(Frozen, Shown):
     @cached_property
     def lengths(self) -> Floats:
         """Length of each edge, shape (m,), mm."""
-        return read_only(length(self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]]))
+        return length(self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]])
 
     @cached_property
     def directions(self) -> UnitVectors:
         """Unit direction in which each half-edge leaves its node, shape (2 m, 3)."""
         spans = self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]]
         ahead = spans / self.lengths[:, None]
-        return read_only(np.stack([ahead, -ahead], axis=1).reshape(-1, 3))
+        return np.stack([ahead, -ahead], axis=1).reshape(-1, 3)
 
     @cached_property
     def incidence(self) -> Incidence:
@@ -172,7 +171,7 @@ class Skeleton(Frozen, Shown):
     @cached_property
     def component_of_node(self) -> Ints:
         """Component of each node, numbered from 0, shape (n,)."""
-        return read_only(component_labels(self.edges, len(self.nodes)))
+        return component_labels(self.edges, len(self.nodes))
 
     @property
     def component_count(self) -> int:

@@ -11,7 +11,7 @@ import numpy as np
 
 from scaffold_cad import manifolds
 from scaffold_cad.arguments import check_kind
-from scaffold_cad.arrays import Floats, Ints, Points
+from scaffold_cad.arrays import Floats, Frozen, Ints, Points
 from scaffold_cad.collapse import without_short_edges
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.intersections import self_intersections
@@ -42,7 +42,7 @@ _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
-class Solidified(Shown):
+class Solidified(Frozen, Shown):
     """A watertight solid that does not cross itself, and how it was made."""
 
     manifold: Manifold

@@ -13,11 +13,11 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from scaffold_cad.arrays import Bools, Edges, Ints
+from scaffold_cad.arrays import Bools, Edges, Frozen, Ints
 
 
 @dataclass(frozen=True, eq=False)
-class Incidence:
+class Incidence(Frozen):
     """The half-edges that leave each node."""
 
     half_edges: Ints
@@ -32,7 +32,7 @@ class Incidence:
 
 
 @dataclass(frozen=True, eq=False)
-class Chains:
+class Chains(Frozen):
     """The graph's edges cut at every node that is not a joint: one chain a branch."""
 
     half_edges: Ints

@@ -1,14 +1,17 @@
 from __future__ import annotations
 
+import inspect
 import pickle
 from collections.abc import Callable
 from copy import copy, deepcopy
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import pytest
 
+import scaffold_cad as sc
 from scaffold_cad.arrays import (
     Bools,
     Floats,
@@ -21,6 +24,8 @@ from scaffold_cad.arrays import (
     as_triangles,
 )
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
+from scaffold_cad.lattice import unit_cell
+from tests.skeletons import STICK_FIGURE
 
 
 @pytest.mark.parametrize(
@@ -167,10 +172,15 @@ class Marks(Frozen):
     pair: tuple[Floats, str]
     part: Marks | None = None
 
+    @cached_property
+    def opposite(self) -> Bools:
+        return ~self.kept
+
 
 def test_arrays_that_are_kept_cannot_be_written_to() -> None:
     marks = Marks(np.array([True]), (np.ones(2), "x"))
-    for array in (marks.kept, marks.pair[0]):
+    assert marks.opposite is marks.opposite
+    for array in (marks.kept, marks.pair[0], marks.opposite):
         with pytest.raises(ValueError, match="read-only"):
             array[:] = 0
 
@@ -179,9 +189,57 @@ def test_arrays_that_are_kept_cannot_be_written_to() -> None:
     "copied", [copy, deepcopy, lambda marks: pickle.loads(pickle.dumps(marks))]
 )
 def test_neither_can_those_of_copies(copied: Callable[[Marks], Marks]) -> None:
-    marks = copied(Marks(np.array([True]), (np.ones(2), "x"), Marks(np.zeros(3), (np.ones(1), ""))))
+    original = Marks(np.array([True]), (np.ones(2), "x"), Marks(np.ones(3) > 0, (np.ones(1), "")))
+    assert original.opposite.tolist() == [False]
+    marks = copied(original)
     assert marks.part is not None
     assert marks.pair[1] == "x"
-    for array in (marks.kept, marks.pair[0], marks.part.kept, marks.part.pair[0]):
+    assert vars(marks)["opposite"].tolist() == [False]
+    for array in (marks.kept, marks.pair[0], marks.opposite, marks.part.kept, marks.part.pair[0]):
         with pytest.raises(ValueError, match="read-only"):
             array[:] = 0
+
+
+def writable_arrays(thing: object, path: str = "", seen: set[int] | None = None) -> list[str]:
+    """Return where arrays that may be written to are kept by `thing`, all it can tell computed."""
+    seen = set() if seen is None else seen
+    if id(thing) in seen:
+        return []
+    seen.add(id(thing))
+    if isinstance(thing, np.ndarray):
+        return [path] if thing.flags.writeable else []
+    if isinstance(thing, tuple | list):
+        return [found for item in thing for found in writable_arrays(item, f"{path}[]", seen)]
+    if not type(thing).__module__.startswith("scaffold_cad"):
+        return []
+    for name, attribute in inspect.getmembers(type(thing)):
+        if isinstance(attribute, property | cached_property):
+            getattr(thing, name)
+    kept = dict(vars(thing)).items()
+    return [found for name, part in kept for found in writable_arrays(part, f"{path}.{name}", seen)]
+
+
+def test_nothing_that_a_result_keeps_can_be_written_to() -> None:
+    scaffold = sc.build_scaffold(STICK_FIGURE, collars=True)
+    patches = sc.smooth_patches(scaffold)
+    results = [
+        scaffold,
+        scaffold.embedding(),
+        patches,
+        sc.smooth_mesh(scaffold),
+        sc.catmull_clark(scaffold.mesh, 1),
+        sc.fine_surface(scaffold, 1),
+        sc.deviation(patches, scaffold),
+        sc.TriangleMesh(scaffold.mesh.vertices, scaffold.mesh.triangles),
+        sc.ConvolutionField(STICK_FIGURE),
+        sc.ConvolutionField(STICK_FIGURE).samples([[0, 0, 0]]),
+        sc.BeamLattice(STICK_FIGURE),
+        sc.partition_sphere(np.eye(3)),
+        sc.partition_spheres([np.eye(3), -np.eye(3)]),
+        unit_cell("octet"),
+        STICK_FIGURE.cleaned(),
+        sc.check_printability(scaffold),
+    ]
+    assert writable_arrays([*results, sc.solidified(scaffold)]) == []
+    assert writable_arrays(pickle.loads(pickle.dumps(results))) == []
+    assert writable_arrays(deepcopy(results)) == []

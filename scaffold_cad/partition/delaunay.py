@@ -14,7 +14,7 @@ from itertools import combinations
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from scaffold_cad.arrays import Bools, Floats, Ints, UnitVectors, read_only
+from scaffold_cad.arrays import Bools, Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.partition.blocks import blocks
 from scaffold_cad.vectors import dot, normalize
 
@@ -31,7 +31,7 @@ BLOCK = 2_000_000
 
 
 @dataclass(frozen=True, eq=False)
-class Triangulations:
+class Triangulations(Frozen):
     """Spherical Delaunay triangulations of M stars of valency N, as half-edges.
 
     Half-edge 3 t + k runs from corner k of triangle t to its next corner.
@@ -44,7 +44,7 @@ class Triangulations:
 
     def __getitem__(self, chosen: Ints | Bools) -> Triangulations:
         part = Triangulations(self.triangles[chosen], self.centers[chosen])
-        part.__dict__["twins"] = self.twins[chosen]  # sorting them again would cost more
+        part._keep(twins=self.twins[chosen])  # sorting them again would cost more
         return part
 
     @property
@@ -66,7 +66,6 @@ class Triangulations:
         ahead, back = self.tails * count + self.heads, self.heads * count + self.tails
         twins: Ints = np.empty_like(ahead)
         np.put_along_axis(twins, np.argsort(ahead, axis=1), np.argsort(back, axis=1), axis=1)
-        read_only(twins)
         return twins
 
 

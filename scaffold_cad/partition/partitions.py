@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from scaffold_cad.arrays import Floats, Frozen, Ints, UnitVectors, read_only
+from scaffold_cad.arrays import Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.partition.star import nearest_angles
 
 
@@ -63,5 +63,5 @@ class Partitions(Frozen):
     @cached_property
     def relative_clearance(self) -> Floats:
         """Smallest clearance of each over half the angle to the nearest direction, shape (M,)."""
-        relative = 2 * self.clearance / nearest_angles(self.directions)
-        return read_only(relative.min(axis=1))
+        smallest: Floats = (2 * self.clearance / nearest_angles(self.directions)).min(axis=1)
+        return smallest

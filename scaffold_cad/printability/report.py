@@ -9,7 +9,7 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from scaffold_cad.arrays import Points, UnitVectors
+from scaffold_cad.arrays import Frozen, Points, UnitVectors
 from scaffold_cad.printability.processes import Process
 from scaffold_cad.trianglemesh import TriangleMesh
 
@@ -33,7 +33,7 @@ def no_places() -> Points:
 
 
 @dataclass(frozen=True, eq=False)
-class Finding:
+class Finding(Frozen):
     """One thing that was looked at."""
 
     name: str
@@ -51,7 +51,7 @@ class Finding:
 
 
 @dataclass(frozen=True, eq=False)
-class Report:
+class Report(Frozen):
     """Everything that a check found, in order."""
 
     name: str

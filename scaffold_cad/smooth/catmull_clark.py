@@ -15,7 +15,17 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from scaffold_cad.arguments import as_count, check_kind
-from scaffold_cad.arrays import Bools, Edges, Floats, Ints, Points, Quads, UnitVectors, read_only
+from scaffold_cad.arrays import (
+    Bools,
+    Edges,
+    Floats,
+    Frozen,
+    Ints,
+    Points,
+    Quads,
+    UnitVectors,
+    read_only,
+)
 from scaffold_cad.errors import MeshError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.vectors import normalize
@@ -26,7 +36,7 @@ read_only(NO_CREASES)
 
 
 @dataclass(frozen=True, eq=False)
-class Subdivision:
+class Subdivision(Frozen):
     """A subdivided mesh, and where its quads come from."""
 
     mesh: QuadMesh
@@ -39,7 +49,7 @@ class Subdivision:
 
 
 @dataclass(frozen=True, eq=False)
-class Limit:
+class Limit(Frozen):
     """Where the vertices of a mesh lie on its Catmull-Clark limit surface."""
 
     points: Points
@@ -50,7 +60,7 @@ class Limit:
 
 
 @dataclass(frozen=True, eq=False)
-class Connectivity:
+class Connectivity(Frozen):
     """The edges of a closed quad mesh, in any order, and which of them are creases."""
 
     quads: Quads

@@ -13,7 +13,7 @@ from typing import Literal, TypeAlias, get_args
 import numpy as np
 
 from scaffold_cad.arguments import check_kind
-from scaffold_cad.arrays import Edges, Ints
+from scaffold_cad.arrays import Edges, Frozen, Ints
 from scaffold_cad.errors import OptionError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
@@ -49,7 +49,7 @@ _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
-class ControlMesh:
+class ControlMesh(Frozen):
     """A closed quad mesh whose Catmull-Clark limit is the smooth solid."""
 
     mesh: QuadMesh

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from scaffold_cad.arguments import check_kind
-from scaffold_cad.arrays import Floats, Ints, Points, Radii, UnitVectors
+from scaffold_cad.arrays import Floats, Frozen, Ints, Points, Radii, UnitVectors
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
@@ -27,7 +27,7 @@ LIMIT_LEVELS = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Deviation:
+class Deviation(Frozen):
     """How far smooth patches are from what was asked."""
 
     normal_jump: float

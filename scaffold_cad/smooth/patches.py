@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from scaffold_cad.arguments import as_count, check_kind
-from scaffold_cad.arrays import Bools, Floats, Ints, UnitVectors
+from scaffold_cad.arrays import Bools, Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.errors import OptionError
 from scaffold_cad.quadmesh import QuadMesh
@@ -43,7 +43,7 @@ SAMPLE_LEVELS = 3
 
 
 @dataclass(frozen=True, eq=False)
-class Patches:
+class Patches(Frozen):
     """A closed surface of Bézier patches that join with one tangent plane."""
 
     bezier: BezierMesh

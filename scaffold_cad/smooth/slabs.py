@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from scaffold_cad.arguments import as_count
-from scaffold_cad.arrays import Bools, Ints, Points, Quads
+from scaffold_cad.arrays import Bools, Frozen, Ints, Points, Quads
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.smooth.catmull_clark import (
     Connectivity,
@@ -28,7 +28,7 @@ QUADS_AT_ONCE = 1 << 19
 
 
 @dataclass(frozen=True, eq=False)
-class FineSurface:
+class FineSurface(Frozen):
     """The smooth surface of a scaffold, of which one slab at a time is in memory."""
 
     control: Connectivity
