@@ -314,6 +314,15 @@ def test_edges_that_pass_the_check_are_far_enough_apart_for_a_partition(
         build_scaffold(skeleton).mesh.check_closed()
 
 
+@pytest.mark.parametrize("factor", [1e-90, 1e-12, 1e10])
+def test_scaffolds_of_any_size_that_is_allowed_are_certified(factor: float) -> None:
+    usual = build_scaffold(named.STICK_FIGURE)
+    scaffold = build_scaffold(named.STICK_FIGURE.scaled(factor))
+    assert scaffold.embedding().certified
+    wanted = usual.mesh.signed_volume * factor**3
+    assert scaffold.mesh.signed_volume == pytest.approx(wanted, rel=1e-9)
+
+
 @pytest.mark.parametrize("name", ["fit", "section", "method"])
 def test_unknown_options_are_refused_by_name(name: str) -> None:
     with pytest.raises(OptionError, match=f"{name} is 'round-ish'; need one of "):
