@@ -37,7 +37,6 @@ Triangles: TypeAlias = NDArray[np.intp]
 Radii: TypeAlias = NDArray[np.float64]
 """Sphere radii, shape (n,), mm, all > 0."""
 
-
 LARGEST_COORDINATE = 1e12
 """Largest coordinate or radius of a node that is believed, mm: a million km."""
 
