@@ -185,7 +185,7 @@ def test_flat_caps_lie_in_the_plane_of_their_node() -> None:
     assert np.hypot(*cylinder.T[:2]).max() == pytest.approx(1, rel=0.02)
 
 
-def test_domes_and_bends_of_collared_struts_add_four_quads_each() -> None:
+def test_domes_and_both_sides_of_bends_add_four_quads_each() -> None:
     tripod = build_scaffold(TRIPOD, collars=True)
     quads = len(tripod.mesh.quads)
     control = control_mesh(tripod)
@@ -195,7 +195,7 @@ def test_domes_and_bends_of_collared_struts_add_four_quads_each() -> None:
     assert np.bincount(added).tolist() == [4, 4, 4]
     assert len(control_mesh(tripod, "flat").mesh.quads) == quads
     assert len(control_mesh(build_scaffold(ELBOW, collars=True), "flat").mesh.quads) == 10 + 8
-    assert len(control_mesh(build_scaffold(ELBOW), "flat").mesh.quads) == 10
+    assert len(control_mesh(build_scaffold(ELBOW), "flat").mesh.quads) == 10 + 8
 
 
 def test_collared_struts_are_straight_up_to_a_bend() -> None:
@@ -204,12 +204,21 @@ def test_collared_struts_are_straight_up_to_a_bend() -> None:
     assert np.hypot(strut[:, 1], strut[:, 2]).max() == pytest.approx(1, rel=0.03)
 
 
-def test_a_strut_too_short_for_domes_gets_caps_only() -> None:
-    short = Skeleton([[0, 0, 0], [2.5, 0, 0]], [[0, 1]], 1.0)
-    control = control_mesh(build_scaffold(short))
-    assert len(control.mesh.quads) == 6
-    points = smooth_mesh(build_scaffold(short), 4).mesh.vertices
-    assert (points[:, 0].min(), points[:, 0].max()) == pytest.approx((-1, 3.5), abs=0.02)
+def test_a_strut_too_short_for_sections_before_its_domes_gets_none() -> None:
+    for length, sections in ((2.5, 2), (0.5, 0)):
+        short = STRUT.scaled(length / 10).with_radii(1.0)
+        control = control_mesh(build_scaffold(short))
+        assert len(control.mesh.quads) == 6 + 4 * sections
+        points = smooth_mesh(build_scaffold(short), 4).mesh.vertices
+        ends = (points[:, 0].min(), points[:, 0].max())
+        assert ends == pytest.approx((-1, length + 1), abs=0.02)
+
+
+def test_short_struts_have_the_volume_of_their_capsule() -> None:
+    for length in (1.5, 2.0, 2.5, 3.0, 4.0):
+        short = STRUT.scaled(length / 10).with_radii(1.0)
+        volume = smooth_mesh(build_scaffold(short), 4).mesh.signed_volume
+        assert volume == pytest.approx(np.pi * (length + 4 / 3), rel=0.04)
 
 
 def test_the_smooth_mesh_does_not_depend_on_the_scaffolds_section() -> None:
@@ -233,7 +242,7 @@ def test_smooth_meshes_follow_turns_and_scales() -> None:
 def test_the_best_round_is_kept_where_more_rounds_diverge(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    generator = np.random.default_rng(49)
+    generator = np.random.default_rng(7)
     count = int(generator.integers(5, 12))
     nodes = generator.uniform(-10, 10, (count, 3)).round(2)
     edges = [[int(generator.integers(0, k)), k] for k in range(1, count)]

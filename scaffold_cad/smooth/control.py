@@ -70,8 +70,11 @@ def control_mesh(scaffold: Scaffold, caps: Caps = "round") -> ControlMesh:
     struts that share sections come as near as these allow.
     The limit encloses the spheres of branch points.
 
-    A section is added before each dome, so that it is round, and with `collars=True` on both sides
-    of each bend, so that struts are straight up to it; where edges have room for them.
+    Four quads are added for a section before each dome, so that it is round, and for one on each
+    side of a bend, so that struts are straight up to it and its corner is kept. Bends get them
+    where the limit's axis would else pass more than half a radius from the joint, with
+    `collars=True` more than a tenth; milder ones are rounded by that much. Sections move closer
+    together where edges are short, and are left out where less than a quarter of a radius remains.
 
     Parameters
     ----------

@@ -16,6 +16,9 @@ from scaffold_cad.smooth.control import Caps, control_mesh
 def smooth_mesh(scaffold: Scaffold, levels: int = 2, caps: Caps = "round") -> Subdivision:
     """Return a quad mesh whose vertices lie on the smooth solid around the scaffold's skeleton.
 
+    The solid turns at sharp bends as the struts do; mild ones it rounds, by half a radius at most
+    and by a tenth with `collars=True`, see `control_mesh`.
+
     Parameters
     ----------
     levels : ≥ 0; a section has 4 · 2^levels corners

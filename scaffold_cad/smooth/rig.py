@@ -1,7 +1,7 @@
 """The control mesh taken apart into sections that can be scaled, with sections added to it.
 
-A dome is round only if a section stands close before it, and a strut is straight up to a bend only
-if sections stand on both sides of the bend.
+A dome is round only if a section stands close before it, and struts turn a corner only if sections
+stand on both sides of it.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.arrays import Bools, Floats, Ints, Points
-from scaffold_cad.collars import BLEND
 from scaffold_cad.scaffold import Scaffold
-from scaffold_cad.sleeves import MITER_LIMIT
-from scaffold_cad.vectors import angle_between, dot
+from scaffold_cad.smooth.bends import Bends, bends_of
+from scaffold_cad.stars import APOTHEM
+from scaffold_cad.vectors import dot
 
 DOME_DISTANCE = 0.8
 """Distance of the section before a dome from the extremity's node, in radii. With it the limit is
@@ -23,12 +23,12 @@ a hemisphere within 3 % of its radius."""
 DOME_SCALE = 1.056
 """Size of the cap of a dome, as a multiple of the strut's section; found as `DOME_DISTANCE` was."""
 
-BEND_SHIFT = 1 / 8
-"""Shift of the section in a bend away from the sections beside it, as a part of their distances.
-The limit's axis passes the node half as far inside as without: neither side of the bend is thin."""
+ROOM = 0.9
+"""Part of an edge, less the blend of a branch point, that added sections may take."""
 
-LEAST_BEND = np.radians(10.0)
-"""Bend at a joint of collared struts from which sections are added beside it, rad."""
+LEAST_DEPTH = 0.25
+"""Least distance of an added section from its node, in radii; there is none where that is more than
+the edge has room for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,8 @@ def make_rig(scaffold: Scaffold, domes: bool) -> Rig:
     centres = refined.nodes[scaffold.node_of_vertex]
     spokes = scaffold.mesh.vertices - centres
 
-    half_edges, depths = _added_sections(scaffold, domes)  # (k,)
+    depth, bends = _added_sections(scaffold, spokes, domes)
+    half_edges = np.flatnonzero(depth)  # (k,)
     edge, slot = half_edges >> 1, half_edges & 1
     along = refined.directions[half_edges]
     end = scaffold.sleeves[edge, slot]  # (k, 4)
@@ -72,10 +73,11 @@ def make_rig(scaffold: Scaffold, domes: bool) -> Rig:
     cut = _sides(np.where(at_start, end, added), np.where(at_start, added, end))
 
     # The section at the node, seen along the strut, is a square of the node's radius.
-    axis = np.broadcast_to(along[:, None, :], (len(along), 4, 3))
+    axis = along[:, None]
     flat = spokes[end] - dot(spokes[end], axis)[..., None] * axis
     radii = refined.radii[refined.edges[edge]]
     radii = np.where(at_start, radii, radii[:, ::-1])  # (k, 2): the node's, the other's
+    depths = depth[half_edges]
     growth = 1 + (radii[:, 1] / radii[:, 0] - 1) * depths / refined.lengths[edge]
     places = centres[end] + (depths[:, None] * along)[:, None, :]
     # A dome is as wide as the strut before it; a bend has a width of its own.
@@ -90,7 +92,10 @@ def make_rig(scaffold: Scaffold, domes: bool) -> Rig:
     )
     if domes:
         spokes[scaffold_quads[cap_rows(scaffold)]] *= DOME_SCALE
-    np.add.at(centres, end[~is_dome], -BEND_SHIFT * (depths[:, None] * along)[~is_dome, None, :])
+    at_bend = scaffold.sleeves.reshape(-1, 4)[bends.leaving[:, 0]]  # (b, 4)
+    even = APOTHEM["round"] / APOTHEM[scaffold.options.section] * spokes[at_bend]
+    shifts, spokes[at_bend] = bends.placed(even, depth[bends.leaving])
+    centres[at_bend] += shifts[:, None]
     return Rig(
         is_own=is_own,
         quads=np.concatenate([quads, cut.reshape(-1, 4)]),
@@ -107,27 +112,37 @@ def cap_rows(scaffold: Scaffold) -> Ints:
     return 4 * len(scaffold.refined.edges) + np.arange(len(scaffold.refined.extremities))
 
 
-def _added_sections(scaffold: Scaffold, domes: bool) -> tuple[Ints, Floats]:
-    """Return the half-edges that get a section, and how far from their tails, (k,) each.
+def _added_sections(scaffold: Scaffold, spokes: Floats, domes: bool) -> tuple[Floats, Bends]:
+    """Return how far along each half-edge a section is added, (2 m',), mm, and the bends they make.
 
-    An edge gets them only if they take less than half of it.
+    0 where none is. Two that an edge has no room for get half of it each, or what the other leaves.
     """
     refined = scaffold.refined
-    depth = np.zeros(2 * len(refined.edges))
+    tails = refined.edges.reshape(-1)
+    wanted = np.zeros(len(tails))
     if domes:
-        depth[refined.leaving_extremities] = DOME_DISTANCE * refined.radii[refined.extremities]
-    if scaffold.options.collars:
-        leaving = refined.incidence.at_nodes(refined.joints, 2)  # (j, 2)
-        ways = refined.directions[leaving]
-        bend = np.pi - angle_between(ways[:, 0], ways[:, 1])
-        # Clear of the inner corner of the bend.
-        corner = np.minimum(np.tan(bend / 2), MITER_LIMIT) * scaffold.options.corner_distance
-        reach = np.where(bend > LEAST_BEND, corner + BLEND, 0.0) * refined.radii[refined.joints]
-        depth[leaving] = reach[:, None]
-    taken = depth.reshape(-1, 2).sum(axis=1)
-    has_room = np.repeat(2 * taken <= refined.lengths, 2)
-    half_edges = np.flatnonzero(has_room & (depth > 0))
-    return half_edges, depth[half_edges]
+        wanted[refined.leaving_extremities] = DOME_DISTANCE * refined.radii[refined.extremities]
+    bends = bends_of(scaffold)
+    wanted[bends.leaving] = bends.reach[:, None]
+
+    pairs = wanted.reshape(-1, 2)
+    blends = _blends(scaffold, spokes).reshape(-1, 2).sum(axis=1)
+    room = ROOM * (refined.lengths - blends)[:, None]
+    depth = np.minimum(pairs, np.maximum(room / 2, room - pairs[:, ::-1])).reshape(-1)
+    depth[depth < LEAST_DEPTH * refined.radii[tails]] = 0.0
+    has_both = depth[bends.leaving].all(axis=1)
+    depth[bends.leaving[~has_both]] = 0.0
+    return depth, bends.chosen(has_both)
+
+
+def _blends(scaffold: Scaffold, spokes: Floats) -> Floats:
+    """Return how far each half-edge is inside the star of its branch point, (2 m',), mm."""
+    refined = scaffold.refined
+    leaving = np.flatnonzero(refined.valency[refined.edges.reshape(-1)] >= 3)
+    corners = spokes[scaffold.sleeves.reshape(-1, 4)[leaving]]  # (k, 4, 3)
+    blends = np.zeros(2 * len(refined.edges))
+    blends[leaving] = dot(corners, refined.directions[leaving][:, None]).max(axis=1)
+    return blends
 
 
 def _sides(near: Ints, far: Ints) -> Ints:
