@@ -7,7 +7,7 @@ is kept is a C-contiguous, read-only copy of a known dtype and shape, and its va
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cached_property, wraps
 from typing import Any, TypeAlias, TypeVar
 
@@ -40,6 +40,9 @@ Radii: TypeAlias = NDArray[np.float64]
 LARGEST_COORDINATE = 1e12
 """Largest coordinate or radius of a node that is believed, mm: a million km."""
 
+LARGEST_WHOLE = 2.0**53
+"""Whole numbers below it are all float64."""
+
 _Array = TypeVar("_Array", bound=np.ndarray[Any, Any])
 _Value = TypeVar("_Value")
 
@@ -54,16 +57,23 @@ class Frozen:
     """Base of the dataclasses that keep arrays: none of these may be written to.
 
     That holds for fields and cached properties, for copies, and for what is read with pickle.
+    They are printed by their shapes.
     """
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
+        cls.__repr__ = Frozen.__repr__  # type: ignore[method-assign]  # or dataclass makes its own
         for attribute in vars(cls).values():
             if isinstance(attribute, cached_property):
                 attribute.func = _with_locked_result(attribute.func)
 
     def __post_init__(self) -> None:
         self._keep(**vars(self))
+
+    def __repr__(self) -> str:
+        fields = getattr(self, "__dataclass_fields__", {})
+        values = ", ".join(f"{name}={_shown(getattr(self, name))}" for name in fields)
+        return f"{type(self).__name__}({values})"
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         # Arrays that were copied or pickled may be written to again.
@@ -72,6 +82,13 @@ class Frozen:
     def _keep(self, **values: Any) -> None:
         """Set attributes, whose arrays are read-only from now on."""
         vars(self).update({name: _locked(value) for name, value in values.items()})
+
+
+def _shown(value: object) -> str:
+    """Return how a field is printed: an array by its shape and kind."""
+    if isinstance(value, np.ndarray):
+        return f"<{' × '.join(map(str, value.shape))} {value.dtype.name}>"
+    return repr(value)
 
 
 def _locked(value: _Value) -> _Value:
@@ -219,6 +236,8 @@ def as_floats(
             raise TypeError("it holds complex numbers")
         if values is None:  # numpy makes it nan
             raise TypeError("it is None")
+        if raw.dtype == object and all(isinstance(item, Iterable) for item in raw.flat):
+            raw = np.array([tuple(item) for item in raw.flat])  # such as build123d's Vector
         return np.array(raw, dtype=np.float64, order="C")
     except (TypeError, ValueError, OverflowError) as reason:
         raise error(f"{name} is not an array of numbers: {reason}") from None
@@ -233,7 +252,11 @@ def as_indices(values: ArrayLike, name: str, error: type[ScaffoldCadError]) -> I
         If they are not whole numbers.
     """
     raw = _as_array(values, name, error)
-    if raw.size and raw.dtype.kind not in "iu":
+    if raw.size and raw.dtype.kind == "f":  # as text files are read
+        bad = raw[~(raw == np.floor(raw)) | ~(np.abs(raw) < LARGEST_WHOLE)]
+        if bad.size:
+            raise error(f"{name} holds {bad[0]}; need whole numbers")
+    elif raw.size and raw.dtype.kind not in "iu":
         raise error(f"{name} has dtype {raw.dtype}; need whole numbers")
     return np.array(raw, dtype=np.intp, order="C")
 

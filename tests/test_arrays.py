@@ -120,7 +120,7 @@ def test_radii_that_are_none_are_refused(values: Any, message: str) -> None:
     [
         ([[0, 1], [1, 3]], r"edges\[1\] joins nodes \[1, 3\]; need 0 to 2"),
         ([[-1, 1]], r"edges\[0\] joins nodes \[-1, 1\]; need 0 to 2"),
-        ([[0.0, 1.0]], "edges has dtype float64; need whole numbers"),
+        ([[0.5, 1.0]], "edges holds 0.5; need whole numbers"),
         ([[True, False]], "edges has dtype bool; need whole numbers"),
         ([[0, 2**70]], "edges has dtype object; need whole numbers"),
         ([[0, 1, 2]], r"edges has shape \(1, 3\); need \(n, 2\)"),
@@ -138,7 +138,7 @@ def test_edges_that_are_none_are_refused(values: Any, message: str) -> None:
     [
         ([[0, 1, 2, 4]], r"quads\[0\] has vertices \[0, 1, 2, 4\]; need 0 to 3"),
         ([[0, 1, 2]], r"quads has shape \(1, 3\); need \(n, 4\)"),
-        ([[0, 1, 2, 3.5]], "quads has dtype float64; need whole numbers"),
+        ([[0, 1, 2, 3.5]], "quads holds 3.5; need whole numbers"),
         ([[0, 1, 2, 3], [0]], "quads is not an array of indices"),
     ],
 )

@@ -349,7 +349,7 @@ def test_options_out_of_range_are_refused() -> None:
 def test_meshes_out_of_range_are_refused() -> None:
     with pytest.raises(MeshError, match=r"vertex 1 is at \[2e\+70, .*need at most 1e\+70"):
         self_intersections(soup([[0, 0, 0], [2e70, 0, 0], [0, 1, 0]]))
-    wrong = SimpleNamespace(vertices=np.zeros((3, 3)), triangles=np.zeros((1, 3, 3)))
+    wrong = SimpleNamespace(vertices=np.zeros((3, 3)), triangles=np.full((1, 3), 0.5))
     with pytest.raises(MeshError, match=r"need whole numbers"):
         self_intersections(wrong)
 

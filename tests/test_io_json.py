@@ -83,7 +83,7 @@ def test_radii_may_be_left_out_and_further_keys_are_ignored(tmp_path: Path) -> N
         (changed(nodes=[[0, 0, 0], ["a", 0, 0]]), "nodes is not an array of numbers"),
         (changed(edges=[[0, 2]]), r"bad\.json: edges\[0\] joins nodes \[0, 2\]; need 0 to 1"),
         (changed(edges=[[0, -1]]), r"edges\[0\] joins nodes \[0, -1\]; need 0 to 1"),
-        (changed(edges=[[0, 0.5]]), "edges has dtype float64; need whole numbers"),
+        (changed(edges=[[0, 0.5]]), "edges holds 0.5; need whole numbers"),
         (changed(edges=[[0, 10**30]]), "edges has dtype object; need whole numbers"),
         (changed(edges=[[0, 1, 0]]), r"edges has shape \(1, 3\); need \(n, 2\)"),
         (changed(edges=[[0], [0, 1]]), "edges is not an array of indices"),

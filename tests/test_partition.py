@@ -297,7 +297,7 @@ def test_quads_that_cannot_hold_the_directions_are_refused() -> None:
         (np.zeros((1, 4, 4), dtype=int), "quads of star 0 in like do not close up on 6 vertices"),
         (np.full((1, 4, 4), 9), "quads of star 0 in like do not close up on 6 vertices"),
         (np.zeros((1, 3, 4), dtype=int), r"like has shape \(1, 3, 4\)"),
-        (np.zeros((1, 4, 4)), "like has dtype float64; need whole numbers"),
+        (np.full((1, 4, 4), 0.5), "like holds 0.5; need whole numbers"),
     ],
 )
 def test_models_that_are_no_partitions_are_refused(quads: object, message: str) -> None:

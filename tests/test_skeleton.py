@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import pickle
+import re
 from collections.abc import Callable
 from copy import copy, deepcopy
 from dataclasses import FrozenInstanceError
@@ -8,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from build123d import Vector, Vertex
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -23,6 +25,7 @@ from tests.skeletons import (
     STICK_FIGURE,
     STRAIGHT_THROUGH,
     STRUT,
+    TETRAPOD,
     THETA,
     TREFOIL,
     TWO_STRUTS,
@@ -42,6 +45,18 @@ def test_lists_are_taken_and_a_single_radius_stands_for_all() -> None:
     skeleton = Skeleton([[0, 0, 0], [1, 0, 0]], [[0, 1]], 2)
     assert skeleton.radii.tolist() == [2, 2]
     assert skeleton.nodes.dtype == np.float64
+
+
+def test_points_of_build123d_and_whole_numbers_of_text_files_are_taken() -> None:
+    edges = np.loadtxt(["0 1", "1 2"])
+    skeleton = Skeleton([Vector(0, 0, 0), Vertex(1, 0, 0), (2, 1, 0)], edges, 1.0)
+    assert skeleton.nodes.tolist() == [[0, 0, 0], [1, 0, 0], [2, 1, 0]]
+    assert skeleton.edges.tolist() == [[0, 1], [1, 2]]
+
+
+def test_a_skeleton_is_printed_by_its_shapes() -> None:
+    expected = r"Skeleton\(nodes=<5 × 3 float64>, edges=<4 × 2 int\d+>, radii=<5 float64>\)"
+    assert re.fullmatch(expected, repr(TETRAPOD))
 
 
 def test_a_skeleton_cannot_be_changed() -> None:
@@ -355,7 +370,7 @@ def test_some_edges_make_a_skeleton_of_their_own() -> None:
         ([-1], r"edges\[0\] is -1; need 0 to 1"),
         ([[0, 1]], r"edges has shape \(1, 2\); need \(k,\)"),
         ([True], r"edges has shape \(1,\); need \(2,\), a mark each"),
-        ([0.0], "edges has dtype float64; need whole numbers"),
+        ([0.5], "edges holds 0.5; need whole numbers"),
         (["0"], "edges has dtype <U1; need whole numbers"),
         ([0, [1]], "edges is not an array of indices"),
     ],

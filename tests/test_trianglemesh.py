@@ -69,7 +69,7 @@ def test_what_is_not_closed_is_refused(triangles, message) -> None:
 @pytest.mark.parametrize(
     ("triangles", "message"),
     [
-        ([[0.0, 1.0, 2.0]], "triangles has dtype float64; need whole numbers"),
+        ([[0.5, 1.0, 2.0]], "triangles holds 0.5; need whole numbers"),
         ([[0, 1, 2, 3]], "triangles has shape (1, 4); need (n, 3)"),
         ([[0, 1, 2], [0, 1, 4]], "triangles[1] has vertices [0, 1, 4]; need 0 to 3"),
         ([[0, 1, 2], [0, 1]], "triangles is not an array of indices"),
