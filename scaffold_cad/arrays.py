@@ -7,7 +7,7 @@ is kept is a C-contiguous, read-only copy of a known dtype and shape, and its va
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sized
 from functools import cached_property, wraps
 from typing import Any, TypeAlias, TypeVar
 
@@ -229,18 +229,29 @@ def as_floats(
         If they are not real numbers.
     """
     try:
-        raw = np.asarray(values)
+        raw = _as_one_array(values)
         if raw.dtype.kind in "SU":
             raise TypeError(f"it holds text, {raw.reshape(-1)[0]!s:.40}")
         if raw.dtype.kind == "c":  # numpy would drop the imaginary parts
             raise TypeError("it holds complex numbers")
         if values is None:  # numpy makes it nan
             raise TypeError("it is None")
-        if raw.dtype == object and all(isinstance(item, Iterable) for item in raw.flat):
-            raw = np.array([tuple(item) for item in raw.flat])  # such as build123d's Vector
         return np.array(raw, dtype=np.float64, order="C")
     except (TypeError, ValueError, OverflowError) as reason:
         raise error(f"{name} is not an array of numbers: {reason}") from None
+
+
+def _as_one_array(values: ArrayLike) -> NDArray[Any]:
+    """Return `values` as an array, rows of build123d's Vector and the like among them."""
+    if isinstance(values, list | tuple):
+        vectors = tuple(kind for kind in set(map(type, values)) if _are_vectors(kind))
+        if vectors:
+            return np.array([tuple(row) if isinstance(row, vectors) else row for row in values])
+    return np.asarray(values)
+
+
+def _are_vectors(kind: type) -> bool:
+    return issubclass(kind, Iterable) and not issubclass(kind, Sized)
 
 
 def as_indices(values: ArrayLike, name: str, error: type[ScaffoldCadError]) -> Ints:
