@@ -32,7 +32,19 @@ from scaffold_cad.smooth.bernstein import bernstein, elevation, gram, product, t
 from scaffold_cad.smooth.catmull_clark import NO_CREASES, Connectivity
 from scaffold_cad.smooth.deviation import limit_distances, normal_jumps
 from tests.meshes import CUBE as CUBE_MESH
-from tests.skeletons import BCC_STAR, JACK, NAMED, RING, STRUT, TETRAPOD, TREFOIL, TRIPOD, star
+from tests.skeletons import (
+    BCC_STAR,
+    JACK,
+    NAMED,
+    RING,
+    STRUT,
+    TAPER,
+    TETRAPOD,
+    TREFOIL,
+    TRIPOD,
+    ZIGZAG,
+    star,
+)
 from tests.strategies import skeletons
 
 ROUNDING = 1e-9
@@ -196,8 +208,37 @@ def test_radii_of_struts_are_those_about_their_axes(seed: int) -> None:
 def test_no_radius_is_found_where_no_surface_reaches() -> None:
     scaffold = build_scaffold(STRUT)
     found = deviation(smooth_patches(scaffold), scaffold)
-    nowhere = replace(found, strut_radii=np.full((1, 3), np.nan))
+    nowhere = replace(found, strut_radii=np.full((1, 3), np.nan), strut_offsets=np.full(1, np.nan))
     assert np.isnan(nowhere.radius_range).all()
+    assert np.isnan(nowhere.greatest_offset)
+
+
+def test_the_deviation_tells_how_far_axes_are_off_centre() -> None:
+    scaffold = build_scaffold(TAPER)
+    patches = smooth_patches(scaffold)
+    found = deviation(patches, scaffold)
+    assert found.greatest_offset < 1e-6
+    assert "axes in mid-strut: 0.000 radii off centre at most" in str(found)
+    aside = np.array([0.3, 0.4, 0.0])
+    bezier = BezierMesh(patches.bezier.quads, patches.bezier.control_points + aside)
+    moved = deviation(replace(patches, bezier=bezier), scaffold)
+    assert moved.strut_offsets == pytest.approx([0.5], abs=1e-6)
+    assert moved.greatest_offset == pytest.approx(0.5 / 1.5, abs=1e-6)
+    assert moved.strut_radii == pytest.approx(found.strut_radii, abs=1e-6)
+
+
+def test_the_deviation_tells_how_far_a_ring_is_from_its_polygon() -> None:
+    scaffold = build_scaffold(RING)
+    # A cubic spline passes the middle of a side at 1/24 of its turn at a corner.
+    turn = 2 * RING.lengths[0] * np.sin(np.pi / 12)
+    offsets = deviation(smooth_patches(scaffold), scaffold).strut_offsets
+    assert offsets == pytest.approx(np.full(12, turn / 24), rel=0.1)
+
+
+@pytest.mark.parametrize("collars", [True, False])
+def test_axes_are_central_in_the_struts_between_bends(collars: bool) -> None:
+    scaffold = build_scaffold(ZIGZAG, collars=collars)
+    assert deviation(smooth_patches(scaffold), scaffold).greatest_offset < 0.05
 
 
 @pytest.mark.parametrize("split", [0, 1, None])

@@ -41,6 +41,9 @@ class Deviation(Frozen):
     strut whose surface does not reach there."""
     asked_radii: Radii
     """Radius of the skeleton there, shape (m,), mm."""
+    strut_offsets: Floats
+    """Distance of the section's centre from the strut's axis there, shape (m,), mm; nan as above.
+    Large where the surface rounds bends off."""
 
     @property
     def radius_range(self) -> tuple[float, float]:
@@ -53,6 +56,13 @@ class Deviation(Frozen):
         parts = self.strut_radii / self.asked_radii[:, None]
         return float(np.nanmin(parts[:, 0])), float(np.nanmax(parts[:, 2]))
 
+    @property
+    def greatest_offset(self) -> float:
+        """Greatest distance of a strut's axis from the section's centre, in radii; nan as above."""
+        if np.isnan(self.strut_offsets).all():
+            return np.nan
+        return float(np.nanmax(self.strut_offsets / self.asked_radii))
+
     def __str__(self) -> str:
         least, greatest = self.radius_range
         return "\n".join(
@@ -61,6 +71,7 @@ class Deviation(Frozen):
                 f"Catmull-Clark limit: {self.limit_distance:.3g} mm away at most",
                 f"patches that turn over: {len(self.turned)}",
                 f"radii in mid-strut: {least:.3f} to {greatest:.3f} of those asked",
+                f"axes in mid-strut: {self.greatest_offset:.3f} radii off centre at most",
             ]
         )
 
@@ -88,6 +99,7 @@ def deviation(patches: Patches, scaffold: Scaffold) -> Deviation:
     Catmull-Clark limit: ... mm away at most
     patches that turn over: 0
     radii in mid-strut: 0.985 to 1.013 of those asked
+    axes in mid-strut: 0.000 radii off centre at most
     """
     check_kind(patches, Patches)
     check_kind(scaffold, Scaffold)
@@ -95,12 +107,14 @@ def deviation(patches: Patches, scaffold: Scaffold) -> Deviation:
     strut = scaffold.edge_of_quad[patches.quad_of_patch]
     fine = _grid_mesh(points)
     skeleton = scaffold.skeleton
+    sections = mid_strut_sections(fine, np.repeat(strut, len(fine.quads) // len(strut)), skeleton)
     return Deviation(
         normal_jump=float(normal_jumps(patches).max(initial=0.0)),
         limit_distance=float(limit_distances(patches).max(initial=0.0)),
         turned=patches.turned,
-        strut_radii=strut_radii(fine, np.repeat(strut, len(fine.quads) // len(strut)), skeleton),
+        strut_radii=sections.radii,
         asked_radii=skeleton.radii[skeleton.edges].mean(axis=1),
+        strut_offsets=sections.offsets,
     )
 
 
@@ -132,11 +146,21 @@ def limit_distances(patches: Patches, samples: int = PATCH_SAMPLES) -> Floats:
     return largest
 
 
-def strut_radii(mesh: QuadMesh, strut_of_quad: Ints, skeleton: Skeleton) -> Floats:
-    """Return the least, mean and greatest radius in the middle of each strut, (m, 3), mm.
+@dataclass(frozen=True, eq=False)
+class MidStrutSections:
+    """The sections of a surface with the planes across the middles of struts.
 
-    The section of the surface with the plane across the middle of the strut, measured from the
-    centre of the circle nearest to it; nan for a strut whose surface does not reach there.
+    nan for a strut whose surface does not reach there.
+    """
+
+    radii: Floats
+    """Least, mean and greatest distance from the centre of the nearest circle, shape (m, 3), mm."""
+    offsets: Floats
+    """Distance of that centre from the strut's axis, shape (m,), mm."""
+
+
+def mid_strut_sections(mesh: QuadMesh, strut_of_quad: Ints, skeleton: Skeleton) -> MidStrutSections:
+    """Return the section in the middle of each strut.
 
     Parameters
     ----------
@@ -156,20 +180,22 @@ def strut_radii(mesh: QuadMesh, strut_of_quad: Ints, skeleton: Skeleton) -> Floa
     points = (1 - share) * corners[:, 0] + share * corners[:, 1]
 
     count = np.bincount(strut, minlength=len(axes))
-    distance = _distances_from_centre(points - middles[strut], strut, axes)
+    centres = _centres(points - middles[strut], strut, axes)
+    distance = length(points - middles[strut] - centres[strut])
     radii = np.full((len(axes), 3), np.nan)
     radii[strut] = [np.inf, 0.0, 0.0]
     np.minimum.at(radii[:, 0], strut, distance)
     np.add.at(radii[:, 1], strut, distance)
     np.maximum.at(radii[:, 2], strut, distance)
     radii[:, 1] /= np.maximum(count, 1)
-    return radii
+    offsets = np.where(count > 0, length(centres), np.nan)
+    return MidStrutSections(radii, offsets)
 
 
-def _distances_from_centre(points: Points, strut: Ints, axes: UnitVectors) -> Floats:
-    """Return how far points around struts are from the centre of the circle nearest to them, (k,).
+def _centres(points: Points, strut: Ints, axes: UnitVectors) -> Points:
+    """Return the centre of the circle nearest to the points around each strut, (m, 3), mm.
 
-    Unlike their mean, it does not lean to where points are dense.
+    From the middle of the strut. Unlike the points' mean, it does not lean to where they are dense.
 
     Parameters
     ----------
@@ -187,7 +213,8 @@ def _distances_from_centre(points: Points, strut: Ints, axes: UnitVectors) -> Fl
     np.add.at(squares, strut, terms[:, :, None] * terms[:, None])
     np.add.at(sums, strut, terms * dot(places, places)[:, None])
     centres = np.einsum("mij,mj->mi", np.linalg.pinv(squares), sums)[:, :2]
-    return length(places - centres[strut])
+    found: Points = centres[:, :1] * x + centres[:, 1:] * y
+    return found
 
 
 def _along_sides(grids: Floats, sides: Ints) -> Floats:
