@@ -244,9 +244,10 @@ def as_floats(
 def _as_one_array(values: ArrayLike) -> NDArray[Any]:
     """Return `values` as an array, rows of build123d's Vector and the like among them."""
     if isinstance(values, list | tuple):
-        vectors = tuple(kind for kind in set(map(type, values)) if _are_vectors(kind))
+        rows: list[Any] = list(values)
+        vectors = tuple(kind for kind in set(map(type, rows)) if _are_vectors(kind))
         if vectors:
-            return np.array([tuple(row) if isinstance(row, vectors) else row for row in values])
+            return np.array([tuple(row) if isinstance(row, vectors) else row for row in rows])
     return np.asarray(values)
 
 
