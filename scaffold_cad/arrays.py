@@ -245,9 +245,9 @@ def _as_one_array(values: ArrayLike) -> NDArray[Any]:
     """Return `values` as an array, rows of build123d's Vector and the like among them."""
     if isinstance(values, list | tuple):
         rows: list[Any] = list(values)
-        vectors = tuple(kind for kind in set(map(type, rows)) if _are_vectors(kind))
+        vectors = {kind for kind in set(map(type, rows)) if _are_vectors(kind)}
         if vectors:
-            return np.array([tuple(row) if isinstance(row, vectors) else row for row in rows])
+            return np.array([tuple(row) if type(row) in vectors else row for row in rows])
     return np.asarray(values)
 
 

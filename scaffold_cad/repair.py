@@ -18,6 +18,7 @@ from scipy.spatial import cKDTree
 from scaffold_cad.arguments import as_number
 from scaffold_cad.arrays import Bools, Edges, Floats, Ints, Points, Radii, UnitVectors
 from scaffold_cad.errors import SkeletonError
+from scaffold_cad.positions import equal_positions
 from scaffold_cad.topology import component_labels, incidence
 from scaffold_cad.vectors import dot, length, normalize
 
@@ -193,24 +194,6 @@ def _weld(nodes: Points, located: Bools, distance: float) -> Ints:
     _, first = np.unique(place, return_index=True)
     target[index] = index[first[place]]
     return target
-
-
-def equal_positions(points: Points) -> tuple[Ints, Ints]:
-    """Return the place of each of `points` (n, 3), and the first point at each place.
-
-    Places are numbered in order of their first point.
-    """
-    order = np.lexsort(points.T)
-    ordered = points[order]
-    new = np.ones(len(points), dtype=np.bool_)
-    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
-    # The sort is stable: the first of a run of equals is the one of the lowest index.
-    first = order[new]
-    rank = np.empty(len(first), dtype=np.intp)
-    rank[np.argsort(first)] = np.arange(len(first))
-    place = np.empty(len(points), dtype=np.intp)
-    place[order] = rank[np.cumsum(new) - 1]
-    return place, np.sort(first)
 
 
 def _distinct(edges: Edges, count: int) -> tuple[Edges, int, int]:

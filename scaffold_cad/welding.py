@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.errors import MeshError
-from scaffold_cad.repair import equal_positions
+from scaffold_cad.positions import equal_positions
 from scaffold_cad.trianglemesh import TriangleMesh
 
 

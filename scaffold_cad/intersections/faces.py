@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.arrays import Floats, Ints, Points
+from scaffold_cad.positions import equal_positions
 from scaffold_cad.trianglemesh import TriangleMesh
 from scaffold_cad.vectors import normalize
 
@@ -51,7 +52,7 @@ def faces_of(mesh: TriangleMesh, order: Ints, weld: bool) -> Faces:
     """
     triangles = mesh.triangles[order]
     corners = mesh.vertices[triangles]
-    numbers = _position_numbers(mesh.vertices) if weld else np.arange(len(mesh.vertices))
+    numbers = equal_positions(mesh.vertices)[0] if weld else np.arange(len(mesh.vertices))
     labels = np.ascontiguousarray(numbers[triangles].T)  # or each look-up would copy it all
     repeats = np.zeros(labels.shape, dtype=np.bool_)
     repeats[1] = labels[1] == labels[0]
@@ -68,15 +69,6 @@ def faces_of(mesh: TriangleMesh, order: Ints, weld: bool) -> Faces:
         centers=(corners[:, 0] + corners[:, 1] + corners[:, 2]) / 3.0,
         bisectors=along - np.roll(along, 1, axis=1),
     )
-
-
-def _position_numbers(vertices: Points) -> Ints:
-    """Return the number of each vertex's position, the same for equal positions, shape (v,)."""
-    order = np.lexsort(vertices.T)
-    ordered = vertices[order]
-    numbers = np.zeros(len(vertices), dtype=np.intp)
-    numbers[order[1:]] = np.cumsum((ordered[1:] != ordered[:-1]).any(axis=1))
-    return numbers
 
 
 def picked(rows_of_three: Floats, rows: Ints, number: Ints | int) -> Floats:

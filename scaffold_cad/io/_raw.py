@@ -18,7 +18,7 @@ from scaffold_cad.arrays import (
     check_believable,
 )
 from scaffold_cad.errors import SkeletonError
-from scaffold_cad.repair import equal_positions
+from scaffold_cad.positions import equal_positions
 
 
 @dataclass(frozen=True, eq=False)
