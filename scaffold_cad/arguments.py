@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from numbers import Integral, Real
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -55,6 +57,19 @@ def check_choice(value: object, name: str, known: Iterable[str]) -> None:
     """
     if not isinstance(value, str) or value not in known:
         raise OptionError(f"{name} is {value!r}; need one of {', '.join(known)}")
+
+
+def as_path(value: Any, name: str = "path") -> Path:
+    """Return `value`, of that name, as a path.
+
+    Raises
+    ------
+    OptionError
+        If it is neither a str nor a Path.
+    """
+    if not isinstance(value, str | PathLike):
+        raise OptionError(f"{name} is {_described(value)}; need a str or a Path")
+    return Path(value)
 
 
 def as_flag(value: Any, name: str) -> bool:

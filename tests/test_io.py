@@ -310,3 +310,8 @@ def test_raw_arrays_are_read_only_copies() -> None:
     assert raw.radii is not None
     for array in (raw.nodes, raw.edges, raw.radii):
         assert not array.flags.writeable
+
+
+def test_what_is_no_path_is_refused() -> None:
+    with pytest.raises(OptionError, match=r"path is 5; need a str or a Path"):
+        read_skeleton(5)  # type: ignore[arg-type]

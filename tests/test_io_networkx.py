@@ -72,3 +72,10 @@ def test_networkx_must_be_installed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("scaffold_cad.backends.find_spec", lambda name: None)
     with pytest.raises(MissingBackendError, match="a networkx graph needs networkx"):
         skeleton_to_networkx(STRUT)
+
+
+def test_what_is_no_graph_and_no_name_is_refused() -> None:
+    with pytest.raises(OptionError, match=r"got a list; need a networkx Graph"):
+        skeleton_from_networkx([(0, 1)], 1.0)
+    with pytest.raises(OptionError, match=r"position is \{0: .*; need the name of an attribute"):
+        skeleton_from_networkx(networkx.path_graph(2), 1.0, position={0: (0, 0, 0)})

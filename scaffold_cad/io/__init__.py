@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from scaffold_cad.arguments import as_count, as_number
+from scaffold_cad.arguments import as_count, as_number, as_path
 from scaffold_cad.arrays import Floats
 from scaffold_cad.errors import FormatError, OptionError, SkeletonError
 
@@ -158,7 +158,7 @@ def read_raw(path: str | PathLike[str], max_nodes: int | None = None) -> RawSkel
     FormatError
         If the file cannot be read, or holds no edge, or more nodes than `max_nodes`.
     """
-    path = Path(path)
+    path = as_path(path)
     try:
         raw = reader_of(path, _head(path))(path)
     except SkeletonError as error:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from scaffold_cad.arguments import check_kind
 from scaffold_cad.arrays import as_floats
 from scaffold_cad.backends import need
 from scaffold_cad.errors import OptionError, SkeletonError
@@ -30,7 +32,14 @@ def skeleton_from_networkx(
     ------
     SkeletonError
         If a node has no position or no radius, or not what a `Skeleton` takes.
+    OptionError
+        If `graph` is none of networkx, or a name of an attribute is no text.
     """
+    if not isinstance(getattr(graph, "nodes", None), Mapping):
+        check_kind(graph, "networkx Graph")
+    for name, value in (("position", position), ("radii", radii)):
+        if not isinstance(value, str):
+            raise OptionError(f"{name} is {value!r:.80}; need the name of an attribute of nodes")
     number = {node: k for k, node in enumerate(graph.nodes)}
     points = [_position(node, data.get(position), position) for node, data in graph.nodes.items()]
     if radius is None:
