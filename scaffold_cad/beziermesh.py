@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from scaffold_cad.arrays import Bools, Floats, Frozen, Ints, Quads, UnitVectors, as_quads, read_only
+from scaffold_cad.bernstein import bernstein
 from scaffold_cad.errors import MeshError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.vectors import length, normalize, triple
@@ -114,7 +115,7 @@ class BezierMesh(Frozen):
             return 0.0
         nodes, weights = np.polynomial.legendre.leggauss((3 * self.degree + 1) // 2)
         nodes, weights = (nodes + 1) / 2, weights / 2
-        value, slope = _bernstein(self.degree, nodes)  # each (g, d + 1)
+        value, slope = (bernstein(self.degree, nodes, order) for order in (0, 1))  # (g, d + 1)
         points = self.control_points - self.control_points.mean(axis=(0, 1, 2))
         place = np.einsum("gi,hj,fijk->fghk", value, value, points, optimize=True)
         along_u = np.einsum("gi,hj,fijk->fghk", slope, value, points, optimize=True)
@@ -148,18 +149,3 @@ def side_indices(degree: int) -> Ints:
     """Return which of a patch's flattened control points lie on its four sides, (4, d + 1)."""
     grid = np.arange((degree + 1) ** 2).reshape(degree + 1, degree + 1)
     return np.stack([grid[:, 0], grid[-1, :], grid[::-1, -1], grid[0, ::-1]])
-
-
-def _bernstein(degree: int, at: Floats) -> tuple[Floats, Floats]:
-    """Return the Bernstein polynomials of `degree` and their slopes at `at` (g,), (g, d + 1)."""
-    value = np.ones((len(at), 1))
-    lower = value
-    for _ in range(degree):
-        lower = value
-        value = np.zeros((len(at), lower.shape[1] + 1))
-        value[:, :-1] += (1 - at)[:, None] * lower
-        value[:, 1:] += at[:, None] * lower
-    slope = np.zeros_like(value)
-    slope[:, :-1] -= degree * lower
-    slope[:, 1:] += degree * lower
-    return value, slope

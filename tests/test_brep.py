@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaffold_cad.arrays import Floats, Points
+from scaffold_cad.bernstein import bernstein
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.brep import TESSELLATION_DISTANCE, export_brep, export_step, tessellated
 from scaffold_cad.cad import to_brep
@@ -22,7 +23,6 @@ from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.segments import nearest_on_segments
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import smooth_patches
-from scaffold_cad.smooth.bernstein import bernstein
 from scaffold_cad.trianglemesh import TriangleMesh
 from scaffold_cad.vectors import dot, length, normalize
 from tests.meshes import (

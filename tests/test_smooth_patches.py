@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaffold_cad.arrays import Floats
+from scaffold_cad.bernstein import bernstein, elevation, gram, product, thin_plate
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.cad import to_brep
 from scaffold_cad.errors import MeshError, OptionError
@@ -27,10 +28,9 @@ from scaffold_cad.smooth import (
     smooth_mesh,
     smooth_patches,
 )
+from scaffold_cad.smooth.accuracy import limit_distances, normal_jumps
 from scaffold_cad.smooth.alike import alike_parts
-from scaffold_cad.smooth.bernstein import bernstein, elevation, gram, product, thin_plate
-from scaffold_cad.smooth.catmull_clark import NO_CREASES, Connectivity
-from scaffold_cad.smooth.deviation import limit_distances, normal_jumps
+from scaffold_cad.smooth.connectivity import NO_CREASES, Connectivity
 from tests.meshes import CUBE as CUBE_MESH
 from tests.skeletons import (
     BCC_STAR,

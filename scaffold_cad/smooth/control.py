@@ -17,13 +17,10 @@ from scaffold_cad.arrays import Edges, Frozen, Ints
 from scaffold_cad.errors import OptionError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
-from scaffold_cad.smooth.catmull_clark import (
-    NO_CREASES,
-    Connectivity,
-    limit_points,
-    subdivided_points,
-)
+from scaffold_cad.smooth.connectivity import NO_CREASES, Connectivity
+from scaffold_cad.smooth.limits import limit_points
 from scaffold_cad.smooth.rig import Rig, cap_rows, make_rig
+from scaffold_cad.smooth.subdivision import subdivided_points
 from scaffold_cad.smooth.targets import Domes, Pose, Rails, RoundStruts, Spheres, StrutRadii, Target
 from scaffold_cad.stars import APOTHEM
 from scaffold_cad.vectors import length

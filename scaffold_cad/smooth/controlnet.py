@@ -13,7 +13,7 @@ import numpy as np
 
 from scaffold_cad.arrays import Floats, Ints, Points
 from scaffold_cad.beziermesh import side_indices
-from scaffold_cad.smooth.catmull_clark import Connectivity
+from scaffold_cad.smooth.connectivity import Connectivity
 
 
 @dataclass(frozen=True, eq=False)

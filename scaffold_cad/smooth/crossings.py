@@ -8,16 +8,12 @@ from scaffold_cad.arrays import Floats, Ints
 from scaffold_cad.intersections import self_intersections
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
-from scaffold_cad.smooth.catmull_clark import (
-    Connectivity,
-    as_grids,
-    grid_places,
-    limit_points,
-    subdivided,
-    sum_of_normals,
-)
+from scaffold_cad.smooth.connectivity import Connectivity
+from scaffold_cad.smooth.grids import as_grids, grid_places
+from scaffold_cad.smooth.limits import limit_points, sum_of_normals
 from scaffold_cad.smooth.patches import Patches
 from scaffold_cad.smooth.slabs import FineSurface
+from scaffold_cad.smooth.subdivision import subdivided
 from scaffold_cad.vectors import dot, normalize
 
 TRIED_LEVELS = (2, 3)

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 from scaffold_cad.scaffold import Scaffold
-from scaffold_cad.smooth.catmull_clark import (
-    Connectivity,
-    Subdivision,
-    as_subdivision,
-    limit_points,
-    subdivided,
-)
-from scaffold_cad.smooth.control import Caps, control_mesh
+from scaffold_cad.smooth.control import Caps
+from scaffold_cad.smooth.limits import limit_points
+from scaffold_cad.smooth.slabs import fine_surface
+from scaffold_cad.smooth.subdivision import Subdivision, as_subdivision, subdivided
 
 
 def smooth_mesh(scaffold: Scaffold, levels: int = 2, caps: Caps = "round") -> Subdivision:
@@ -29,9 +25,8 @@ def smooth_mesh(scaffold: Scaffold, levels: int = 2, caps: Caps = "round") -> Su
     OptionError
         If `scaffold` is none, `levels` is no whole number ≥ 0, or `caps` has none of its values.
     """
-    control = control_mesh(scaffold, caps)
-    coarse = Connectivity.of(control.mesh, control.creases)
-    fine, points = subdivided(coarse, control.mesh.vertices, levels)
-    subdivision = as_subdivision(fine, limit_points(fine, points), levels)
-    quads = control.quad_of_quad[subdivision.quad_of_quad]
+    surface = fine_surface(scaffold, levels, caps)
+    fine, points = subdivided(surface.control, surface.points, surface.levels)
+    subdivision = as_subdivision(fine, limit_points(fine, points), surface.levels)
+    quads = surface.quad_of_quad[subdivision.quad_of_quad]
     return Subdivision(subdivision.mesh, subdivision.creases, quads)

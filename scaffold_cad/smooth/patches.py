@@ -10,24 +10,19 @@ import numpy as np
 
 from scaffold_cad.arguments import as_count, check_kind
 from scaffold_cad.arrays import Bools, Floats, Frozen, Ints, UnitVectors
+from scaffold_cad.bernstein import bernstein, elevation
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.errors import OptionError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
-from scaffold_cad.smooth.bernstein import bernstein, elevation
 from scaffold_cad.smooth.bicubic import bicubic_patches
-from scaffold_cad.smooth.catmull_clark import (
-    NO_CREASES,
-    Connectivity,
-    as_grids,
-    catmull_clark,
-    limit,
-    limit_points,
-    subdivided,
-)
+from scaffold_cad.smooth.connectivity import NO_CREASES, Connectivity
 from scaffold_cad.smooth.control import Caps, ControlMesh, control_mesh
 from scaffold_cad.smooth.controlnet import ControlNet
 from scaffold_cad.smooth.g1 import G1System
+from scaffold_cad.smooth.grids import as_grids
+from scaffold_cad.smooth.limits import limit, limit_points
+from scaffold_cad.smooth.subdivision import catmull_clark, subdivided
 from scaffold_cad.vectors import dot, normalize
 
 _log = logging.getLogger(__name__)

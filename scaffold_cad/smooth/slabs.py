@@ -15,13 +15,11 @@ import numpy as np
 from scaffold_cad.arguments import as_count
 from scaffold_cad.arrays import Bools, Frozen, Ints, Points, Quads
 from scaffold_cad.scaffold import Scaffold
-from scaffold_cad.smooth.catmull_clark import (
-    Connectivity,
-    grid_places,
-    limit_points,
-    subdivided_points,
-)
+from scaffold_cad.smooth.connectivity import Connectivity
 from scaffold_cad.smooth.control import Caps, control_mesh
+from scaffold_cad.smooth.grids import grid_places
+from scaffold_cad.smooth.limits import limit_points
+from scaffold_cad.smooth.subdivision import subdivided_points
 
 QUADS_AT_ONCE = 1 << 19
 """Quads of the surface made together if nobody asks for a number of slabs: some 500 MB."""

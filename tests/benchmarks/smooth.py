@@ -30,6 +30,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from scaffold_cad.arrays import Floats
+from scaffold_cad.bernstein import bernstein
 from scaffold_cad.export import write
 from scaffold_cad.io import read_skeleton
 from scaffold_cad.lattice import tile, voronoi_foam
@@ -43,7 +44,6 @@ from scaffold_cad.smooth import (
     smooth_mesh,
     smooth_patches,
 )
-from scaffold_cad.smooth.bernstein import bernstein
 from scaffold_cad.stars import Fit
 from scaffold_cad.vectors import angle_between, any_perpendicular, length, normalize
 from tests.skeletons import TRIPOD

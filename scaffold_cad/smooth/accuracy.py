@@ -9,11 +9,14 @@ from scipy.spatial import cKDTree
 
 from scaffold_cad.arguments import check_kind
 from scaffold_cad.arrays import Floats, Frozen, Ints, Points, Radii, UnitVectors
+from scaffold_cad.beziermesh import side_indices
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.smooth.catmull_clark import Connectivity, catmull_clark, limit
+from scaffold_cad.smooth.connectivity import Connectivity
+from scaffold_cad.smooth.limits import limit
 from scaffold_cad.smooth.patches import Patches
+from scaffold_cad.smooth.subdivision import catmull_clark
 from scaffold_cad.vectors import angle_between, any_perpendicular, dot, length, normalize
 
 EDGE_SAMPLES = 33
@@ -220,9 +223,8 @@ def _centres(points: Points, strut: Ints, axes: UnitVectors) -> Points:
 def _along_sides(grids: Floats, sides: Ints) -> Floats:
     """Return the values of `grids` (f, n, n, 3) along `sides` of their patches, (k, n, 3)."""
     count = grids.shape[1]
-    places = np.arange(count**2).reshape(count, count)
-    rows = np.stack([places[:, 0], places[-1], places[::-1, -1], places[0, ::-1]])
-    values: Floats = grids.reshape(len(grids), -1, 3)[(sides >> 2)[:, None], rows[sides & 3]]
+    rows = side_indices(count - 1)[sides & 3]
+    values: Floats = grids.reshape(len(grids), -1, 3)[(sides >> 2)[:, None], rows]
     return values
 
 
