@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -274,3 +276,25 @@ def test_bad_arguments_are_named() -> None:
         catmull_clark(BOX, 1, creases=np.array([[0, 2], [0, 7]]))
     with pytest.raises(MeshError, match="belongs to one quad only"):
         catmull_clark(QuadMesh(BOX.vertices, BOX.quads[:5]), 1)
+    with pytest.raises(OptionError, match="got a list; need a QuadMesh"):
+        limit([[0, 1]])  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("crease", [[0, 10], [-1, 2], [0, 7], [3, 3], [0, 8]])
+def test_creases_that_are_no_edges_are_named(crease: list[int]) -> None:
+    for made in (lambda: catmull_clark(BOX, 1, [[0, 1], crease]), lambda: limit(BOX, [crease])):
+        with pytest.raises(MeshError, match=re.escape(f"crease {crease} is no edge of the mesh")):
+            made()
+
+
+def test_creases_are_pairs_of_vertices_in_any_kind_of_array() -> None:
+    listed, same = catmull_clark(BOX, 2, BOTTOM.tolist()), catmull_clark(BOX, 2, BOTTOM)
+    assert np.array_equal(listed.mesh.vertices, same.mesh.vertices)
+    assert np.array_equal(limit(BOX, BOTTOM[:, ::-1]).points, limit(BOX, BOTTOM).points)
+    assert len(catmull_clark(BOX, 1, []).creases) == 0
+    with pytest.raises(MeshError, match=r"creases has shape \(2,\); need \(k, 2\)"):
+        catmull_clark(BOX, 1, [0, 1])
+    with pytest.raises(MeshError, match=r"creases has shape \(1, 3\); need \(k, 2\)"):
+        limit(BOX, [[0, 1, 3]])
+    with pytest.raises(MeshError, match=r"creases holds 0\.5; need whole numbers"):
+        limit(BOX, [[0.5, 1]])

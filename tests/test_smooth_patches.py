@@ -360,6 +360,10 @@ def test_bernstein_matrices_agree_with_the_polynomials() -> None:
 def test_bad_arguments_are_named() -> None:
     with pytest.raises(OptionError, match="degree is 3; need 4 or 5"):
         smooth_patches(CUBE_MESH, degree=3)
+    with pytest.raises(OptionError, match=r"degree is 5\.0; need a whole number"):
+        smooth_patches(CUBE_MESH, degree=5.0)  # type: ignore[arg-type]
+    with pytest.raises(OptionError, match="degree is '5'; need a whole number"):
+        smooth_patches(CUBE_MESH, degree="5")  # type: ignore[arg-type]
     with pytest.raises(OptionError, match="degree is 4 and split 0; need split 1 or more"):
         smooth_patches(CUBE_MESH, degree=4, split=0)
     with pytest.raises(OptionError, match="split is -1; need 0 or more"):

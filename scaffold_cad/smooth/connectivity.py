@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.sparse import csc_array
 
 from scaffold_cad.arrays import (
@@ -16,6 +17,7 @@ from scaffold_cad.arrays import (
     Ints,
     Points,
     Quads,
+    as_indices,
     read_only,
 )
 from scaffold_cad.errors import MeshError
@@ -42,7 +44,7 @@ class Connectivity(Frozen):
     """Whether each edge is a crease, shape (e,)."""
 
     @classmethod
-    def of(cls, mesh: QuadMesh, creases: Edges) -> Connectivity:
+    def of(cls, mesh: QuadMesh, creases: ArrayLike) -> Connectivity:
         """Return the connectivity of `mesh`; `creases` are pairs of its vertices, (k, 2).
 
         Raises
@@ -171,14 +173,21 @@ def _columns(*columns: Ints) -> Ints:
     return table
 
 
-def _rows_of(mesh: QuadMesh, creases: Edges) -> Ints:
+def _rows_of(mesh: QuadMesh, creases: ArrayLike) -> Ints:
     """Return the rows of `creases` (k, 2) in `mesh.edges`, (k,)."""
-    low, high = np.sort(creases, axis=1).T
-    keys = mesh.edges[:, 0] * len(mesh.vertices) + mesh.edges[:, 1]  # ascending
-    wanted = low * len(mesh.vertices) + high
+    pairs = as_indices(creases, "creases", MeshError)
+    if pairs.size == 0:
+        return pairs.reshape(-1)
+    if pairs.ndim != 2 or pairs.shape[1] != 2:
+        raise MeshError(f"creases has shape {pairs.shape}; need (k, 2)")
+    count = len(mesh.vertices)
+    low, high = np.sort(pairs, axis=1).T
+    keys = mesh.edges[:, 0] * count + mesh.edges[:, 1]  # ascending
+    # Beyond the vertices a key would be another edge's.
+    wanted = np.where((low >= 0) & (high < count), low * count + high, -1)
     rows: Ints = np.searchsorted(keys, wanted)
     rows[rows == len(keys)] = 0
     strange = np.flatnonzero(keys[rows] != wanted)
     if len(strange):
-        raise MeshError(f"crease {creases[strange[0]].tolist()} is no edge of the mesh")
+        raise MeshError(f"crease {pairs[strange[0]].tolist()} is no edge of the mesh")
     return rows

@@ -10,8 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from scaffold_cad.arrays import Edges, Floats, Frozen, Points, UnitVectors
+from scaffold_cad.arguments import check_kind
+from scaffold_cad.arrays import Floats, Frozen, Points, UnitVectors
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.smooth.connectivity import NO_CREASES, Connectivity
 from scaffold_cad.vectors import normalize
@@ -28,7 +30,7 @@ class Limit(Frozen):
     of the normals of its quads."""
 
 
-def limit(mesh: QuadMesh, creases: Edges = NO_CREASES) -> Limit:
+def limit(mesh: QuadMesh, creases: ArrayLike = NO_CREASES) -> Limit:
     """Return where the vertices of `mesh` lie on its Catmull-Clark limit surface.
 
     Parameters
@@ -40,7 +42,10 @@ def limit(mesh: QuadMesh, creases: Edges = NO_CREASES) -> Limit:
     ------
     MeshError
         If the mesh is not closed, or a crease is no edge of it.
+    OptionError
+        If `mesh` is none.
     """
+    check_kind(mesh, QuadMesh)
     connectivity = Connectivity.of(mesh, creases)
     first, second = limit_tangents(connectivity, mesh.vertices)
     normals = np.cross(first, second)

@@ -132,6 +132,7 @@ def patches_around(
     check_kind(surface, Scaffold, QuadMesh)
     if split is not None:
         split = as_count(split, "split")
+    degree = as_count(degree, "degree")
     if degree not in DEGREES:
         raise OptionError(f"degree is {degree}; need 4 or 5")
     if degree < 5 and split == 0:

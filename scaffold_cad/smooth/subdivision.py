@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from scaffold_cad.arguments import as_count, check_kind
 from scaffold_cad.arrays import Edges, Frozen, Ints, Points
@@ -30,7 +31,7 @@ class Subdivision(Frozen):
     """Quad of the mesh before that each quad is a part of, shape (f,)."""
 
 
-def catmull_clark(mesh: QuadMesh, levels: int = 1, creases: Edges = NO_CREASES) -> Subdivision:
+def catmull_clark(mesh: QuadMesh, levels: int = 1, creases: ArrayLike = NO_CREASES) -> Subdivision:
     """Return `mesh` subdivided `levels` times.
 
     Parameters
