@@ -1,7 +1,8 @@
-"""Triangles read from files as they are, faults included: STL, OBJ, PLY and 3MF."""
+"""Triangles read from files as they are, faults included; those of CAD files are made."""
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from os import PathLike
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import TypeAlias
 import numpy as np
 
 from scaffold_cad.backends import need
-from scaffold_cad.brep import BREP_SUFFIXES
+from scaffold_cad.brep import BREP_SUFFIXES, read_brep, tessellated
 from scaffold_cad.errors import FormatError, MeshError, SkeletonError
 from scaffold_cad.manifolds import meshes_in
 from scaffold_cad.trianglemesh import TriangleMesh
@@ -27,27 +28,31 @@ MILLIMETRES = {
 }
 """Length of each unit of lib3mf, mm."""
 
-CAD_SUFFIXES = (*BREP_SUFFIXES, ".iges", ".igs")
-"""Suffixes of formats that hold faces on surfaces, which are not read."""
+IGES_SUFFIXES = (".iges", ".igs")
+"""Suffixes of a format that holds faces on surfaces, and is not read."""
+
+_log = logging.getLogger(__name__)
 
 
 def read_triangles(path: str | PathLike[str]) -> TriangleMesh | None:
     """Return the triangles that a file holds, or None where it is of no such format or has none.
 
     Vertices are neither merged nor dropped. Numbers are taken as mm, but for 3MF, which says.
+    Solids of STEP and BREP files are met within 0.01 mm. A 3MF file with beams has none: it is a
+    skeleton, and triangles beside the beams, such as those that they are clipped to, are not taken.
 
     Raises
     ------
     FormatError
-        If the file is an STL or a PLY file and cannot be read or holds no triangles, or is one of
-        a CAD system.
+        If the file is an STL or a PLY file and cannot be read or holds no triangles, a STEP or a
+        BREP file without a solid, or an IGES file.
     MissingBackendError
         If the package that reads the format is not installed.
     """
     path = Path(path)
     suffix = path.suffix.lower()
-    if suffix in CAD_SUFFIXES:
-        raise FormatError(f"{path} holds CAD faces; need triangles: write the part as STL")
+    if suffix in IGES_SUFFIXES:
+        raise FormatError(f"{path} is an IGES file; need STEP, BREP or STL")
     if suffix not in _READERS:
         return None
     try:
@@ -80,13 +85,24 @@ def _read_3mf(path: Path) -> TriangleMesh:
         raise FormatError(f"{path} cannot be read: {error}") from None
     unit = MILLIMETRES[model.GetUnit().name]
     meshes = []
-    found = merged.GetMeshObjects()
+    beams, found = 0, merged.GetMeshObjects()
     while found.MoveNext():
         body = found.GetCurrentMeshObject()
+        beams += body.BeamLattice().GetBeamCount()
         places = np.array([list(vertex.Coordinates) for vertex in body.GetVertices()])
         rows = np.array([list(row.Indices) for row in body.GetTriangleIndices()], dtype=np.intp)
         meshes.append(TriangleMesh(places.reshape(-1, 3) * unit, rows))
-    return _joined(meshes)
+    mesh = _joined(meshes)
+    if beams == 0:
+        return mesh
+    if len(mesh.triangles):
+        _log.warning(
+            "%s: %d beams are taken, not the %d triangles beside them",
+            path,
+            beams,
+            len(mesh.triangles),
+        )
+    return _joined([])
 
 
 def _joined(meshes: list[TriangleMesh]) -> TriangleMesh:
@@ -100,7 +116,12 @@ def _joined(meshes: list[TriangleMesh]) -> TriangleMesh:
     )
 
 
+def _read_cad(path: Path) -> TriangleMesh:
+    return tessellated(read_brep(path))
+
+
 _READERS: dict[str, Reader] = {
+    **dict.fromkeys(BREP_SUFFIXES, _read_cad),
     ".stl": _read_by_trimesh,
     ".obj": _read_by_trimesh,
     ".ply": _read_by_trimesh,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -87,10 +88,36 @@ def test_overlaps_are_said_and_united(tmp_path: Path, capsys: pytest.CaptureFixt
     source.write_text(skeleton_to_json(CROSSING))
     assert main(["build", str(source), "-o", str(out)]) == 0
     assert (
-        "2 of 3 struts overlap others or their nodes, edge 0 first; they are united"
-        in capsys.readouterr().err
+        "2 of 3 struts overlap others or their nodes, edge 0 first; they are united; --collars "
+        "keeps struts straight" in capsys.readouterr().err
     )
     assert trimesh.load(out).is_watertight
+    assert main(["build", str(source), "-o", str(out), "--smooth", "--collars"]) == 0
+    assert (
+        capsys.readouterr().err.splitlines()[1].endswith("; they are united, and not smooth there")
+    )
+
+
+@pytest.mark.parametrize("name", ["figure.foo", "figure.json", "figure.swc"])
+def test_a_file_that_holds_no_solid_is_refused_before_the_skeleton_is_read(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["build", str(tmp_path / "absent.json"), "-o", str(tmp_path / name)]) == 2
+    told = capsys.readouterr().err
+    assert told.endswith("need .3mf, .brep, .glb, .obj, .ply, .step, .stl, .stp\n")
+
+
+def test_faces_of_a_smooth_step_file_are_named_after_their_edges(
+    figure: str, tmp_path: Path
+) -> None:
+    coarse, smooth = tmp_path / "coarse.step", tmp_path / "smooth.step"
+    assert main(["build", figure, "-o", str(coarse)]) == 0
+    assert main(["build", figure, "-o", str(smooth), "--smooth"]) == 0
+    names = [
+        re.findall(r"ADVANCED_FACE\('([^']*)'", path.read_text(encoding="ascii"))
+        for path in (coarse, smooth)
+    ]
+    assert set(names[0]) == set(names[1]) == {f"edge {i}" for i in range(10)}
 
 
 def test_a_frame_tells_the_radius_that_it_took(

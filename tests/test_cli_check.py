@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from scaffold_cad import build_scaffold, write
+from scaffold_cad import BeamLattice, build_scaffold, write
 from scaffold_cad.cli import main
-from tests.meshes import OPEN_CUBE
+from tests.meshes import CUBE, OPEN_CUBE
 from tests.skeletons import K4, ZIGZAG
 
 
@@ -80,7 +80,73 @@ def test_the_skeleton_beside_a_mesh_is_read_with_the_options_of_skeletons(
     command = ["check", str(tmp_path / "zigzag.stl"), "--skeleton", str(tmp_path / "zigzag.json")]
     assert main([*command, "--max-nodes", "1"]) == 2
     assert "zigzag.json has 6 nodes" in capsys.readouterr().err
-    assert main([*command, "--radius", "2.5", "--simplify", "100", "--json"]) == 0
+    # What is left of the zigzag leaves the part.
+    assert main([*command, "--radius", "2.5", "--simplify", "100", "--json"]) == 1
     captured = capsys.readouterr()
     assert "simplified from 5 to 1 edges" in captured.err
-    assert json.loads(captured.out)["findings"]["strut_diameter"]["value"]["least_mm"] == 5.0
+    findings = json.loads(captured.out)["findings"]
+    assert findings["strut_diameter"]["value"]["least_mm"] == 5.0
+    assert findings["struts_in_part"]["value"] == {"outside": 1, "struts": 1}
+
+
+def test_the_skeleton_of_another_part_fails_by_name(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(build_scaffold(K4), tmp_path / "k4.stl")
+    write(ZIGZAG, tmp_path / "zigzag.json")
+    write(K4, tmp_path / "k4.json")
+    command = ["check", str(tmp_path / "k4.stl"), "--skeleton"]
+    assert main([*command, str(tmp_path / "zigzag.json")]) == 1
+    assert "not printable by sls: struts in part" in capsys.readouterr().out
+    assert main([*command, str(tmp_path / "k4.json")]) == 0
+    assert "the middle of every strut is in the part" in capsys.readouterr().out
+
+
+def test_the_beams_of_a_3mf_file_are_checked_as_they_are_built(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "beams.3mf"
+    write(BeamLattice(K4, mesh=CUBE), path)
+    assert main(["check", str(path)]) == 0
+    captured = capsys.readouterr()
+    assert "6 beams are taken, not the 12 triangles beside them" in captured.err
+    assert "genus                          3 handles" in captured.out
+    assert main(["check", str(path), "--radius", "0.1"]) == 1
+    assert "raise --radius to 0.4" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("suffix", [".step", ".brep"])
+@pytest.mark.parametrize("command", [["view", "--no-open"], ["check"]])
+def test_parts_of_cad_systems_are_taken(
+    command: list[str], suffix: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / f"part{suffix}"
+    write(build_scaffold(K4), path)
+    assert main([*command, str(path)]) == 0
+    assert "part" in capsys.readouterr().out
+
+
+def test_an_iges_file_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", str(tmp_path / "part.igs")]) == 2
+    assert "part.igs is an IGES file; need STEP, BREP or STL" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("text", ["5x5x5", "5X5X5", "5,5,5", "5"])
+def test_the_build_volume_is_given_as_boxes_are(
+    text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(K4, tmp_path / "k4.json")
+    assert main(["check", str(tmp_path / "k4.json"), "--build-volume", text]) == 1
+    assert "mm, larger than 5 x 5 x 5" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("option", "text", "complaint"),
+    [("--build-volume", "1,2", "need 40x40x20"), ("--direction", "up", "as in 0,0,1")],
+)
+def test_numbers_that_are_none_are_refused(
+    option: str, text: str, complaint: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit):
+        main(["check", "k4.json", option, text])
+    assert complaint in capsys.readouterr().err

@@ -99,6 +99,7 @@ def test_a_box_has_a_skin_too(tmp_path: Path) -> None:
         (["--inside", "absent.step", "-o", "out.stl"], "there is no such file"),
         (["--inside", "part.swc", "-o", "out.stl"], "holds no closed part"),
         (["--box", "8x8x8", "-o", "out.xyz"], "its suffix is '.xyz'"),
+        (["--box", "8x8x8", "-o", "out.json"], "its suffix is '.json'; need .3mf, .brep, .glb,"),
         (["--size", "1e-30", "--box", "8x8x8", "-o", "out.stl"], "need at most 1e+08"),
         (["--size", "1e-320", "--box", "8x8x8", "--skin", "1", "-o", "out.stl"], "need at most 1e"),
         (
@@ -191,3 +192,41 @@ def test_nothing_is_shown_of_short_stages_nor_in_a_pipe() -> None:
 
 def test_a_stage_that_outlasts_the_guess_says_so() -> None:
     assert progress_line("solid", 100, "struts", 20.0, 10.0).endswith("longer than usual")
+
+
+@pytest.mark.parametrize(
+    ("options", "outcome"),
+    [
+        (["-o", "fat.step"], ": the surface may cross itself there"),
+        (["-o", "fat.stl"], "; they are united"),
+        (["-o", "fat.stl", "--smooth"], "; they are united, and not smooth there"),
+    ],
+)
+def test_overlapping_struts_are_told(
+    options: list[str],
+    outcome: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    command = ["lattice", "--cell", "octet", "--size", "8", "--radius", "1.6", "--box", "8"]
+    assert main([*command, *options]) == 0
+    told = capsys.readouterr().err
+    assert "36 of 36 struts overlap others or their nodes, edge 0 first" in told
+    (line,) = [line for line in told.splitlines() if "overlap" in line]
+    assert outcome in line
+    assert "--collars" not in line
+
+
+@pytest.mark.parametrize("text", ["16x8x8", "16X8X8", "16,8,8"])
+def test_boxes_are_written_with_x_or_commas(text: str, tmp_path: Path) -> None:
+    out = tmp_path / "beams.json"
+    assert main([*BCC, "--box", text, "--beams", "-o", str(out)]) == 0
+    np.testing.assert_allclose(np.ptp(read_skeleton(out).nodes, axis=0), [16, 8, 8])
+
+
+def test_a_single_number_is_a_cube(tmp_path: Path) -> None:
+    out = tmp_path / "beams.json"
+    assert main([*BCC, "--box", "16", "--beams", "-o", str(out)]) == 0
+    np.testing.assert_allclose(np.ptp(read_skeleton(out).nodes, axis=0), 16)

@@ -15,7 +15,9 @@ import pytest
 
 from scaffold_cad import build_scaffold, to_solid, write
 from scaffold_cad.cli import main
+from scaffold_cad.io import skeleton_to_json
 from tests.skeletons import K4
+from tests.test_embedding import CROSSING
 
 
 @pytest.fixture
@@ -134,15 +136,6 @@ def test_what_is_no_page_is_not_written(
     assert not (tmp_path / "v.txt").exists()
 
 
-@pytest.mark.parametrize("command", [["view", "--no-open"], ["check"]])
-def test_a_part_of_a_cad_system_is_to_be_written_as_stl(
-    command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    write(build_scaffold(K4), tmp_path / "part.step")
-    assert main([*command, str(tmp_path / "part.step")]) == 2
-    assert "part.step holds CAD faces; need triangles: write" in capsys.readouterr().err
-
-
 def test_bad_input_writes_and_opens_nothing(
     k4: str, tmp_path: Path, opened: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -153,3 +146,13 @@ def test_bad_input_writes_and_opens_nothing(
     assert "there is no folder" in capsys.readouterr().err
     assert opened == []
     assert sorted(path.name for path in tmp_path.iterdir()) == ["bad.json", "k4.json"]
+
+
+def test_overlaps_of_what_is_shown_are_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = tmp_path / "crossing.json"
+    source.write_text(skeleton_to_json(CROSSING))
+    page = str(tmp_path / "page.html")
+    assert main(["view", str(source), "--no-open", "--as", "smooth", "-o", page]) == 0
+    assert "; they are united, and not smooth there" in capsys.readouterr().err

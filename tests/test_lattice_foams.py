@@ -175,3 +175,21 @@ def test_an_unknown_way_to_keep_struts_is_refused() -> None:
 def test_too_few_points_for_a_strut_are_refused(foam: Foam, count: int) -> None:
     with pytest.raises(SkeletonError, match=r"no strut in the box from \[0.0, .* more points"):
         foam(count, BOX, 0.5)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("keep", get_args(Keep))
+def test_foams_are_in_one_piece(seed: int, keep: Keep, caplog: pytest.LogCaptureFixture) -> None:
+    with caplog.at_level("INFO"):
+        foam = voronoi_foam(400, [[0, 0, 0], [30, 30, 30]], 0.3, seed, keep=keep)
+    assert foam.component_count == 1
+    if keep == "clip":  # corners of cells at the box are cut loose
+        (line,) = [line for line in caplog.messages if "left out" in line]
+        left_out, count = (int(word) for word in line.split() if word.isdigit())
+        assert len(foam.edges) <= count - left_out
+        assert 0 < left_out < 0.02 * count
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_trusses_are_in_one_piece(seed: int) -> None:
+    assert delaunay_foam(60, BOX, 0.3, seed).component_count == 1

@@ -13,6 +13,7 @@ from scaffold_cad.intersections import self_intersections
 from scaffold_cad.lattice.meshregion import MeshRegion
 from scaffold_cad.manifolds import manifold_triangles, to_manifold
 from scaffold_cad.parts import lattice_part
+from scaffold_cad.printability.triangletopology import TriangleTopology
 from scaffold_cad.trianglemesh import TriangleMesh
 from tests.meshes import CUBE
 
@@ -120,3 +121,11 @@ def test_a_body_between_the_nodes_has_no_struts_in_it() -> None:
 
 def test_quad_meshes_are_bodies() -> None:
     assert to_manifold(CUBE).volume() > lattice_part(CUBE, "bcc", 0.5, 0.03, skin=0.1).volume()
+
+
+def test_walls_have_no_sliver_that_files_lose() -> None:
+    part = lattice_part(bd.Sphere(15.0), "octet", 8.0, 0.6, skin=1.0)
+    mesh = manifold_triangles(part)
+    rounded = TriangleMesh(mesh.vertices.astype(np.float32), mesh.triangles)
+    assert len(TriangleTopology(rounded).flat) == 0
+    assert len(self_intersections(rounded)) == 0

@@ -31,6 +31,7 @@ from scaffold_cad.errors import FormatError, MeshError, OptionError
 from scaffold_cad.printability import (
     MATERIALS,
     PROCESSES,
+    Finding,
     Process,
     Report,
     assert_printable,
@@ -42,6 +43,7 @@ from scaffold_cad.printability.nesting import winding_numbers
 from scaffold_cad.printability.page import page
 from scaffold_cad.printability.struts import narrow_gaps
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.stars import Section
 from scaffold_cad.writers.stl import write_stl
 from tests.meshes import CUBE, INSIDE_OUT_CUBE, OPEN_CUBE, TORUS, TWO_CUBES
 from tests.skeletons import ELBOW, JACK, K4, NAMED, STRUT, TWO_STRUTS, star
@@ -275,6 +277,30 @@ def test_sections_within_the_circle_are_thinner_than_its_radius_says() -> None:
     scaffold = build_scaffold(STRUT, section="inscribed")
     value = check_printability(scaffold)["strut_diameter"].value
     assert value["least_mm"] == pytest.approx(math.sqrt(2.0))
+
+
+@pytest.mark.parametrize(
+    ("section", "radius"), [("circumscribed", 0.4), ("area", 0.452), ("inscribed", 0.566)]
+)
+def test_the_radius_that_is_advised_is_enough(section: Section, radius: float) -> None:
+    def finding(radius: float) -> Finding:
+        scaffold = build_scaffold(STRUT.with_radii(radius), section=section)
+        return check_printability(scaffold, "sls")["strut_diameter"]
+
+    assert finding(0.39).advice.endswith(f"raise --radius to {radius} or more")
+    assert finding(radius).verdict == "ok"
+    assert finding(radius - 0.001).verdict == "failure"
+
+
+def test_a_skeleton_that_is_not_the_part_s_fails() -> None:
+    mesh = build_scaffold(JACK).mesh
+    assert check_printability(mesh, skeleton=JACK)["struts_in_part"].verdict == "ok"
+    finding = check_printability(mesh, skeleton=JACK.scaled(3.0))["struts_in_part"]
+    assert finding.verdict == "failure"
+    assert finding.value == {"outside": 6, "struts": 6}
+    assert finding.text == "6 of 6 struts not in the part, strut 0 first"
+    assert len(finding.places) == 6
+    assert "struts_in_part" not in [one.name for one in check_printability(JACK)]
 
 
 def test_slender_struts_are_warned_of() -> None:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
-from scaffold_cad.arrays import Ints
 from scaffold_cad.brep import BREP_SUFFIXES
 from scaffold_cad.cad import to_brep
 from scaffold_cad.cli import source
@@ -17,13 +16,16 @@ from scaffold_cad.cli.progress import FILE_RATE, SCAFFOLD_RATE, SMOOTH_RATE, SOL
 from scaffold_cad.errors import OptionError
 from scaffold_cad.export import check_writable, write
 from scaffold_cad.parts.bodies import ROUND_SIDES
+from scaffold_cad.parts.overlaps import log_overlaps
 from scaffold_cad.scaffold import Scaffold, build_scaffold
-from scaffold_cad.smooth import Caps, crossing_struts, fine_surface, smooth_patches
-from scaffold_cad.solid import solidified, to_solid
+from scaffold_cad.smooth import Caps, Patches, crossing_struts, fine_surface, smooth_patches
+from scaffold_cad.solid import solidified
 from scaffold_cad.stars import Fit, Section
 from scaffold_cad.thicken import frame_scaffold
 
 if TYPE_CHECKING:
+    from manifold3d import Manifold
+
     from scaffold_cad.skeleton import Skeleton
 
 PRODUCTS = ("scaffold", "frame", "shell")
@@ -115,13 +117,17 @@ def add_scaffold_arguments(parser: argparse.ArgumentParser) -> None:
         help="which square section stands for a circle of the radius (default: circumscribed)",
     )
     parser.add_argument(
-        "--collars", action="store_true", help="keep struts straight between their nodes' blends"
+        "--collars",
+        action="store_true",
+        help="straight struts of constant section, as an engineer's: without it they widen from "
+        "their middles to their nodes (an octet lattice of 8 mm cells and 0.6 mm radius has 1.15 "
+        "times the volume of its cylinders, with it 1.03)",
     )
 
 
 def run(options: argparse.Namespace) -> None:
     """Read, build and write."""
-    check_writable(options.output)
+    check_writable(options.output, solid=True)
     _check_combination(options)
     skeleton = source.skeleton_from(options)
     progress = Progress()
@@ -135,7 +141,12 @@ def run(options: argparse.Namespace) -> None:
     with progress.stage("solid", struts, "struts", SMOOTH_RATE if options.smooth else SOLID_RATE):
         product = _product(scaffold, options)
     with progress.stage("file", struts, "struts", FILE_RATE):
-        write(product, options.output, slabs=options.slabs)
+        write(
+            product,
+            options.output,
+            slabs=options.slabs,
+            edge_of_quad=scaffold.edge_of_quad if isinstance(product, Patches) else None,
+        )
     _log.info("%s written", options.output)
 
 
@@ -197,12 +208,19 @@ def _product(scaffold: Scaffold, options: argparse.Namespace) -> Any:
     if options.smooth:
         return _smooth_product(scaffold, options, cad)
     left_out, shell = scaffold.embedding().left_out, options.product == "shell"
-    _warn(scaffold, left_out, united=not (cad or shell))
+    if not (cad or shell):
+        return united_solid(scaffold)
+    log_overlaps(scaffold, left_out, united=False)
     if not shell:
-        return scaffold if cad or len(left_out) == 0 else to_solid(scaffold)
-    if not cad:
-        return scaffold.mesh
-    return to_brep(scaffold.mesh, "shell")
+        return scaffold
+    return to_brep(scaffold.mesh, "shell") if cad else scaffold.mesh
+
+
+def united_solid(scaffold: Scaffold, sides: int = 4) -> Manifold:
+    """Return the solid of a scaffold; log which of its struts had to be united."""
+    solid = solidified(scaffold, sides=sides)
+    log_overlaps(scaffold, solid.united_edges, united=True, smooth=sides > 4)
+    return solid.manifold
 
 
 def _smooth_product(scaffold: Scaffold, options: argparse.Namespace, cad: bool) -> Any:
@@ -210,13 +228,11 @@ def _smooth_product(scaffold: Scaffold, options: argparse.Namespace, cad: bool) 
     caps: Caps = options.caps or "round"
     if cad:
         patches = smooth_patches(scaffold, caps=caps)
-        _warn(scaffold, crossing_struts(patches, scaffold), united=False)
+        log_overlaps(scaffold, crossing_struts(patches, scaffold), united=False)
         return patches
     if not _is_fine(options):
         sides = ROUND_SIDES if options.levels is None else 4 * 2**options.levels
-        solid = solidified(scaffold, sides=sides)
-        _warn(scaffold, solid.united_edges, united=True)
-        return solid.manifold
+        return united_solid(scaffold, sides)
     surface = fine_surface(scaffold, options.levels, caps)
     crossing = crossing_struts(surface, scaffold)
     if len(crossing):
@@ -225,18 +241,3 @@ def _smooth_product(scaffold: Scaffold, options: argparse.Namespace, cad: bool) 
             f"with --levels 2 at most, not {options.levels} (or lower the radius)"
         )
     return surface
-
-
-def _warn(scaffold: Scaffold, edges: Ints, *, united: bool) -> None:
-    """Log that `edges` overlap others, if there are any."""
-    if len(edges):
-        _log.warning(
-            "%d of %d struts overlap others or their nodes, edge %d first%s",
-            len(edges),
-            len(scaffold.skeleton.edges),
-            edges[0],
-            "; they are united"
-            if united
-            else ": the surface may cross itself there; --simplify, a smaller radius or a mesh "
-            "helps",
-        )

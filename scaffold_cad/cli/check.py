@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from scaffold_cad.cli import source
+from scaffold_cad.cli import sizes, source
 from scaffold_cad.errors import OptionError
 from scaffold_cad.files import check_page
 from scaffold_cad.meshfiles import read_triangles
@@ -41,7 +41,8 @@ def add_parser(
         parents=[common],
         help="check whether a mesh file, or the solid of a skeleton, can be printed",
         description="Exit code 0: printable; 1: not printable; 2: bad input. INPUT is a mesh "
-        "(STL, 3MF, OBJ, PLY) or a skeleton, which is built.",
+        "(STL, 3MF, OBJ, PLY), a CAD part (STEP, BREP) or a skeleton, which is built; so is the "
+        "beam lattice of a 3MF file.",
     )
     source.add_arguments(parser)
     parser.add_argument(
@@ -66,7 +67,10 @@ def add_parser(
         "--overhang", type=float, metavar="DEG", help="angle to the plate below which faces hang"
     )
     limits.add_argument(
-        "--build-volume", type=_three_numbers, metavar="X,Y,Z", help="greatest size of a part, mm"
+        "--build-volume",
+        type=sizes.three_sizes,
+        metavar="XxYxZ",
+        help="greatest size of a part, mm: 250x210x210, or 200 for a cube",
     )
     parser.add_argument("--json", action="store_true", help="print the report as JSON")
     parser.add_argument(
@@ -114,12 +118,4 @@ def _process(options: argparse.Namespace) -> Process:
 
 
 def _direction(text: str) -> Any:
-    return "best" if text == "best" else _three_numbers(text)
-
-
-def _three_numbers(text: str) -> tuple[float, float, float]:
-    try:
-        x, y, z = (float(word) for word in text.split(","))
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r}; need three numbers, as in 0,0,1") from None
-    return x, y, z
+    return text if text == "best" else sizes.direction(text)

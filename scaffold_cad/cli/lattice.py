@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from scaffold_cad.arrays import Floats, Points
-from scaffold_cad.brep import BREP_SUFFIXES, read_brep, tessellated
-from scaffold_cad.cli import source
+from scaffold_cad.brep import BREP_SUFFIXES
+from scaffold_cad.cli import sizes, source
+from scaffold_cad.cli.build import united_solid
 from scaffold_cad.cli.progress import SCAFFOLD_RATE, SMOOTH_RATE, SOLID_RATE, Progress
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.export import check_writable, write
@@ -23,9 +24,9 @@ from scaffold_cad.lattice.registry import unit_cell
 from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.meshfiles import read_triangles
 from scaffold_cad.parts import lattice_part
+from scaffold_cad.parts.overlaps import log_overlaps
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import build_scaffold
-from scaffold_cad.solid import to_solid
 from scaffold_cad.trianglemesh import TriangleMesh
 
 if TYPE_CHECKING:
@@ -50,17 +51,30 @@ def add_parser(
 ) -> None:
     """Add this command to the command line."""
     parser = commands.add_parser(
-        "lattice", parents=[common], help="fill a box or a part with a lattice"
+        "lattice",
+        parents=[common],
+        help="fill a box or a part with a lattice",
+        description="Struts are straight and of constant section between their nodes' blends, as "
+        "those of `build --collars`.",
     )
     parser.add_argument("--cell", required=True, help="unit cell; `scaffold-cad cells` lists them")
     parser.add_argument(
-        "--size", required=True, type=_size, metavar="A", help="size of a cell, mm: 8 or 8x8x12"
+        "--size",
+        required=True,
+        type=sizes.size,
+        metavar="A",
+        help="size of a cell, mm: 8 or 8x8x12",
     )
     parser.add_argument(
         "--radius", required=True, type=float, metavar="R", help="radius of the struts, mm"
     )
     where = parser.add_mutually_exclusive_group(required=True)
-    where.add_argument("--box", type=_box, metavar="XxYxZ", help="size of a box from 0, mm")
+    where.add_argument(
+        "--box",
+        type=sizes.box,
+        metavar="XxYxZ",
+        help="size of a box from 0, mm: 40x40x20, or 40 for a cube",
+    )
     where.add_argument(
         "--inside", type=Path, metavar="PART", help="closed part: .step .brep .stl .3mf .obj .ply"
     )
@@ -91,7 +105,7 @@ def add_parser(
 
 def run(options: argparse.Namespace) -> None:
     """Fill, build and write."""
-    check_writable(options.output)
+    check_writable(options.output, solid=not options.beams)
     _check_combination(options)
     write(_product(options, Progress()), options.output)
     _log.info("%s written", options.output)
@@ -160,15 +174,14 @@ def _solid(skeleton: Skeleton, cad: bool, smooth: bool, progress: Progress) -> A
     with progress.stage("scaffold", struts, "struts", SCAFFOLD_RATE):
         scaffold = build_scaffold(skeleton, collars=True)
     if cad:
+        log_overlaps(scaffold, scaffold.embedding().left_out, united=False)
         return scaffold
     with progress.stage("solid", struts, "struts", SMOOTH_RATE if smooth else SOLID_RATE):
-        return to_solid(scaffold, sides=LATTICE_SIDES if smooth else 4)
+        return united_solid(scaffold, LATTICE_SIDES if smooth else 4)
 
 
 def _body(path: Path) -> TriangleMesh:
     """Return the triangles of the part in a file."""
-    if path.suffix.lower() in BREP_SUFFIXES:
-        return tessellated(read_brep(path))
     mesh = read_triangles(path)
     if mesh is None:
         raise FormatError(f"{path} holds no closed part; need .step, .brep, .stl, .3mf, .obj, .ply")
@@ -179,22 +192,3 @@ def _box_mesh(box: Floats) -> TriangleMesh:
     corners = np.stack(np.meshgrid(*box.T[::-1], indexing="ij"), axis=-1).reshape(-1, 3)[:, ::-1]
     mesh = QuadMesh(corners, BOX_QUADS)
     return TriangleMesh(mesh.vertices, mesh.triangles)
-
-
-def _size(text: str) -> Floats:
-    """Return one number, or three."""
-    try:
-        numbers = np.array([float(word) for word in text.split("x")])
-    except ValueError:
-        numbers = np.zeros(0)
-    if numbers.shape not in {(1,), (3,)}:
-        raise argparse.ArgumentTypeError(f"{text!r} is no size; need 8 or 8x8x12")
-    return numbers if len(numbers) == 3 else numbers[0]
-
-
-def _box(text: str) -> Floats:
-    """Return the two corners of a box, shape (2, 3)."""
-    size = _size(text)
-    if np.shape(size) != (3,):
-        raise argparse.ArgumentTypeError(f"{text!r} is no box; need three sizes, as 40x40x40")
-    return np.stack([np.zeros(3), size])

@@ -31,7 +31,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--simplify",
         type=float,
         metavar="TOL",
-        help="drop joints that the shape does not need within TOL mm",
+        help="drop joints that the shape does not need within TOL mm, and those closer together "
+        "than their radius whether it needs them or not",
     )
     parser.add_argument(
         "--strict", action="store_true", help="refuse a file that needs repair instead of repairing"

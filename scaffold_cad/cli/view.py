@@ -13,8 +13,7 @@ from scaffold_cad.cli import build, source
 from scaffold_cad.files import check_page
 from scaffold_cad.meshfiles import read_triangles
 from scaffold_cad.parts.bodies import ROUND_SIDES
-from scaffold_cad.solid import to_solid
-from scaffold_cad.thicken import thicken
+from scaffold_cad.thicken import frame_scaffold
 from scaffold_cad.webpage import write_page
 
 if TYPE_CHECKING:
@@ -35,8 +34,9 @@ def add_parser(
         "view",
         parents=[common],
         help="show a skeleton, its scaffold and its solid in a browser",
-        description="INPUT is a skeleton, or a mesh (STL, 3MF, OBJ, PLY). The page needs no "
-        "network; what is shown can be named after its address, as in page.html#skeleton,solid.",
+        description="INPUT is a skeleton, a mesh (STL, 3MF, OBJ, PLY) or a CAD part (STEP, BREP). "
+        "The page needs no network; what is shown can be named after its address, as in "
+        "page.html#skeleton,solid.",
     )
     source.add_arguments(parser)
     parser.add_argument(
@@ -88,5 +88,6 @@ def _page_path(options: argparse.Namespace) -> Path:
 
 def _solid(scaffold: Scaffold, options: argparse.Namespace) -> Manifold:
     if options.product == "frame":
-        return thicken(scaffold, build.frame_radius(options, scaffold.skeleton))
-    return to_solid(scaffold, sides=ROUND_SIDES if options.product == "smooth" else 4)
+        radius = build.frame_radius(options, scaffold.skeleton)
+        return build.united_solid(frame_scaffold(scaffold, radius))
+    return build.united_solid(scaffold, ROUND_SIDES if options.product == "smooth" else 4)

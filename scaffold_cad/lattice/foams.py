@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from itertools import combinations
 from typing import get_args
 
@@ -17,6 +18,7 @@ from scaffold_cad.lattice.regions import BoxRegion, as_box
 from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.radii import Radius
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.topology import component_labels
 from scaffold_cad.vectors import dot
 
 SHORTEST_FRACTION = 1e-3
@@ -27,6 +29,8 @@ LARGEST_REGULARITY = 0.7
 
 MOST_POINTS = 10_000_000
 """Most random points: a foam of so many has some 1e8 struts, see `MOST_STRUTS`."""
+
+_log = logging.getLogger(__name__)
 
 KELVIN_SPACING = np.sqrt(3) / 2 * np.cbrt(2)
 """Distance of neighbours in a body-centred cubic lattice of one point a unit of volume."""
@@ -45,7 +49,8 @@ def voronoi_foam(
 ) -> Skeleton:
     """Return the edges of the Voronoi cells of random points: an open-cell foam.
 
-    Nodes inside have valency 4, but for those that short struts were shrunk to.
+    Nodes inside have valency 4, but for those that short struts were shrunk to. The foam is in one
+    piece: others, which the box cuts loose, are left out.
 
     Parameters
     ----------
@@ -99,7 +104,7 @@ def delaunay_foam(
     """Return the edges of the Delaunay tetrahedra of random points: a random truss.
 
     Tetrahedra count that have their circumcentre in the box: the others are flat ones at its
-    faces.
+    faces. The truss is in one piece: others are left out.
 
     Parameters
     ----------
@@ -172,7 +177,20 @@ def _foam(
         raise SkeletonError(
             f"the foam has no strut in the box from {low} to {high} mm; need more points"
         )
-    return struts.cleaned_skeleton(radius)
+    return _largest_piece(struts).cleaned_skeleton(radius)
+
+
+def _largest_piece(struts: Struts) -> Struts:
+    """Return the struts that hang together in the longest piece; log how many others there are."""
+    piece = component_labels(struts.edges, len(struts.nodes))[struts.edges[:, 0]]
+    keep = piece == np.argmax(np.bincount(piece, weights=struts.lengths))
+    if not keep.all():
+        _log.info(
+            "%d of %d struts of the foam left out: they hang loose from the largest piece",
+            len(keep) - int(keep.sum()),
+            len(keep),
+        )
+    return struts.kept(keep)
 
 
 def _voronoi_edges(points: Points, box: Floats) -> Struts:

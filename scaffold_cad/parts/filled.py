@@ -11,17 +11,19 @@ from numpy.typing import ArrayLike
 from scaffold_cad import manifolds
 from scaffold_cad.arguments import as_real
 from scaffold_cad.arrays import as_floats
+from scaffold_cad.collapse import without_short_edges
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 from scaffold_cad.insets import inset
 from scaffold_cad.lattice import UnitCell, fill
 from scaffold_cad.lattice.filling import HasTriangles, as_region
 from scaffold_cad.lattice.regions import Region
 from scaffold_cad.lattice.struts import Struts
+from scaffold_cad.parts.overlaps import log_overlaps
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.radii import Radius
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.solid import clean_surface, to_solid
+from scaffold_cad.solid import clean_surface, solidified
 from scaffold_cad.surfaces import triangles_of
 from scaffold_cad.trianglemesh import TriangleMesh
 from scaffold_cad.welding import welded, without_repeated_corners
@@ -36,6 +38,10 @@ Body: TypeAlias = "Shape | QuadMesh | TriangleMesh | HasTriangles"
 NUDGES = (0.0, 1e-3, -1e-3, 3e-3, -3e-3)
 """How far the lattice is moved, in turn, until the part does not cross itself; in cell sizes.
 Faces of struts that lie in faces of the part are hard to unite. The first that works is taken."""
+
+SLIVER = 2.0**-20
+"""Height below which triangles go, in greatest coordinates: a few roundings to 32 bits.
+The boolean leaves such slivers where it cuts the triangles of the body, and files lose them."""
 
 NUDGE_DIRECTION = np.array([0.6, 0.5, 0.62])
 """Where the lattice is moved: along no face of a cell."""
@@ -84,15 +90,20 @@ def lattice_part(
     region = as_region(surface)
     outer = manifolds.to_manifold(surface)
     inner = outer if skin is None else _inside(surface, outer, skin)
-    fault = ""
+    extent, fault = float(np.abs(surface.vertices).max()), ""
     for nudge in NUDGES:
         struts = _struts_touching(region, cell, size, radius, nudge, skin is not None)
-        lattice = to_solid(build_scaffold(struts, collars=True), sides=sides)
+        scaffold = build_scaffold(struts, collars=True)
+        solid = solidified(scaffold, sides=sides)
+        lattice = solid.manifold
         part = lattice ^ outer if skin is None else outer - (inner - lattice)
         try:
-            return manifolds.to_manifold(clean_surface(part))
+            whole = manifolds.to_manifold(clean_surface(_without_slivers(part, extent)))
         except MeshError as error:
             fault = str(error)
+        else:
+            log_overlaps(scaffold, solid.united_edges, united=True, smooth=sides > 4)
+            return whole
         _log.debug("with the lattice moved by %g cells the part %s", nudge, fault)
     raise MeshError(f"the part {fault}; need a clean surface (try another cell size or radius)")
 
@@ -104,6 +115,14 @@ def _inside(surface: TriangleMesh, outer: Manifold, skin: float) -> Manifold:
     if solid.is_empty():
         raise OptionError(f"skin is {skin:g} mm, which fills the body; need less")
     return solid
+
+
+def _without_slivers(part: Manifold, extent: float) -> Manifold:
+    """Return the part without triangles that 32-bit coordinates up to `extent` cannot hold."""
+    height = SLIVER * extent
+    short = without_short_edges(manifolds.manifold_triangles(part), height)
+    # Made anew: of a boolean's result manifold3d keeps the slivers between the operands.
+    return manifolds.to_manifold(short).simplify(height)
 
 
 def _struts_touching(

@@ -10,6 +10,7 @@ from scaffold_cad.arguments import check_kind
 from scaffold_cad.errors import MeshError
 from scaffold_cad.printability.direction import direction_findings
 from scaffold_cad.printability.drainage import drainage_finding
+from scaffold_cad.printability.match import match_finding
 from scaffold_cad.printability.part import part_findings
 from scaffold_cad.printability.processes import USUAL_MATERIAL, Process, process_named
 from scaffold_cad.printability.report import Finding, Report
@@ -67,8 +68,12 @@ def check_printability(
         check_kind(skeleton, Skeleton)
     if isinstance(what, Skeleton):
         what = build_scaffold(what)
+    apothem, given = 1.0, skeleton is not None
     if isinstance(what, Scaffold):
-        skeleton = _as_built(what) if skeleton is None else skeleton
+        if skeleton is None:
+            # Radii become half the width of the square sections.
+            apothem = APOTHEM[what.options.section]
+            skeleton = what.skeleton.with_radii(what.skeleton.radii * apothem)
         what = to_solid(what)
     mesh = welded(triangles_of(what))
     surface = TriangleTopology(mesh)
@@ -80,7 +85,9 @@ def check_printability(
     loops = None if skeleton is None else skeleton.loop_count
     findings += surface_findings(surface, process, loops)
     if skeleton is not None and len(skeleton.edges):
-        findings += strut_findings(skeleton, process)
+        if given and surface.closed:
+            findings.append(match_finding(skeleton, mesh))
+        findings += strut_findings(skeleton, process, apothem)
     findings += direction_findings(surface, facets, upwards, process, skeleton, supports)
     findings.append(drainage_finding(surface, process))
     findings += part_findings(
@@ -100,12 +107,6 @@ def assert_printable(what: Any, process: str | Process = "sls", **options: Any) 
     report = check_printability(what, process, **options)
     if not report.printable:
         raise AssertionError(str(report))
-
-
-def _as_built(scaffold: Scaffold) -> Skeleton:
-    """Return the skeleton of a scaffold with half the width of its square sections as radii."""
-    skeleton = scaffold.skeleton
-    return skeleton.with_radii(skeleton.radii * APOTHEM[scaffold.options.section])
 
 
 def _is_best(direction: ArrayLike | Literal["best"]) -> bool:

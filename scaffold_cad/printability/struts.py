@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -15,16 +16,24 @@ from scaffold_cad.segments import nearest_on_segments
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.vectors import length
 
+RADIUS_STEP = 1e-3
+"""What radii that are advised are multiples of, mm."""
 
-def strut_findings(skeleton: Skeleton, process: Process) -> Iterator[Finding]:
-    """Yield what there is to say of struts with the radii of `skeleton`, at least one."""
+
+def strut_findings(skeleton: Skeleton, process: Process, apothem: float = 1.0) -> Iterator[Finding]:
+    """Yield what there is to say of struts with the radii of `skeleton`, at least one.
+
+    Parameters
+    ----------
+    apothem : what the radii asked for were multiplied by
+    """
     thinnest = 2.0 * skeleton.radii[skeleton.edges].min(axis=1)
-    yield _diameter(skeleton, thinnest, process)
+    yield _diameter(skeleton, thinnest, process, apothem)
     yield _slenderness(skeleton, thinnest, process)
     yield _gap(skeleton, process)
 
 
-def _diameter(skeleton: Skeleton, thinnest: Floats, process: Process) -> Finding:
+def _diameter(skeleton: Skeleton, thinnest: Floats, process: Process, apothem: float) -> Finding:
     needed = process.least_diameter
     # A strut of the very limit, its radius halved and doubled in decimals, is thick enough.
     thin = np.flatnonzero(thinnest < needed * (1 - 1e-9))
@@ -32,9 +41,11 @@ def _diameter(skeleton: Skeleton, thinnest: Floats, process: Process) -> Finding
     text = f"{thinnest[first]:.4g} mm at least, strut {first}"
     advice = ""
     if len(thin):
+        # Rounded up, so that it is enough.
+        radius = math.ceil(needed / 2 / apothem / RADIUS_STEP * (1 - 1e-9)) * RADIUS_STEP
         advice = (
             f"{counted(len(thin), 'strut')} too thin: strut {first} is {thinnest[first]:.4g} mm, "
-            f"{process.name.upper()} needs {needed:g}: raise --radius to {needed / 2:g} or more"
+            f"{process.name.upper()} needs {needed:g}: raise --radius to {radius:g} or more"
         )
     return Finding(
         "strut_diameter",

@@ -1,0 +1,49 @@
+"""Numbers of the command line: sizes, boxes and directions, with x or commas between them."""
+
+from __future__ import annotations
+
+import argparse
+import re
+
+import numpy as np
+
+from scaffold_cad.arrays import Floats
+
+
+def size(text: str) -> Floats:
+    """Return one number, or three: 8, 8x8x12 or 8,8,12."""
+    numbers = _numbers(text)
+    if numbers.shape not in {(1,), (3,)}:
+        raise argparse.ArgumentTypeError(f"{text!r} is no size; need 8 or 8x8x12")
+    return numbers if len(numbers) == 3 else numbers[0]
+
+
+def three_sizes(text: str) -> tuple[float, float, float]:
+    """Return the sides of a box: 40x40x20 or 40,40,20, or 40 for a cube."""
+    numbers = _numbers(text)
+    if numbers.shape not in {(1,), (3,)}:
+        raise argparse.ArgumentTypeError(f"{text!r} is no box; need 40x40x20, or 40 for a cube")
+    x, y, z = np.broadcast_to(numbers, 3).tolist()
+    return x, y, z
+
+
+def box(text: str) -> Floats:
+    """Return the two corners of a box of that size from 0, shape (2, 3)."""
+    return np.array([[0.0, 0.0, 0.0], three_sizes(text)])
+
+
+def direction(text: str) -> tuple[float, float, float]:
+    """Return three numbers: 0,0,1."""
+    numbers = _numbers(text)
+    if numbers.shape != (3,):
+        raise argparse.ArgumentTypeError(f"{text!r}; need three numbers, as in 0,0,1")
+    x, y, z = numbers.tolist()
+    return x, y, z
+
+
+def _numbers(text: str) -> Floats:
+    """Return the numbers of a text, shape (n,); none if a word is no number."""
+    try:
+        return np.array([float(word) for word in re.split("[xX,]", text)])
+    except ValueError:
+        return np.zeros(0)

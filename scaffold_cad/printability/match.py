@@ -1,0 +1,32 @@
+"""Whether a skeleton is that of a part: whether the middles of its struts are in it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scaffold_cad.lattice.meshregion import MeshRegion
+from scaffold_cad.printability.report import MOST_PLACES, Finding, counted
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.trianglemesh import TriangleMesh
+
+
+def match_finding(skeleton: Skeleton, mesh: TriangleMesh) -> Finding:
+    """Return whether the struts are in a closed mesh: else what is said of them means nothing."""
+    middles = skeleton.nodes[skeleton.edges].mean(axis=1)
+    outside = np.flatnonzero(~MeshRegion(mesh).contains(middles))
+    count = len(skeleton.edges)
+    text, advice = "the middle of every strut is in the part", ""
+    if len(outside):
+        text = (
+            f"{len(outside)} of {counted(count, 'strut')} not in the part, strut {outside[0]} first"
+        )
+        advice = "what is said of struts is of others than the part's: need its own skeleton"
+    return Finding(
+        "struts_in_part",
+        "lattice",
+        "failure" if len(outside) else "ok",
+        {"outside": len(outside), "struts": count},
+        text,
+        advice,
+        middles[outside[:MOST_PLACES]],
+    )
