@@ -409,7 +409,8 @@ def test_mesh_that_stays_folded_is_told_of(caplog: pytest.LogCaptureFixture) -> 
     field = ConvolutionField(FIGURE_EIGHT)
     project(around(FIGURE_EIGHT), field)
     assert not caplog.records
-    moved = project(smooth_mesh(build_scaffold(FIGURE_EIGHT), levels=2).mesh, field)
+    far = catmull_clark(build_scaffold(FIGURE_EIGHT).mesh, levels=2).mesh  # rounds its bends off
+    moved = project(far, field)
     corners = moved.vertices[moved.quads]
     ahead = np.roll(corners, -1, axis=1) - corners
     normals = np.cross(ahead, -np.roll(ahead, 1, axis=1))

@@ -37,7 +37,7 @@ PLACE_TOLERANCE = 0.01
 MOST_ROUNDS = 12
 """Most times that sections are corrected; collared struts need three."""
 
-STAR_APOTHEM = 0.95
+STAR_APOTHEM = 0.94
 """As `APOTHEM`, for the vertices of branch points that are to enclose their struts: the blends are
 just large enough for the limit to keep to the struts within 8 %."""
 
