@@ -95,10 +95,16 @@ def check_sizes(patches: BezierMesh) -> None:
         )
 
 
-def tessellated(shape: Shape) -> TriangleMesh:
-    """Return the triangles of a build123d shape, at most 0.01 mm off its faces.
+def tessellated(
+    shape: Shape, distance: float = TESSELLATION_DISTANCE, angle: float = TESSELLATION_ANGLE
+) -> TriangleMesh:
+    """Return the triangles of a build123d shape, at most `distance` off its faces, mm.
 
     Faces share the vertices of their edges: the triangles of a solid are closed.
+
+    Parameters
+    ----------
+    angle : largest angle between neighbouring triangles of a face, rad
 
     Raises
     ------
@@ -107,7 +113,7 @@ def tessellated(shape: Shape) -> TriangleMesh:
     """
     from scaffold_cad import _occt
 
-    points, triangles = _occt.tessellate(shape, TESSELLATION_DISTANCE, TESSELLATION_ANGLE)
+    points, triangles = _occt.tessellate(shape, distance, angle)
     same_place = cKDTree(points).query_pairs(LEAST_SIZE / 2, output_type="ndarray")
     vertex = component_labels(same_place, len(points))  # one for each point
     _, first = np.unique(vertex, return_index=True)

@@ -5,6 +5,7 @@ Imports build123d: `scaffold_cad.parts` does so when one of the classes is asked
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import UnitCell, fill
 from scaffold_cad.lattice.clipping import Keep
 from scaffold_cad.parts.bodies import BodySurface, body_surface, sound_body
+from scaffold_cad.parts.booleans import Operation, check_boolean
 from scaffold_cad.parts.stubs import without_overlapping_stubs
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.radii import Radius
@@ -29,8 +31,19 @@ ALIGNED = {Align.MIN: 0.0, Align.CENTER: 0.5, Align.MAX: 1.0, Align.NONE: 0.0}
 """Where the origin is in a box, as a fraction of its size."""
 
 
+CHECKED_MODES: dict[Mode, Operation] = {
+    Mode.ADD: "union",
+    Mode.SUBTRACT: "difference",
+    Mode.INTERSECT: "intersection",
+}
+"""Modes that are booleans of OCCT."""
+
+
 class SkeletonPart(BasePartObject):  # type: ignore[misc]  # build123d is not checked
-    """What the parts have in common: a skeleton, and a joint at each of its extremities."""
+    """What the parts have in common: a skeleton, and a joint at each of its extremities.
+
+    Booleans with them raise a BrepError where OCCT's result cannot be right, see `check_boolean`.
+    """
 
     skeleton: Skeleton
     """The skeleton in its own coordinates, without the part's rotation, alignment and place."""
@@ -53,6 +66,48 @@ class SkeletonPart(BasePartObject):  # type: ignore[misc]  # build123d is not ch
         self.skeleton = scaffold.skeleton
         self.label = label
         self.color = color
+
+    def __add__(self, other: Any) -> Any:
+        other = _kept(other)
+        return _checked("union", [self, *_as_list(other)], super().__add__(other))
+
+    def __sub__(self, other: Any) -> Any:
+        other = _kept(other)
+        return _checked("difference", [self, *_as_list(other)], super().__sub__(other))
+
+    def __and__(self, other: Any) -> Any:
+        other = _kept(other)
+        return _checked("intersection", [self, *_as_list(other)], super().__and__(other))
+
+    # Python asks these first where the left side is a Part or a Compound, as of a boolean.
+
+    def __radd__(self, other: Any) -> Any:
+        if not isinstance(other, Shape):
+            return NotImplemented
+        return _checked("union", [other, self], other.__add__(self))
+
+    def __rsub__(self, other: Any) -> Any:
+        if not isinstance(other, Shape):
+            return NotImplemented
+        return _checked("difference", [other, self], other.__sub__(self))
+
+    def __rand__(self, other: Any) -> Any:
+        if not isinstance(other, Shape):
+            return NotImplemented
+        return _checked("intersection", [other, self], other.__and__(self))
+
+    def _publish_to_context(self, object_scope: Any) -> None:
+        """Give the part to the builder that is open, as build123d does, and check what it makes.
+
+        build123d has no public place for that.
+        """
+        builder = object_scope.publication_target
+        before = None if builder is None else builder.part
+        super()._publish_to_context(object_scope)
+        if builder is None or self.mode not in CHECKED_MODES:
+            return
+        operands = [self] if before is None else [before, self]
+        _checked(CHECKED_MODES[self.mode], operands, builder.part)
 
 
 class ScaffoldSolid(SkeletonPart):
@@ -349,6 +404,26 @@ class LatticeFill(SkeletonPart):
             align=align,
             mode=mode,
         )
+
+
+def _kept(other: Any) -> Any:
+    """Return what stands on the right of an operator so that it can be looked at twice."""
+    return list(other) if isinstance(other, Iterator) else other
+
+
+def _as_list(other: Any) -> list[Any]:
+    """Return what stands on the right of an operator as a list, without what is None."""
+    return [
+        one for one in (other if isinstance(other, list | tuple) else [other]) if one is not None
+    ]
+
+
+def _checked(operation: Operation, operands: Sequence[Any], result: Any) -> Any:
+    """Return the result of a boolean if nothing speaks against it."""
+    is_boolean = len(operands) > 1 or len(operands[0].solids()) > 1
+    if is_boolean and all(isinstance(one, Shape) for one in operands):
+        check_boolean(operation, operands, result)
+    return result
 
 
 def as_scaffold(what: Skeleton | Scaffold, options: dict[str, Any]) -> Scaffold:
