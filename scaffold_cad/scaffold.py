@@ -25,6 +25,7 @@ from scaffold_cad.sleeves import (
     Walk,
     carry_sections,
     join_sections,
+    sleeve_quads,
     walk_branches,
 )
 from scaffold_cad.stars import APOTHEM, Fit, Section, Stars, partition_stars, star_positions
@@ -246,8 +247,7 @@ def _place_vertices(
 
 def _quads(refined: Skeleton, sleeves: Ints) -> Quads:
     """Return four quads an edge, then one an extremity, (4 m' + k, 4)."""
-    near, far = sleeves[:, 0], sleeves[:, 1]  # (m', 4)
-    sides = np.stack([near, np.roll(near, -1, axis=1), np.roll(far, -1, axis=1), far], axis=2)
+    sides = sleeve_quads(sleeves[:, 0], sleeves[:, 1])  # (m', 4, 4)
     closing = refined.leaving_extremities
     # Seen from outside: against the edge's direction at its start, along it at its end.
     caps = sleeves[closing >> 1, closing & 1]

@@ -199,6 +199,11 @@ def _bend_direction(walk: Walk, tail_tangent: UnitVectors, head_tangent: UnitVec
     return np.where(first_bent[:, None] >= 0, turning[first_bent], 0.0)
 
 
+def sleeve_quads(near: Ints, far: Ints) -> Ints:
+    """Return the four quads between the sections (k, 4) at both ends of each sleeve, (k, 4, 4)."""
+    return np.stack([near, np.roll(near, -1, axis=1), np.roll(far, -1, axis=1), far], axis=2)
+
+
 def fitted_angle(corners: Floats, x: UnitVectors, z: UnitVectors) -> Floats:
     """Return the angle from `x` about `z` to the first corner of the square that fits best, (k,).
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from scaffold_cad.errors import OptionError
 from scaffold_cad.intersections import self_intersections
@@ -15,6 +17,8 @@ from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import solidified, to_solid
 from scaffold_cad.thicken import thicken
 from tests.meshes import CUBE
+from tests.solids import check_solid_of, contains
+from tests.strategies import skeletons
 
 TRIPOD = Skeleton([[0, 0, 0], [20, 0, 0], [0, 20, 0], [0, 0, 20]], [[0, 1], [0, 2], [0, 3]], 1.0)
 CROSS = Skeleton([[-9, 0, 0], [9, 0, 0], [0, -9, 0.5], [0, 9, 0.5]], [[0, 1], [2, 3]], 1.0)
@@ -68,6 +72,47 @@ def test_struts_left_out_keep_their_radius() -> None:
     solid = thicken(skeleton, 1.0, sides=16)
     slab = solid.trim_by_plane([1, 0, 0], 4.0).trim_by_plane([-1, 0, 0], -6.0)
     assert slab.volume() == pytest.approx(2 * np.pi, rel=0.01)
+
+
+@given(skeletons(), st.sampled_from([0.3, 1.0, 3.0]), st.booleans(), st.sampled_from([8, 16]))
+@settings(max_examples=25)
+def test_round_solids_of_random_skeletons(
+    skeleton: Skeleton, factor: float, collars: bool, sides: int
+) -> None:
+    thick = skeleton.with_radii(factor * skeleton.radii)
+    check_solid_of(thick, to_solid(build_scaffold(thick, collars=collars), sides=sides))
+
+
+NARROW_FORK = Skeleton(
+    [
+        [23.958, 19.736, 20.738],
+        [22.933, 26.006, 27.188],
+        [22.254, 19.647, 20.311],
+        [22.848, 28.302, 30.0],
+        [23.046, 29.471, 30.0],
+    ],
+    [[0, 1], [3, 1], [4, 1], [1, 2]],
+    0.6,
+)
+"""Two pairs of nearly parallel struts: of those that stay after the others cross, a sharp bend."""
+
+
+@pytest.mark.parametrize("collars", [False, True])
+@pytest.mark.parametrize("sides", [8, 16])
+def test_struts_taken_out_do_not_cut_a_solid_apart(sides: int, collars: bool) -> None:
+    solid = to_solid(build_scaffold(NARROW_FORK, collars=collars), sides=sides)
+    check_solid_of(NARROW_FORK, solid)
+
+
+@pytest.mark.parametrize("collars", [False, True])
+def test_long_struts_to_one_side_stay_in_their_place(collars: bool) -> None:
+    # Without sections beside it the limit would leave the branch point by several radii.
+    ends = [[0, 0, 0], [40, 0, 0], [38, 12, 0], [38, 0, 12]]
+    fork = Skeleton(ends, [[0, 1], [0, 2], [0, 3]], 1.0)
+    solid = to_solid(build_scaffold(fork, collars=collars), sides=16)
+    share = np.linspace(0.0, 1.0, 50)[:, None, None]
+    axes = ((1 - share) * fork.nodes[0] + share * fork.nodes[1:]).reshape(-1, 3)
+    assert contains(manifold_triangles(solid), axes).all()
 
 
 def test_edges_of_a_mesh_become_round_struts() -> None:

@@ -11,8 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.arrays import Bools, Floats, Ints, Points
+from scaffold_cad.collars import collar_distances
 from scaffold_cad.scaffold import Scaffold
+from scaffold_cad.sleeves import sleeve_quads
 from scaffold_cad.smooth.bends import Bends, bends_of
+from scaffold_cad.smooth.branches import fitting_squares, pulled_half_edges
 from scaffold_cad.stars import APOTHEM
 from scaffold_cad.vectors import dot
 
@@ -68,15 +71,18 @@ def make_rig(scaffold: Scaffold, domes: bool) -> Rig:
     sleeves[edge, slot] = added
     rows = 4 * edge[:, None] + np.arange(4)  # (k, 4)
     quads = scaffold_quads.copy()
-    quads[rows] = _sides(sleeves[edge, 0], sleeves[edge, 1])
+    quads[rows] = sleeve_quads(sleeves[edge, 0], sleeves[edge, 1])
     at_start = (slot == 0)[:, None]
-    cut = _sides(np.where(at_start, end, added), np.where(at_start, added, end))
+    cut = sleeve_quads(np.where(at_start, end, added), np.where(at_start, added, end))
 
-    # The section at the node, seen along the strut, is a square of the node's radius.
-    axis = along[:, None]
-    flat = spokes[end] - dot(spokes[end], axis)[..., None] * axis
     radii = refined.radii[refined.edges[edge]]
     radii = np.where(at_start, radii, radii[:, ::-1])  # (k, 2): the node's, the other's
+    # The section at a joint or extremity, seen along the strut, is a square of the node's radius.
+    axis = along[:, None]
+    flat = spokes[end] - dot(spokes[end], axis)[..., None] * axis
+    at_branch = refined.valency[refined.edges[edge, slot]] >= 3
+    squares = fitting_squares(spokes[end[at_branch]], refined.directions[2 * edge[at_branch]])
+    flat[at_branch] = (scaffold.options.corner_distance * radii[at_branch, :1])[..., None] * squares
     depths = depth[half_edges]
     growth = 1 + (radii[:, 1] / radii[:, 0] - 1) * depths / refined.lengths[edge]
     places = centres[end] + (depths[:, None] * along)[:, None, :]
@@ -124,15 +130,27 @@ def _added_sections(scaffold: Scaffold, spokes: Floats, domes: bool) -> tuple[Fl
         wanted[refined.leaving_extremities] = DOME_DISTANCE * refined.radii[refined.extremities]
     bends = bends_of(scaffold)
     wanted[bends.leaving] = bends.reach[:, None]
+    blends = _blends(scaffold, spokes)
+    pulled = pulled_half_edges(scaffold)
+    wanted[pulled] = _to_collars(scaffold, spokes)[pulled] - blends[pulled]
 
     pairs = wanted.reshape(-1, 2)
-    blends = _blends(scaffold, spokes).reshape(-1, 2).sum(axis=1)
-    room = ROOM * (refined.lengths - blends)[:, None]
+    room = ROOM * (refined.lengths - blends.reshape(-1, 2).sum(axis=1))[:, None]
     depth = np.minimum(pairs, np.maximum(room / 2, room - pairs[:, ::-1])).reshape(-1)
     depth[depth < LEAST_DEPTH * refined.radii[tails]] = 0.0
+    # Nearer to a branch point its cones are too narrow.
+    depth[pulled[depth[pulled] < wanted[pulled]]] = 0.0
+    depth[depth > 0] += blends[depth > 0]
     has_both = depth[bends.leaving].all(axis=1)
     depth[bends.leaving[~has_both]] = 0.0
     return depth, bends.chosen(has_both)
+
+
+def _to_collars(scaffold: Scaffold, spokes: Floats) -> Floats:
+    """Return how far along each half-edge its collar would stand, 0 for none, (2 m,), mm."""
+    options, stars = scaffold.options, scaffold.stars
+    found = collar_distances(scaffold.skeleton, stars, spokes, options.corner_distance)
+    return np.nan_to_num(found.reshape(-1))
 
 
 def _blends(scaffold: Scaffold, spokes: Floats) -> Floats:
@@ -143,8 +161,3 @@ def _blends(scaffold: Scaffold, spokes: Floats) -> Floats:
     blends = np.zeros(2 * len(refined.edges))
     blends[leaving] = dot(corners, refined.directions[leaving][:, None]).max(axis=1)
     return blends
-
-
-def _sides(near: Ints, far: Ints) -> Ints:
-    """Return the four quads between the sections (k, 4) at both ends of each sleeve, (k, 4, 4)."""
-    return np.stack([near, np.roll(near, -1, axis=1), np.roll(far, -1, axis=1), far], axis=2)
