@@ -138,6 +138,14 @@ def test_errors_name_what_is_wrong(tmp_path: Path, name: str, content: bytes, me
         read_raw(written(tmp_path, name, content))
 
 
+def test_a_list_longer_than_the_file_is_refused(tmp_path: Path) -> None:
+    sound = SAMPLES["faces.ply"].replace(b"list uchar int", b"list int int")
+    at = sound.index(b"end_header\n") + 11 + 4 * 12
+    content = sound[:at] + (2**30).to_bytes(4, "little") + sound[at:]
+    with pytest.raises(FormatError, match="ends within 4 elements 'face'"):
+        read_raw(written(tmp_path, "long.ply", content))
+
+
 def test_nan_of_any_kind_is_a_node_without_a_place(tmp_path: Path) -> None:
     sound = SAMPLES["binary.stl"]
     signalling = b"\x01\0\xa0\x7f"  # of the kind that processors warn of

@@ -206,9 +206,11 @@ def _even_rows(body: bytes, at: int, element: _Element, order: str) -> tuple[_Ta
     if others or not element.count or at + counts.itemsize > len(body):
         return None
     size = int(np.frombuffer(body, counts, 1, at)[0])
-    row = np.dtype([("size", counts), ("values", order + _TYPES[kind], (max(size, 0),))])
+    if not 0 <= size <= len(body):
+        return None
+    row = np.dtype([("size", counts), ("values", order + _TYPES[kind], (size,))])
     stop = at + row.itemsize * element.count
-    if size < 0 or stop > len(body):
+    if stop > len(body):
         return None
     table = np.frombuffer(body[at:stop], dtype=row)
     if (table["size"] != size).any():
