@@ -6,10 +6,9 @@ parts as they were, and tells nobody. Imports build123d, as `objects` does.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import reduce
-from operator import add, sub, xor
-from typing import Literal, TypeAlias
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 from build123d import Shape
@@ -17,10 +16,14 @@ from OCP.BRepGProp import BRepGProp
 from OCP.gp import gp_Pnt
 from OCP.GProp import GProp_GProps
 
-from scaffold_cad.arrays import Bools, Floats
+from scaffold_cad.arrays import Floats
 from scaffold_cad.brep import tessellated
 from scaffold_cad.errors import BrepError, MeshError
-from scaffold_cad.manifolds import to_manifold
+from scaffold_cad.lattice.meshregion import MeshRegion
+from scaffold_cad.manifolds import manifold_triangles, to_manifold
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
 
 Operation: TypeAlias = Literal["union", "difference", "intersection"]
 """A boolean; a difference is of the first operand and all others."""
@@ -31,12 +34,12 @@ PRECISION = 1e-5
 UNNOTICED = 1e-3
 """Volume that a result may lack or have too much, as a fraction of the smallest operand's."""
 
-SHARED = 0.01
-"""Volume by which meshes of the operands must contradict a result, as a fraction of the smallest
-operand's: meshes of rounds that touch are a little into each other."""
-
 MESH_DISTANCE, MESH_ANGLE = 0.1, 0.8
-"""Of these meshes, mm and rad: coarse ones, which take as long as the boolean at most."""
+"""Of the meshes by which doubtful results are looked at, mm and rad: coarse ones, which take no
+longer than the boolean. Where they overlap, points are tried on the operands themselves."""
+
+SAMPLES, TRIED = 20_000, 10
+"""Random points in the box of an overlap, and how many of those in it are tried."""
 
 
 def check_boolean(operation: Operation, operands: Sequence[Shape], result: Shape | None) -> None:
@@ -44,7 +47,7 @@ def check_boolean(operation: Operation, operands: Sequence[Shape], result: Shape
 
     A union has at least the volume of its largest operand and at most that of all of them, and so
     on. Where the result has what it would have if the operands were apart, or nothing, and their
-    boxes are not apart, that is compared with what their meshes say. Operands without volume are
+    boxes are not apart, a point is sought that shows that it is wrong. Operands without volume are
     not looked at.
 
     Parameters
@@ -75,20 +78,24 @@ def check_boolean(operation: Operation, operands: Sequence[Shape], result: Shape
         return
     slack = UNNOTICED * volumes.min() + PRECISION * total
     if not max(least, 0.0) - slack <= found <= most + slack:
-        raise _wrong(operation, found, f"{max(least, 0.0):.6g} to {most:.6g}")
-    suspicious = abs(found - apart) <= slack or found <= slack
-    if suspicious and _meet(operation, boxes):
-        expected = _by_meshes(operation, operands, volumes)
-        if expected is not None and abs(found - expected) > SHARED * volumes.min() + slack:
-            raise _wrong(operation, found, f"some {expected:.4g}")
+        raise _wrong(operation, found, f"should be {max(least, 0.0):.6g} to {most:.6g}")
+    meshed = cache(_meshed)
+    if abs(found - apart) <= slack:
+        for a, b in _pairs_that_meet(operation, boxes):
+            place = _place_in(operands[a], operands[b], meshed, also=True)
+            if place is not None:
+                raise _wrong(operation, found, f"cannot be: both parts are at {place} mm")
+    elif found <= slack and operation == "difference" and len(operands) == 2:
+        place = _place_in(operands[0], operands[1], meshed, also=False)
+        if place is not None:
+            raise _wrong(operation, found, f"cannot be: the first part alone is at {place} mm")
 
 
-def _wrong(operation: Operation, found: float, expected: str) -> BrepError:
+def _wrong(operation: Operation, found: float, why: str) -> BrepError:
     return BrepError(
-        f"OCCT gives the {operation} a volume of {max(found, 0.0):.6g} mm³, which should be "
-        f"{expected}: it fails where faces nearly coincide; need one part of one skeleton that "
-        "holds all struts, or a boolean of meshes: to_solid(scaffold) of parts that Mode.PRIVATE "
-        "keeps out of the builder"
+        f"OCCT gives the {operation} a volume of {max(found, 0.0):.6g} mm³, which {why}; it fails "
+        "where faces nearly coincide: need one part of one skeleton that holds all struts, or a "
+        "boolean of meshes: to_solid(scaffold) of parts that Mode.PRIVATE keeps out of the builder"
     )
 
 
@@ -105,32 +112,50 @@ def _box(shape: Shape) -> tuple[tuple[float, ...], tuple[float, ...]]:
     return tuple(box.min), tuple(box.max)
 
 
-def _meet(operation: Operation, boxes: Floats) -> bool:
-    """Return whether boxes (k, 2, 3) that the operation compares are not apart."""
-    low, high = boxes[:, 0], boxes[:, 1]
-    meet: Bools = np.asarray(
-        ((low[:, None] < high[None]) & (low[None] < high[:, None])).all(axis=2)
-    )  # (k, k)
-    if operation == "union":
-        return bool(np.triu(meet, 1).any())
-    return bool(meet[0, 1:].any())
+def _pairs_that_meet(operation: Operation, boxes: Floats) -> list[list[int]]:
+    """Return the pairs of operands that must be apart and whose boxes (k, 2, 3) are not.
 
-
-def _by_meshes(operation: Operation, operands: Sequence[Shape], volumes: Floats) -> float | None:
-    """Return the result's volume by what meshes of the operands share, mm³.
-
-    None if one of the meshes is not closed.
+    Of an intersection of three or more no pair must be.
     """
+    low, high = boxes[:, 0], boxes[:, 1]
+    meet = np.asarray(((low[:, None] < high) & (low < high[:, None])).all(axis=2))  # (k, k)
+    if operation == "intersection" and len(boxes) > 2:
+        return []
+    if operation != "union":
+        meet[1:] = False
+    pairs: list[list[int]] = np.argwhere(np.triu(meet, 1)).tolist()
+    return pairs
+
+
+def _meshed(shape: Shape) -> Manifold | None:
+    """Return a coarse mesh of a shape, None if it is not closed."""
     try:
-        meshes = [
-            to_manifold(tessellated(operand, MESH_DISTANCE, MESH_ANGLE)) for operand in operands
-        ]
+        return to_manifold(tessellated(shape, MESH_DISTANCE, MESH_ANGLE))
     except (BrepError, MeshError):
         return None
-    if operation == "intersection":
-        return float(reduce(xor, meshes).volume())
-    if operation == "union":
-        shared = sum(mesh.volume() for mesh in meshes) - reduce(add, meshes).volume()
-        return float(volumes.sum() - shared)
-    cut_off = meshes[0].volume() - reduce(sub, meshes).volume()
-    return float(volumes[0] - cut_off)
+
+
+def _place_in(
+    first: Shape, second: Shape, meshed: Callable[[Shape], Manifold | None], *, also: bool
+) -> tuple[float, ...] | None:
+    """Return a point that is in the first shape, and also or else not in the second; mm.
+
+    None if none is found, or a shape has no mesh.
+    """
+    one, other = meshed(first), meshed(second)
+    if one is None or other is None:
+        return None
+    region = one ^ other if also else one - other
+    if region.is_empty():
+        return None
+    inside = MeshRegion(manifold_triangles(region))
+    low, high = inside.bounds
+    points = low + np.random.default_rng(0).uniform(size=(SAMPLES, 3)) * (high - low)
+    for point in points[inside.contains(points)][:TRIED]:
+        if _is_in(first, point) and _is_in(second, point) == also:
+            return tuple(point.round(3).tolist())
+    return None
+
+
+def _is_in(shape: Shape, point: Floats) -> bool:
+    return any(solid.is_inside(tuple(point.tolist())) for solid in shape.solids())
