@@ -70,7 +70,7 @@ def solid_pieces(scaffold: Scaffold, embedded: Embedding, wobble: Floats) -> Pie
     )
 
 
-def _spread(count: int, axis: int) -> Floats:
+def spread(count: int, axis: int) -> Floats:
     """Return evenly spread numbers in [-1/2, 1/2), unlike for neighbours, (count,).
 
     Multiples of the powers of the plastic number's inverse: Roberts's additive recurrence.
@@ -155,7 +155,7 @@ def _struts_left_out(scaffold: Scaffold, kept: Bools, wobble: Floats) -> _Struts
     skeleton = scaffold.skeleton
     ends, first_edge, wobbles = _thinned_runs(skeleton, kept, wobble)
     axis = normalize(skeleton.nodes[ends[:, 1]] - skeleton.nodes[ends[:, 0]])
-    turn, widening = (wobbles * _spread(len(ends), power) for power in (1, 2))
+    turn, widening = (wobbles * spread(len(ends), power) for power in (1, 2))
     x = rotate(_across(axis, _corner_directions(scaffold, first_edge)), axis, turn)
     return _Struts(ends, axis, x, scaffold.options.corner_distance * (1.0 + widening))
 

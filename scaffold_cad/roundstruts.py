@@ -15,6 +15,7 @@ import numpy as np
 from scaffold_cad.arrays import Floats, Ints, Points
 from scaffold_cad.errors import OptionError
 from scaffold_cad.intersections import intersections_of_bodies
+from scaffold_cad.pieces import spread
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold, ScaffoldOptions, build_scaffold
 from scaffold_cad.skeleton import Skeleton
@@ -104,22 +105,28 @@ def prisms_and_balls(scaffold: Scaffold, edges: Ints, sides: int, wobble: Floats
 
     Parameters
     ----------
-    wobble : (n,) float64; how much wider they are made at each node, relative to the radius
+    wobble : (n,) float64; how much they are made unlike each other at each node, see `pieces`
     """
     skeleton = scaffold.skeleton
-    radii = skeleton.radii * circumradius(sides) * (1.0 + wobble)
+    radii = skeleton.radii * circumradius(sides)
     ends = skeleton.edges[edges]
     axis = skeleton.directions[2 * edges]
-    turn = GOLDEN_ANGLE * np.arange(len(edges))[:, None] + 2 * np.pi / sides * np.arange(sides)
+    turning, widening = (wobble[ends] * spread(len(edges), power)[:, None] for power in (1, 2))
+    turn = GOLDEN_ANGLE * np.arange(len(edges)) + 2 * np.pi / sides * turning.sum(axis=1)
+    turn = turn[:, None] + 2 * np.pi / sides * np.arange(sides)
     x = any_perpendicular(axis)
     y = np.cross(axis, x)
     ring = np.cos(turn)[:, :, None] * x[:, None] + np.sin(turn)[:, :, None] * y[:, None]
-    sections = radii[ends][:, :, None, None] * ring[:, None]  # (k, 2, sides, 3)
+    widths = radii[ends] * (1.0 + widening)
+    sections = widths[:, :, None, None] * ring[:, None]  # (k, 2, sides, 3)
     prisms = (skeleton.nodes[ends][:, :, None] + sections).reshape(-1, 2 * sides, 3)
 
-    nodes = np.unique(ends)
+    # Where struts are kept, their smooth surface is around the node, and a ball would graze it.
+    kept = np.bincount(np.delete(skeleton.edges, edges, axis=0).reshape(-1), minlength=len(radii))
+    nodes = np.unique(ends[kept[ends] == 0])
     turn = GOLDEN_ANGLE * np.arange(len(nodes))
-    balls = radii[nodes, None, None] * _turned_balls(turn, sides) + skeleton.nodes[nodes, None]
+    widths = radii[nodes] * (1.0 + wobble[nodes] * spread(len(nodes), 2))
+    balls = widths[:, None, None] * _turned_balls(turn, sides) + skeleton.nodes[nodes, None]
     return [*prisms, *balls]
 
 

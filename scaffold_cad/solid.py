@@ -28,7 +28,7 @@ from scaffold_cad.vectors import length
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-WOBBLES = np.array([0.0, 1e-3, -1e-3, 3e-3, -3e-3, 0.01, -0.01])
+WOBBLES = np.array([0.0, 1e-3, -1e-3, 3e-3, -3e-3, 0.01, -0.01, 0.02, -0.02, 0.03, -0.03])
 """How unlike each other the prisms of overlapping struts are made, in turn, where their union
 crosses itself; relative to their radius. The first that works is taken."""
 
@@ -199,9 +199,11 @@ def clean_surface(manifold: Manifold) -> TriangleMesh:
     if len(crossings):
         places = mesh.vertices[mesh.triangles[crossings[:, 0]]].mean(axis=1)
         raise FaultySurfaceError(f"crosses itself in {len(crossings)} places", places)
+    written = mesh.single_precision()
     try:
-        mesh.single_precision().check_closed()
+        written.check_closed()
     except MeshError as error:
+        places = written.vertices[np.concatenate(written.faulty_sides())[:, 0]]
         message = f"does not stay closed in 32-bit coordinates: {error}"
-        raise FaultySurfaceError(message, np.zeros((0, 3))) from None
+        raise FaultySurfaceError(message, places) from None
     return mesh

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arrays import Floats, Frozen, Points, Triangles, as_points, as_triangles
+from scaffold_cad.arrays import Edges, Floats, Frozen, Points, Triangles, as_points, as_triangles
 from scaffold_cad.errors import MeshError
 from scaffold_cad.notebook import Shown
 from scaffold_cad.vectors import triple
@@ -57,17 +57,27 @@ class TriangleMesh(Frozen, Shown):
         """
         if len(self.triangles) == 0:
             raise MeshError("the mesh has no triangles; need at least 4 for a closed surface")
-        start, end = self.triangles, np.roll(self.triangles, -1, axis=1)
-        ahead = np.sort((start * len(self.vertices) + end).reshape(-1))
-        back = np.sort((end * len(self.vertices) + start).reshape(-1))
-        repeated = ahead[1:][ahead[1:] == ahead[:-1]]
-        if len(repeated):
-            a, b = divmod(int(repeated[0]), len(self.vertices))
+        repeated, lonely = self.faulty_sides()
+        for a, b in repeated[:1].tolist():
             raise MeshError(f"two triangles run along the edge from vertex {a} to {b}; need one")
-        lonely = np.setdiff1d(ahead, back, assume_unique=True)
-        if len(lonely):
-            a, b = divmod(int(lonely[0]), len(self.vertices))
+        for a, b in lonely[:1].tolist():
             raise MeshError(f"no triangle runs along the edge from vertex {b} to {a}; need one")
+
+    def faulty_sides(self) -> tuple[Edges, Edges]:
+        """Return sides of triangles, from vertex to vertex, that no closed surface has.
+
+        Returns
+        -------
+        (k, 2) intp, those that several triangles have; (k, 2) intp, those that no other triangle
+        runs back along
+        """
+        count = max(len(self.vertices), 1)
+        start, end = self.triangles, np.roll(self.triangles, -1, axis=1)
+        ahead = np.sort((start * count + end).reshape(-1))
+        back = np.sort((end * count + start).reshape(-1))
+        repeated = np.unique(ahead[1:][ahead[1:] == ahead[:-1]])
+        lonely = np.setdiff1d(ahead, back, assume_unique=len(repeated) == 0)
+        return np.stack(np.divmod(repeated, count), 1), np.stack(np.divmod(lonely, count), 1)
 
 
 def compacted(vertices: Points, triangles: Triangles) -> TriangleMesh:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -17,6 +19,7 @@ from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import solidified, to_solid
 from scaffold_cad.thicken import thicken
 from tests.meshes import CUBE
+from tests.real_files import RADII, real_skeleton
 from tests.solids import check_solid_of, contains
 from tests.strategies import skeletons
 
@@ -81,6 +84,13 @@ def test_round_solids_of_random_skeletons(
 ) -> None:
     thick = skeleton.with_radii(factor * skeleton.radii)
     check_solid_of(thick, to_solid(build_scaffold(thick, collars=collars), sides=sides))
+
+
+@pytest.mark.parametrize("collars", [False, True])
+@pytest.mark.parametrize("name", [name for name in RADII if name != "nrn_ordering.swc"])
+def test_round_solids_of_real_files(shared_data: Path, name: str, collars: bool) -> None:
+    skeleton = real_skeleton(shared_data, name)
+    check_solid_of(skeleton, to_solid(build_scaffold(skeleton, collars=collars), sides=8))
 
 
 NARROW_FORK = Skeleton(
