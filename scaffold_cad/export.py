@@ -20,11 +20,8 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, TypeAlias
 
-import numpy as np
-from numpy.typing import ArrayLike
-
 from scaffold_cad import brep
-from scaffold_cad.arrays import Ints
+from scaffold_cad.arguments import as_path
 from scaffold_cad.backends import is_instance
 from scaffold_cad.beams import BeamLattice
 from scaffold_cad.beziermesh import BezierMesh
@@ -63,8 +60,6 @@ class Content:
     """Whether edges are also written in the parameters of their faces (STEP only)."""
     slabs: int | None
     """In how many slabs a fine surface is made."""
-    edge_of_quad: Ints | None = None
-    """The skeleton edge of each quad that smooth patches are parts of."""
 
 
 Writer: TypeAlias = Callable[[Content, Path], None]
@@ -89,7 +84,6 @@ def write(
     *,
     write_pcurves: bool = False,
     slabs: int | None = None,
-    edge_of_quad: ArrayLike | None = None,
 ) -> None:
     """Write `what` to the file at `path`, whole or not at all.
 
@@ -106,8 +100,6 @@ def write(
         programs that ask for it: twice the size, and OCCT takes longer to write and to read it
     slabs : ≥ 1; in how many slabs a FineSurface is made and written, which bounds the memory
         needed beyond the scaffold's; by default as many as keep it under some 500 MB
-    edge_of_quad : (f,) of smooth patches: that of the scaffold they are around, for the names of
-        the faces in a STEP file; a Scaffold has its own
 
     Raises
     ------
@@ -118,20 +110,19 @@ def write(
         not closed.
     OptionError
         If `write_pcurves` is asked of another format than STEP, or `slabs` for anything but a
-        FineSurface, or there are fewer than 1, or `edge_of_quad` for anything but Patches; or
-        `what` is a builder that holds no shape yet, or `path` is none.
+        FineSurface, or there are fewer than 1; or `what` is a builder that holds no shape yet, or
+        `path` is none.
     MissingBackendError
         If the package that writes the format is not installed.
     """
-    path, what = _as_path(path, what), built(what)
+    path, what = _target(path, what), built(what)
     writer = _writer_of(path)
     if write_pcurves and writer is not _write_step:
         raise OptionError(f"write_pcurves is for STEP files only; {path.name} is none")
     if slabs is not None and not isinstance(what, FineSurface):
         raise OptionError(f"slabs is for a FineSurface only; {path.name} gets a {_kind(what)}")
-    edges = None if edge_of_quad is None else _edges_of_quads(edge_of_quad, what)
     with replacing(path) as fresh:
-        writer(Content(what, path.stem, write_pcurves, slabs, edges), fresh)
+        writer(Content(what, path.stem, write_pcurves, slabs), fresh)
 
 
 def check_writable(path: str | PathLike[str], *, solid: bool = False) -> None:
@@ -156,28 +147,12 @@ def known_suffixes() -> tuple[str, ...]:
     return tuple(sorted(_writers))
 
 
-def _as_path(path: str | PathLike[str], what: Any) -> Path:
-    if isinstance(path, str | PathLike):
-        return Path(path)
-    swapped = isinstance(what, str | PathLike)
-    raise OptionError(
-        f"path is of type {_kind(path)}; need a str or a Path"
-        + (f": the object comes first, as in write(what, {str(what)!r})" if swapped else "")
-    )
-
-
-def _edges_of_quads(edge_of_quad: ArrayLike, what: Any) -> Ints:
-    """Return the skeleton edge of each quad that the patches `what` are parts of."""
-    if not isinstance(what, Patches):
-        raise OptionError(f"edge_of_quad is for Patches only; got a {_kind(what)}")
-    edges = np.asarray(edge_of_quad)
-    needed = int(what.quad_of_patch.max(initial=-1)) + 1
-    if edges.ndim != 1 or edges.dtype.kind not in "iu" or len(edges) < needed:
+def _target(path: str | PathLike[str], what: Any) -> Path:
+    if isinstance(what, str | PathLike) and not isinstance(path, str | PathLike):
         raise OptionError(
-            f"edge_of_quad has shape {edges.shape} and type {edges.dtype}; need a whole number "
-            f"for each of {needed} quads"
+            f"path is of type {_kind(path)}: the object comes first, as in write(what, {what!r})"
         )
-    return edges.astype(np.intp)
+    return as_path(path)
 
 
 def _writer_of(path: Path, without: tuple[str, ...] = ()) -> Writer:
@@ -196,7 +171,7 @@ def _write_step(content: Content, path: Path) -> None:
         return
     check_solid(patches.mesh)
     brep.check_sizes(patches)
-    write_step(patches, path, name=content.name, face_names=_face_names(content))
+    write_step(patches, path, name=content.name, face_names=_face_names(content.what))
 
 
 @register_writer(".brep")
@@ -270,13 +245,13 @@ def _patches(what: Any) -> BezierMesh | None:
     return BezierMesh.bilinear(what) if isinstance(what, QuadMesh) else None
 
 
-def _face_names(content: Content) -> list[str] | None:
+def _face_names(what: Any) -> list[str] | None:
     """Return the name of each face: the skeleton edge that it belongs to, where that is known."""
-    what, edges = content.what, content.edge_of_quad
+    edges = None
     if isinstance(what, Scaffold):
         edges = what.edge_of_quad
-    elif isinstance(what, Patches) and edges is not None:
-        edges = edges[what.quad_of_patch]
+    elif isinstance(what, Patches):
+        edges = what.edge_of_patch
     return None if edges is None else [f"edge {edge}" for edge in edges.tolist()]
 
 

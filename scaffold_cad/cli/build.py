@@ -18,7 +18,7 @@ from scaffold_cad.export import check_writable, write
 from scaffold_cad.parts.bodies import ROUND_SIDES
 from scaffold_cad.parts.overlaps import log_overlaps
 from scaffold_cad.scaffold import Scaffold, build_scaffold
-from scaffold_cad.smooth import Caps, Patches, crossing_struts, fine_surface, smooth_patches
+from scaffold_cad.smooth import Caps, crossing_struts, fine_surface, smooth_patches
 from scaffold_cad.solid import solidified
 from scaffold_cad.stars import Fit, Section
 from scaffold_cad.thicken import frame_scaffold
@@ -141,12 +141,7 @@ def run(options: argparse.Namespace) -> None:
     with progress.stage("solid", struts, "struts", SMOOTH_RATE if options.smooth else SOLID_RATE):
         product = _product(scaffold, options)
     with progress.stage("file", struts, "struts", FILE_RATE):
-        write(
-            product,
-            options.output,
-            slabs=options.slabs,
-            edge_of_quad=scaffold.edge_of_quad if isinstance(product, Patches) else None,
-        )
+        write(product, options.output, slabs=options.slabs)
     _log.info("%s written", options.output)
 
 

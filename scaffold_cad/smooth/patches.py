@@ -48,6 +48,8 @@ class Patches(Frozen):
     join smoothly; one patch a quad."""
     is_flat: Bools
     """Whether each patch is a part of a flat cap, shape (f,)."""
+    edge_of_patch: Ints | None
+    """Edge of the skeleton that each patch is around, shape (f,); None around a bare mesh."""
 
     @property
     def quad_of_patch(self) -> Ints:
@@ -137,23 +139,30 @@ def patches_around(
         raise OptionError(f"degree is {degree}; need 4 or 5")
     if degree < 5 and split == 0:
         raise OptionError(f"degree is {degree} and split 0; need split 1 or more, or degree 5")
+    edges = None
     if isinstance(surface, Scaffold):
         control = control_mesh(surface, caps)
+        edges = surface.edge_of_quad[control.quad_of_quad]
     else:
         control = ControlMesh(surface, NO_CREASES, np.arange(len(surface.quads)))
     if split is not None:
-        return _patched(control, degree, split)
+        return _patched(control, edges, degree, split)
     if degree < 5:
-        return _patched(control, degree, 1)
-    patches = _patched(control, degree, 0)
+        return _patched(control, edges, degree, 1)
+    patches = _patched(control, edges, degree, 0)
     if len(patches.turned) == 0:
         return patches
-    finer = _patched(control, degree, 1)
+    finer = _patched(control, edges, degree, 1)
     return patches if len(finer.turned) else finer
 
 
-def _patched(control: ControlMesh, degree: int, split: int) -> Patches:
-    """Return the patches of a control mesh whose quads are cut in four `split` times."""
+def _patched(control: ControlMesh, edges: Ints | None, degree: int, split: int) -> Patches:
+    """Return the patches of a control mesh whose quads are cut in four `split` times.
+
+    Parameters
+    ----------
+    edges : of the skeleton, that each quad is around, if there is one
+    """
     coarse = Connectivity.of(control.mesh, control.creases)
     is_cap = coarse.is_crease[coarse.edge_of_side].all(axis=1)
     is_flat = np.repeat(is_cap, 4**split)
@@ -167,7 +176,8 @@ def _patched(control: ControlMesh, degree: int, split: int) -> Patches:
     fitted = _fitted(connectivity, control.mesh, degree)
     near[system.is_free] = net.gathered(fitted.reshape(len(fitted), -1, 3))[system.is_free]
     patches = system.solved(near)[net.of_patch].reshape(patches.shape)
-    return Patches(BezierMesh(connectivity.quads, patches), control, is_flat)
+    of_patch = None if edges is None else np.repeat(edges, 4**split)
+    return Patches(BezierMesh(connectivity.quads, patches), control, is_flat, of_patch)
 
 
 def _split(
