@@ -204,7 +204,7 @@ def _product(scaffold: Scaffold, options: argparse.Namespace) -> Any:
         return _smooth_product(scaffold, options, cad)
     left_out, shell = scaffold.embedding().left_out, options.product == "shell"
     if not (cad or shell):
-        return united_solid(scaffold)
+        return united_solid(scaffold) if len(left_out) else scaffold
     log_overlaps(scaffold, left_out, united=False)
     if not shell:
         return scaffold

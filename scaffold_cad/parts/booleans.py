@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 from build123d import Shape
+from OCP.BRepClass3d import BRepClass3d_SolidClassifier
 from OCP.BRepGProp import BRepGProp
 from OCP.gp import gp_Pnt
 from OCP.GProp import GProp_GProps
+from OCP.TopAbs import TopAbs_State
 
 from scaffold_cad.arrays import Floats
 from scaffold_cad.brep import tessellated
@@ -37,6 +39,9 @@ UNNOTICED = 1e-3
 MESH_DISTANCE, MESH_ANGLE = 0.1, 0.8
 """Of the meshes by which doubtful results are looked at, mm and rad: coarse ones, which take no
 longer than the boolean. Where they overlap, points are tried on the operands themselves."""
+
+NEAR = 1e-4
+"""Distance from a face at which a point counts as on it, mm: parts may touch."""
 
 SAMPLES, TRIED = 20_000, 10
 """Random points in the box of an overlap, and how many of those in it are tried."""
@@ -152,10 +157,21 @@ def _place_in(
     low, high = inside.bounds
     points = low + np.random.default_rng(0).uniform(size=(SAMPLES, 3)) * (high - low)
     for point in points[inside.contains(points)][:TRIED]:
-        if _is_in(first, point) and _is_in(second, point) == also:
+        if _is_in(first, point) and (_is_in if also else _is_out)(second, point):
             return tuple(point.round(3).tolist())
     return None
 
 
 def _is_in(shape: Shape, point: Floats) -> bool:
-    return any(solid.is_inside(tuple(point.tolist())) for solid in shape.solids())
+    return TopAbs_State.TopAbs_IN in _states(shape, point)
+
+
+def _is_out(shape: Shape, point: Floats) -> bool:
+    return set(_states(shape, point)) == {TopAbs_State.TopAbs_OUT}
+
+
+def _states(shape: Shape, point: Floats) -> list[TopAbs_State]:
+    """Return where a point is, seen from each solid of a shape; on it if nearer than `NEAR`."""
+    place = gp_Pnt(*point.tolist())
+    solids = [solid.wrapped for solid in shape.solids()]
+    return [BRepClass3d_SolidClassifier(solid, place, NEAR).State() for solid in solids]
