@@ -137,7 +137,7 @@ def check_writable(path: str | PathLike[str], *, solid: bool = False) -> None:
     FormatError
         If the suffix is unknown, or the folder is missing or read-only.
     """
-    path = Path(path)
+    path = as_path(path)
     _writer_of(path, without=SKELETON_SUFFIXES if solid else ())
     check_target(path)
 

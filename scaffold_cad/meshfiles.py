@@ -10,6 +10,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from scaffold_cad.arguments import as_path
 from scaffold_cad.backends import need
 from scaffold_cad.brep import BREP_SUFFIXES, read_brep, tessellated
 from scaffold_cad.errors import FormatError, MeshError, SkeletonError
@@ -49,7 +50,7 @@ def read_triangles(path: str | PathLike[str]) -> TriangleMesh | None:
     MissingBackendError
         If the package that reads the format is not installed.
     """
-    path = Path(path)
+    path = as_path(path)
     suffix = path.suffix.lower()
     if suffix in IGES_SUFFIXES:
         raise FormatError(f"{path} is an IGES file; need STEP, BREP or STL")

@@ -25,6 +25,9 @@ from scaffold_cad.vectors import any_perpendicular
 LEVELS = {8: 1, 16: 2}
 """Subdivisions that give a section its number of sides."""
 
+ROUND_SIDES = 16
+"""Sides of round struts in a mesh: as many as `solidified` makes."""
+
 GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
 """Turn between neighbouring struts, and balls, that keeps their faces out of common planes, rad."""
 

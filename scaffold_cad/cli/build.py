@@ -15,8 +15,8 @@ from scaffold_cad.cli import source
 from scaffold_cad.cli.progress import FILE_RATE, SCAFFOLD_RATE, SMOOTH_RATE, SOLID_RATE, Progress
 from scaffold_cad.errors import OptionError
 from scaffold_cad.export import check_writable, write
-from scaffold_cad.parts.bodies import ROUND_SIDES
-from scaffold_cad.parts.overlaps import log_overlaps
+from scaffold_cad.overlaps import log_overlaps
+from scaffold_cad.roundstruts import ROUND_SIDES
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.smooth import Caps, crossing_struts, fine_surface, smooth_patches
 from scaffold_cad.solid import solidified

@@ -13,6 +13,7 @@ from scaffold_cad.backends import need
 from scaffold_cad.cad import to_brep
 from scaffold_cad.errors import BrepError
 from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.roundstruts import ROUND_SIDES
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.smooth import Caps, Patches, crossing_struts
 from scaffold_cad.smooth.patches import patches_around
@@ -25,9 +26,6 @@ if TYPE_CHECKING:
 
 MOST_TRIANGLES = 10_000
 """Triangles of a union that may become faces: with more of them CAD is no fun."""
-
-ROUND_SIDES = 16
-"""Sides of round struts in a mesh: as many as `solidified` makes."""
 
 NAMED = 5
 """Struts that an error names."""

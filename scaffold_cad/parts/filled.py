@@ -18,7 +18,7 @@ from scaffold_cad.lattice import UnitCell, fill
 from scaffold_cad.lattice.filling import HasTriangles, as_region
 from scaffold_cad.lattice.regions import Region
 from scaffold_cad.lattice.struts import Struts
-from scaffold_cad.parts.overlaps import log_overlaps
+from scaffold_cad.overlaps import log_overlaps
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.radii import Radius
 from scaffold_cad.scaffold import build_scaffold

@@ -6,8 +6,8 @@ from html import escape
 from importlib.resources import files
 from itertools import groupby
 from os import PathLike
-from pathlib import Path
 
+from scaffold_cad.arguments import as_path
 from scaffold_cad.files import replacing
 from scaffold_cad.printability.report import MARKS, Finding, Report
 from scaffold_cad.webpage.scene import Dots, Layer, Scene, Surface, filled
@@ -28,7 +28,7 @@ def write_page(report: Report, path: str | PathLike[str]) -> None:
     FormatError
         If the file cannot be written.
     """
-    with replacing(Path(path)) as fresh:
+    with replacing(as_path(path)) as fresh:
         fresh.write_text(page(report), encoding="utf-8")
 
 

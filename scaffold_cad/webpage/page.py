@@ -6,11 +6,11 @@ from collections.abc import Iterable
 from html import escape
 from importlib.resources import files
 from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from scaffold_cad.arguments import as_path
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.files import replacing
 from scaffold_cad.notebook import Shown
@@ -58,7 +58,7 @@ def write_page(what: Model, path: str | PathLike[str], *, solid: Model | None = 
     FormatError
         If the file cannot be written.
     """
-    path = Path(path)
+    path = as_path(path)
     text = model_page(what, title=path.stem, solid=solid)
     with replacing(path) as fresh:
         fresh.write_text(text, encoding="utf-8")
