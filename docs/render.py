@@ -30,10 +30,10 @@ from scaffold_cad import (
     tile,
     to_trimesh,
 )
-from scaffold_cad.arrays import Floats, Points, UnitVectors
+from scaffold_cad.base.arrays import Floats, Points, UnitVectors
+from scaffold_cad.base.vectors import normalize
 from scaffold_cad.convolution import ConvolutionField
 from scaffold_cad.smooth import Patches, smooth_mesh, smooth_patches
-from scaffold_cad.vectors import normalize
 from scaffold_cad.webpage import write_page
 
 ROOT = Path(__file__).parents[1]

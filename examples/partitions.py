@@ -10,7 +10,7 @@ import numpy as np
 from _common import out_folder, save, skeleton
 
 from scaffold_cad import Partition, QuadMesh, Skeleton, partition_sphere, thicken
-from scaffold_cad.vectors import normalize
+from scaffold_cad.base.vectors import normalize
 
 RADIUS = 20.0
 """Radius of the cage, mm."""

@@ -47,10 +47,10 @@ from OCP.TopoDS import (
     TopoDS_Wire,
 )
 
-from scaffold_cad.arrays import Edges, Points, Triangles
+from scaffold_cad.base.arrays import Edges, Points, Triangles
+from scaffold_cad.base.vectors import length
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.errors import BrepError
-from scaffold_cad.vectors import length
 
 try:  # OCP 8, of build123d 0.13
     from OCP.collections import Array1_double as Reals

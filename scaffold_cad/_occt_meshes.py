@@ -18,9 +18,9 @@ from OCP.TopoDS import (
 )
 
 from scaffold_cad._occt import TOLERANCE, edges_between, lines, shell_of, solid_of
-from scaffold_cad.arrays import Edges, Ints, Points, Triangles, UnitVectors
+from scaffold_cad.base.arrays import Edges, Ints, Points, Triangles, UnitVectors
+from scaffold_cad.base.vectors import normalize
 from scaffold_cad.errors import BrepError
-from scaffold_cad.vectors import normalize
 
 
 def triangulated_face(points: Points, triangles: Triangles) -> Face:

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arguments import check_kind
-from scaffold_cad.arrays import Floats, Frozen, as_floats, check_believable
+from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arrays import Floats, Frozen, as_floats, check_believable
 from scaffold_cad.errors import SkeletonError
 from scaffold_cad.skeleton import Skeleton
 

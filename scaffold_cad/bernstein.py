@@ -6,7 +6,7 @@ from math import comb
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats
+from scaffold_cad.base.arrays import Floats
 
 
 def bernstein(degree: int, at: Floats, order: int = 0) -> Floats:

@@ -7,11 +7,20 @@ from functools import cached_property
 
 import numpy as np
 
-from scaffold_cad.arrays import Bools, Floats, Frozen, Ints, Quads, UnitVectors, as_quads, read_only
+from scaffold_cad.base.arrays import (
+    Bools,
+    Floats,
+    Frozen,
+    Ints,
+    Quads,
+    UnitVectors,
+    as_quads,
+    read_only,
+)
+from scaffold_cad.base.vectors import length, normalize, triple
 from scaffold_cad.bernstein import bernstein
 from scaffold_cad.errors import MeshError
 from scaffold_cad.quadmesh import QuadMesh
-from scaffold_cad.vectors import length, normalize, triple
 
 GAP_TOLERANCE = 1e-8
 """Distance within which the control points that two patches share must agree, mm."""

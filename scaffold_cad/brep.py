@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Literal, get_args
 import numpy as np
 from scipy.spatial import cKDTree
 
-from scaffold_cad.backends import need
+from scaffold_cad.base.backends import need
+from scaffold_cad.base.topology import component_labels
+from scaffold_cad.base.vectors import length
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.errors import BrepError, FormatError, OptionError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.shells import check_oriented, check_solid, quads_of_shells
-from scaffold_cad.topology import component_labels
 from scaffold_cad.trianglemesh import TriangleMesh
-from scaffold_cad.vectors import length
 
 if TYPE_CHECKING:
     from build123d import Shape

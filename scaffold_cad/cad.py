@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from scaffold_cad import brep
-from scaffold_cad.arguments import check_kind
+from scaffold_cad.base.arguments import check_kind
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.brep import Kind
 from scaffold_cad.errors import OptionError

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.arrays import Edges, Triangles
+from scaffold_cad.base.arrays import Edges, Triangles
+from scaffold_cad.base.vectors import length
 from scaffold_cad.trianglemesh import TriangleMesh, compacted
-from scaffold_cad.vectors import length
 
 
 def without_short_edges(mesh: TriangleMesh, shortest: float) -> TriangleMesh:

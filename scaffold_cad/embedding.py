@@ -24,13 +24,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scaffold_cad.arrays import Bools, Edges, Floats, Frozen, Ints, Points
-from scaffold_cad.boxes import overlapping_boxes
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points
+from scaffold_cad.base.boxes import overlapping_boxes
+from scaffold_cad.base.segments import nearest_on_segments
+from scaffold_cad.base.vectors import dot, length, normalize, triple
+from scaffold_cad.base.visibility import MARGIN, ROUNDING, in_front, rounding_of, seen
 from scaffold_cad.intersections import self_intersections
-from scaffold_cad.segments import nearest_on_segments
 from scaffold_cad.trianglemesh import TriangleMesh
-from scaffold_cad.vectors import dot, length, normalize, triple
-from scaffold_cad.visibility import MARGIN, ROUNDING, in_front, rounding_of, seen
 
 if TYPE_CHECKING:
     from scaffold_cad.scaffold import Scaffold

@@ -21,13 +21,13 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from scaffold_cad import brep
-from scaffold_cad.arguments import as_path
-from scaffold_cad.backends import is_instance
+from scaffold_cad.base.arguments import as_path
+from scaffold_cad.base.backends import is_instance
+from scaffold_cad.base.builders import built
+from scaffold_cad.base.files import check_target, replacing
 from scaffold_cad.beams import BeamLattice
 from scaffold_cad.beziermesh import BezierMesh
-from scaffold_cad.builders import built
 from scaffold_cad.errors import FormatError, OptionError
-from scaffold_cad.files import check_target, replacing
 from scaffold_cad.io import skeleton_to_json
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold

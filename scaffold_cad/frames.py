@@ -16,9 +16,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scaffold_cad.arrays import Floats, Frames, Ints, UnitVectors, as_floats, as_points
+from scaffold_cad.base.arrays import Floats, Frames, Ints, UnitVectors, as_floats, as_points
+from scaffold_cad.base.vectors import any_perpendicular, dot, length, normalize
 from scaffold_cad.errors import OptionError
-from scaffold_cad.vectors import any_perpendicular, dot, length, normalize
 
 Quaternions: TypeAlias = NDArray[np.float64]
 """Rotations as unit quaternions (w, x, y, z), shape (k, 4)."""

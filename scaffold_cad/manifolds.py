@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scaffold_cad.arguments import check_kind
-from scaffold_cad.arrays import Points
-from scaffold_cad.backends import is_instance, need
+from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arrays import Points
+from scaffold_cad.base.backends import is_instance, need
 from scaffold_cad.errors import FormatError, MeshError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.shells import check_solid

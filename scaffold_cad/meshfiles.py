@@ -10,8 +10,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from scaffold_cad.arguments import as_path
-from scaffold_cad.backends import need
+from scaffold_cad.base.arguments import as_path
+from scaffold_cad.base.backends import need
 from scaffold_cad.brep import BREP_SUFFIXES, read_brep, tessellated
 from scaffold_cad.errors import FormatError, MeshError, SkeletonError
 from scaffold_cad.manifolds import meshes_in

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 
-from scaffold_cad.arrays import Ints
+from scaffold_cad.base.arrays import Ints
 from scaffold_cad.scaffold import Scaffold
 
 _log = logging.getLogger(__name__)

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arrays import (
+from scaffold_cad.base.arrays import (
     Bools,
     Edges,
     Floats,
@@ -20,9 +20,9 @@ from scaffold_cad.arrays import (
     as_points,
     as_quads,
 )
+from scaffold_cad.base.notebook import Shown
+from scaffold_cad.base.vectors import dot
 from scaffold_cad.errors import MeshError
-from scaffold_cad.notebook import Shown
-from scaffold_cad.vectors import dot
 
 
 @dataclass(frozen=True, eq=False)

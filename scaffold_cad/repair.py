@@ -15,12 +15,12 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
-from scaffold_cad.arguments import as_number
-from scaffold_cad.arrays import Bools, Edges, Floats, Ints, Points, Radii, UnitVectors
+from scaffold_cad.base.arguments import as_number
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, Radii, UnitVectors
+from scaffold_cad.base.positions import equal_positions
+from scaffold_cad.base.topology import component_labels, incidence
+from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.errors import SkeletonError
-from scaffold_cad.positions import equal_positions
-from scaffold_cad.topology import component_labels, incidence
-from scaffold_cad.vectors import dot, length, normalize
 
 WELD_FRACTION = 1e-7
 """Distance within which nodes are welded, as a fraction of the bounding box diagonal."""

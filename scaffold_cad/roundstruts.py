@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, Ints, Points
+from scaffold_cad.base.arrays import Floats, Ints, Points
+from scaffold_cad.base.vectors import any_perpendicular
 from scaffold_cad.errors import OptionError
 from scaffold_cad.intersections import intersections_of_bodies
 from scaffold_cad.pieces import spread
@@ -20,7 +21,6 @@ from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold, ScaffoldOptions, build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import Subdivision, smooth_mesh
-from scaffold_cad.vectors import any_perpendicular
 
 LEVELS = {8: 1, 16: 2}
 """Subdivisions that give a section its number of sides."""

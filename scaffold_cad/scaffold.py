@@ -9,12 +9,12 @@ from typing import get_args
 
 import numpy as np
 
-from scaffold_cad.arguments import as_flag, check_choice, check_kind
-from scaffold_cad.arrays import Floats, Frozen, Ints, Points, Quads
+from scaffold_cad.base.arguments import as_flag, check_choice, check_kind
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, Quads
+from scaffold_cad.base.notebook import Shown
 from scaffold_cad.collars import Refinement, with_collars, without_collars
 from scaffold_cad.embedding import Embedding, embedding
 from scaffold_cad.errors import OptionError, SkeletonError
-from scaffold_cad.notebook import Shown
 from scaffold_cad.partition.sphere import METHODS
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.skeleton import Skeleton, check_skeleton

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.arrays import Ints
+from scaffold_cad.base.arrays import Ints
+from scaffold_cad.base.topology import component_labels
 from scaffold_cad.errors import MeshError
 from scaffold_cad.quadmesh import QuadMesh
-from scaffold_cad.topology import component_labels
 from scaffold_cad.trianglemesh import cone_volumes
 
 

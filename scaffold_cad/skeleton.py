@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arguments import as_number, check_kind
-from scaffold_cad.arrays import (
+from scaffold_cad.base.arguments import as_number, check_kind
+from scaffold_cad.base.arrays import (
     Edges,
     Floats,
     Frozen,
@@ -25,18 +25,25 @@ from scaffold_cad.arrays import (
     as_radii,
     check_believable,
 )
-from scaffold_cad.backends import need
+from scaffold_cad.base.backends import need
+from scaffold_cad.base.notebook import Shown
+from scaffold_cad.base.topology import (
+    Chains,
+    Incidence,
+    chains,
+    component_labels,
+    incidence,
+    valencies,
+)
+from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import SkeletonError
-from scaffold_cad.notebook import Shown
 from scaffold_cad.repair import LEAST_LENGTH, Repairs, overlapping_half_edges, repaired
 from scaffold_cad.thinning import farthest_sample, kept_samples
-from scaffold_cad.topology import Chains, Incidence, chains, component_labels, incidence, valencies
-from scaffold_cad.vectors import length
 
 if TYPE_CHECKING:
     from build123d import Curve
 
-    from scaffold_cad.radii import Radius
+    from scaffold_cad.base.radii import Radius
     from scaffold_cad.wires import Curves
 
 LEAST_RADIUS = 1e-9

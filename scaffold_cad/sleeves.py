@@ -16,11 +16,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.arrays import Bools, Floats, Frozen, Ints, Points, UnitVectors
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, UnitVectors
+from scaffold_cad.base.topology import Chains
+from scaffold_cad.base.vectors import any_perpendicular, dot, length, normalize, rotate
 from scaffold_cad.frames import accumulate, bisectors, double_reflection, turn
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.topology import Chains
-from scaffold_cad.vectors import any_perpendicular, dot, length, normalize, rotate
 
 MITER_LIMIT = 3.0
 """Most that a section is widened in the direction of a bend."""

@@ -10,20 +10,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from scaffold_cad import manifolds
-from scaffold_cad.arguments import check_kind
-from scaffold_cad.arrays import Floats, Frozen, Ints, Points
+from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
+from scaffold_cad.base.notebook import Shown
+from scaffold_cad.base.segments import nearest_on_segments
+from scaffold_cad.base.vectors import length
 from scaffold_cad.collapse import without_short_edges
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.intersections import self_intersections
-from scaffold_cad.notebook import Shown
 from scaffold_cad.pieces import solid_pieces
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.roundstruts import check_sides, prisms_and_balls, round_surface
 from scaffold_cad.scaffold import Scaffold
-from scaffold_cad.segments import nearest_on_segments
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.trianglemesh import TriangleMesh
-from scaffold_cad.vectors import length
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

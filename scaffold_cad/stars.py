@@ -11,11 +11,11 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, Frozen, Ints, Points, UnitVectors
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, UnitVectors
+from scaffold_cad.base.vectors import dot, length
 from scaffold_cad.partition import partition_spheres
 from scaffold_cad.partition.star import nearest_angles
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.vectors import dot, length
 
 Fit: TypeAlias = Literal["enclose", "paper"]
 """How large a branch point's sphere is: so that no strut is cut thin at it, or as given."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.arrays import Bools, Floats, Points
-from scaffold_cad.vectors import length
+from scaffold_cad.base.arrays import Bools, Floats, Points
+from scaffold_cad.base.vectors import length
 
 LEAST_SPACING = 1.0
 """Least distance of two neighbouring joints, as a multiple of the larger of their radii."""

@@ -7,10 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arrays import Edges, Floats, Frozen, Points, Triangles, as_points, as_triangles
+from scaffold_cad.base.arrays import (
+    Edges,
+    Floats,
+    Frozen,
+    Points,
+    Triangles,
+    as_points,
+    as_triangles,
+)
+from scaffold_cad.base.notebook import Shown
+from scaffold_cad.base.vectors import triple
 from scaffold_cad.errors import MeshError
-from scaffold_cad.notebook import Shown
-from scaffold_cad.vectors import triple
 
 
 @dataclass(frozen=True, eq=False)

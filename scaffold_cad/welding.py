@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from scaffold_cad.base.positions import equal_positions
 from scaffold_cad.errors import MeshError
-from scaffold_cad.positions import equal_positions
 from scaffold_cad.trianglemesh import TriangleMesh
 
 

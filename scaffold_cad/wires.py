@@ -23,11 +23,11 @@ from OCP.TopoDS import TopoDS_Compound, TopoDS_Edge
 
 from scaffold_cad._occt import TOLERANCE
 from scaffold_cad._occt_meshes import line_edges
-from scaffold_cad.arguments import as_number
-from scaffold_cad.arrays import Edges, Points
-from scaffold_cad.builders import built
+from scaffold_cad.base.arguments import as_number
+from scaffold_cad.base.arrays import Edges, Points
+from scaffold_cad.base.builders import built
+from scaffold_cad.base.radii import Radius, radii_at
 from scaffold_cad.errors import OptionError, SkeletonError
-from scaffold_cad.radii import Radius, radii_at
 from scaffold_cad.skeleton import Skeleton
 
 Curves: TypeAlias = Shape | Builder | Iterable[Shape | Builder]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats
+from scaffold_cad.base.arrays import Floats
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.quadmesh import QuadMesh
 

@@ -6,7 +6,7 @@ from itertools import combinations
 
 import numpy as np
 
-from scaffold_cad.arrays import Edges
+from scaffold_cad.base.arrays import Edges
 from scaffold_cad.skeleton import Skeleton
 
 

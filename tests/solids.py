@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 
-from scaffold_cad.boxes import overlapping_boxes
+from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.intersections import self_intersections
 from scaffold_cad.manifolds import manifold_triangles
 from scaffold_cad.skeleton import Skeleton

@@ -6,10 +6,10 @@ import numpy as np
 from hypothesis import assume
 from hypothesis import strategies as st
 
-from scaffold_cad.arrays import Edges, Floats, Points, UnitVectors
+from scaffold_cad.base.arrays import Edges, Floats, Points, UnitVectors
+from scaffold_cad.base.vectors import normalize
 from scaffold_cad.errors import SkeletonError
 from scaffold_cad.skeleton import Skeleton, check_skeleton
-from scaffold_cad.vectors import normalize
 
 SPACING = 10.0
 """Distance of the grid points about which nodes are drawn, mm."""

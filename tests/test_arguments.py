@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import scaffold_cad as sc
-from scaffold_cad.arguments import as_count, as_number, check_kind
+from scaffold_cad.base.arguments import as_count, as_number, check_kind
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice import measured_density, unit_cell
 from scaffold_cad.parts import LatticeBox, LatticeFill, ScaffoldSolid, SmoothScaffold, StrutFrame

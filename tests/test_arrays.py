@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import scaffold_cad as sc
-from scaffold_cad.arrays import (
+from scaffold_cad.base.arrays import (
     Bools,
     Floats,
     Frozen,

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaffold_cad.arrays import Floats
-from scaffold_cad.boxes import PAIRS_AT_ONCE, overlapping_boxes
+from scaffold_cad.base.arrays import Floats
+from scaffold_cad.base.boxes import PAIRS_AT_ONCE, overlapping_boxes
 
 ROUNDING = 2.0**-19
 """How far apart boxes of a pair may be, as a fraction of the extent of all."""

@@ -12,7 +12,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaffold_cad.arrays import Floats, Points
+from scaffold_cad.base.arrays import Floats, Points
+from scaffold_cad.base.segments import nearest_on_segments
+from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.bernstein import bernstein
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.brep import TESSELLATION_DISTANCE, export_brep, export_step, tessellated
@@ -20,11 +22,9 @@ from scaffold_cad.cad import to_brep
 from scaffold_cad.errors import BrepError, MeshError, MissingBackendError, OptionError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import build_scaffold
-from scaffold_cad.segments import nearest_on_segments
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import smooth_patches
 from scaffold_cad.trianglemesh import TriangleMesh
-from scaffold_cad.vectors import dot, length, normalize
 from tests.meshes import (
     CUBE,
     DART_PRISM,
@@ -317,7 +317,7 @@ def test_triangles_follow_the_place_of_a_shape() -> None:
 
 
 def test_without_build123d_the_error_says_how_to_get_it(monkeypatch) -> None:
-    monkeypatch.setattr("scaffold_cad.backends.find_spec", lambda _: None)
+    monkeypatch.setattr("scaffold_cad.base.backends.find_spec", lambda _: None)
     message = "a B-rep needs build123d; run: pip install build123d"
     with pytest.raises(MissingBackendError, match=message):
         to_brep(CUBE)

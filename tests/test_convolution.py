@@ -22,13 +22,13 @@ from scaffold_cad import (
     smooth_mesh,
     to_trimesh,
 )
-from scaffold_cad.arrays import Floats, Ints, Points
+from scaffold_cad.base.arrays import Floats, Ints, Points
+from scaffold_cad.base.vectors import dot, length
 from scaffold_cad.convolution import ConvolutionField, KernelName, project
 from scaffold_cad.convolution.kernels import Cauchy, CompactCubic, Kernel, Pairs, tip_reach
 from scaffold_cad.convolution.nearby import all_pairs, nearby_pairs
 from scaffold_cad.convolution.projection import _feet
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
-from scaffold_cad.vectors import dot, length
 from tests.real_files import real_skeleton
 from tests.skeletons import (
     FIGURE_EIGHT,

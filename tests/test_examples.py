@@ -16,7 +16,7 @@ from scaffold_cad import (
     self_intersections,
     to_solid,
 )
-from scaffold_cad.arrays import Floats
+from scaffold_cad.base.arrays import Floats
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 SCRIPTS = sorted(path.stem for path in EXAMPLES.glob("[!_]*.py"))

@@ -372,7 +372,7 @@ def test_pcurves_are_for_step_files(tmp_path: Path) -> None:
 def test_without_its_package_a_format_says_how_to_get_it(
     tmp_path: Path, monkeypatch, suffix, package
 ) -> None:
-    monkeypatch.setattr("scaffold_cad.backends.find_spec", lambda _: None)
+    monkeypatch.setattr("scaffold_cad.base.backends.find_spec", lambda _: None)
     with pytest.raises(MissingBackendError, match=f"needs {package}; run: pip install {package}"):
         write(CUBE, tmp_path / f"cube{suffix}")
     assert names_in(tmp_path) == []

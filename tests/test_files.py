@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from scaffold_cad.base.files import check_target, replacing
 from scaffold_cad.errors import FormatError
-from scaffold_cad.files import check_target, replacing
 
 
 def names_in(folder: Path) -> list[str]:

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from scaffold_cad.base.vectors import normalize
 from scaffold_cad.errors import OptionError
 from scaffold_cad.frames import (
     accumulate,
@@ -17,7 +18,6 @@ from scaffold_cad.frames import (
     rotation_minimizing_frames,
     turn,
 )
-from scaffold_cad.vectors import normalize
 from tests.strategies import directions
 
 

@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 from manifold3d import Manifold, OpType
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arrays import Points
+from scaffold_cad.base.arrays import Points
+from scaffold_cad.base.vectors import normalize
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.intersections import self_intersections
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.trianglemesh import TriangleMesh
-from scaffold_cad.vectors import normalize
 
 # ---------------------------------------------------------------------------------------------
 # The oracle: every corner of an intersection is a corner of a triangle, or lies where an edge

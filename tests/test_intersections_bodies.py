@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from scaffold_cad import roundstruts
-from scaffold_cad.arrays import Points, Quads
+from scaffold_cad.base.arrays import Points, Quads
 from scaffold_cad.intersections import bodies, intersections_of_bodies, self_intersections
 from scaffold_cad.lattice import tile
 from scaffold_cad.quadmesh import QuadMesh

@@ -69,7 +69,7 @@ def test_one_name_for_two_attributes_is_refused() -> None:
 
 
 def test_networkx_must_be_installed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("scaffold_cad.backends.find_spec", lambda name: None)
+    monkeypatch.setattr("scaffold_cad.base.backends.find_spec", lambda name: None)
     with pytest.raises(MissingBackendError, match="a networkx graph needs networkx"):
         skeleton_to_networkx(STRUT)
 

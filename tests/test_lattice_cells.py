@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from scaffold_cad.base.vectors import angle_between
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice import UnitCell, cells, check_periodic, register_cell, tile, unit_cell
 from scaffold_cad.lattice.registry import _CELLS
 from scaffold_cad.skeleton import check_skeleton
-from scaffold_cad.vectors import angle_between
 
 # name: (nodes a cell, struts a cell, valencies, strut lengths in a cell of size 1)
 KNOWN = {

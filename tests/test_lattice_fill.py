@@ -11,7 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arrays import Floats, Points
+from scaffold_cad.base.arrays import Floats, Points
+from scaffold_cad.base.vectors import rotate
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 from scaffold_cad.lattice import UnitCell, cells, fill, tile, unit_cell
 from scaffold_cad.lattice.meshregion import MeshRegion
@@ -19,7 +20,6 @@ from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 from scaffold_cad.trianglemesh import TriangleMesh
-from scaffold_cad.vectors import rotate
 
 BOX = np.array([[-5.0, 2.0, 1.0], [35.0, 32.0, 21.0]])
 """A box of 4 × 3 × 2 cells of 10 mm."""

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaffold_cad.arrays import Floats, Points
+from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice import UnitCell, cells, mapped, tile, unit_cell
 from scaffold_cad.skeleton import Skeleton, check_skeleton

@@ -12,11 +12,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import MeshError, MissingBackendError
 from scaffold_cad.manifolds import eroded, manifold_triangles, to_manifold, to_trimesh
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.trianglemesh import TriangleMesh
-from scaffold_cad.vectors import length
 from tests.meshes import CUBE, INSIDE_OUT_CUBE, OPEN_CUBE, TORUS, TWO_CUBES, torus
 
 
@@ -118,7 +118,7 @@ def test_trimesh_objects_keep_vertices_that_are_close() -> None:
     ],
 )
 def test_without_a_back_end_the_error_says_how_to_get_it(monkeypatch, convert, message) -> None:
-    monkeypatch.setattr("scaffold_cad.backends.find_spec", lambda _: None)
+    monkeypatch.setattr("scaffold_cad.base.backends.find_spec", lambda _: None)
     with pytest.raises(MissingBackendError, match=message):
         convert(CUBE)
 

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaffold_cad.arrays import UnitVectors
+from scaffold_cad.base.arrays import UnitVectors
+from scaffold_cad.base.vectors import normalize
 from scaffold_cad.errors import OptionError, PartitionError
 from scaffold_cad.partition import Partition, certify, partition_sphere, partition_spheres
 from scaffold_cad.partition.arcs import arc_counts, arcs_of
 from scaffold_cad.partition.star import DistinctStars
-from scaffold_cad.vectors import normalize
 from tests.strategies import stars
 from tests.validation.star_families import FAMILIES, drawn
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from scaffold_cad.arrays import Ints, UnitVectors
+from scaffold_cad.base.arrays import Ints, UnitVectors
+from scaffold_cad.base.vectors import normalize
 from scaffold_cad.partition import Partitions, certify, partition_sphere, partition_spheres
 from scaffold_cad.partition.arcs import arc_counts, arcs_of, is_closed
 from scaffold_cad.partition.certificate import arc_normals
@@ -19,7 +20,6 @@ from scaffold_cad.partition.matching import good_matchings
 from scaffold_cad.partition.multigraph import quadrangulations
 from scaffold_cad.partition.relax import relaxed
 from scaffold_cad.partition.star import distinct_stars, nearest_angles, unique_rows
-from scaffold_cad.vectors import normalize
 from tests.validation.partition_certificate import failures
 from tests.validation.star_families import FAMILIES, drawn
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaffold_cad import repair
-from scaffold_cad.arrays import Edges, Floats, Points
+from scaffold_cad.base.arrays import Edges, Floats, Points
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.repair import (
     RepairedGraph,

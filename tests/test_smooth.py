@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from scipy.spatial import cKDTree
 
-from scaffold_cad.arrays import Floats
+from scaffold_cad.base.arrays import Floats
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold, build_scaffold

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from scaffold_cad.arrays import Bools, Floats, Points
+from scaffold_cad.base.arrays import Bools, Floats, Points
 from scaffold_cad.intersections import self_intersections
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import build_scaffold

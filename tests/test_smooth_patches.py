@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaffold_cad.arrays import Floats
+from scaffold_cad.base.arrays import Floats
 from scaffold_cad.bernstein import bernstein, elevation, gram, product, thin_plate
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.cad import to_brep

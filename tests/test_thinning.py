@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaffold_cad.arrays import Floats, Points
+from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.thinning import farthest_sample, kept_samples
 
 _NUMBER = st.integers(-200, 200).map(lambda quarters: quarters / 4)

@@ -9,12 +9,12 @@ from threading import Event, Timer
 import numpy as np
 import pytest
 
+from scaffold_cad.base.threads import MOST_THREADS, in_order
 from scaffold_cad.intersections import self_intersections
 from scaffold_cad.intersections.search import ONE_THREAD
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import smooth_mesh
-from scaffold_cad.threads import MOST_THREADS, in_order
 
 
 def test_results_come_in_the_order_of_the_items() -> None:

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from scaffold_cad.arrays import Edges
+from scaffold_cad.base.arrays import Edges
+from scaffold_cad.base.topology import chains, component_labels, incidence, valencies
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.topology import chains, component_labels, incidence, valencies
 from tests.skeletons import (
     FIGURE_EIGHT,
     K4,

@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaffold_cad.arrays import Points
+from scaffold_cad.base.arrays import Points
+from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.parts import ScaffoldSolid
 from scaffold_cad.scaffold import build_scaffold
-from scaffold_cad.segments import nearest_on_segments
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 from tests.skeletons import NAMED, STICK_FIGURE, TREFOIL
 

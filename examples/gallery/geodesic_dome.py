@@ -5,7 +5,7 @@ from manifold3d import Manifold
 from scipy.spatial import ConvexHull
 
 from scaffold_cad import Skeleton, thicken, write
-from scaffold_cad.vectors import normalize
+from scaffold_cad.base.vectors import normalize
 
 RADIUS, WIRE, FREQUENCY = 50.0, 1.2, 3
 """Radius of the dome and of its struts, mm; struts along an edge of the icosahedron."""

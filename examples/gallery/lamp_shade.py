@@ -9,7 +9,7 @@ from manifold3d import Manifold
 from scipy.spatial import SphericalVoronoi
 
 from scaffold_cad import Skeleton, thicken, write
-from scaffold_cad.vectors import normalize
+from scaffold_cad.base.vectors import normalize
 
 CELLS, RADIUS, WIRE = 110, 60.0, 1.4
 """Cells on the whole globe, its radius, and that of the struts, mm."""

@@ -8,7 +8,7 @@ import numpy as np
 from manifold3d import Manifold
 
 from scaffold_cad import Skeleton, build_scaffold, to_solid, write
-from scaffold_cad.vectors import normalize
+from scaffold_cad.base.vectors import normalize
 
 DENDRITES, STEP, THINNEST = 6, 7.0, 0.55
 """Dendrites, length of a step, and radius where growth ends, in mm for a large print."""

@@ -7,7 +7,7 @@ import logging
 from html import escape
 from pathlib import Path
 
-from scaffold_cad.files import check_page, replacing
+from scaffold_cad.base.files import check_page, replacing
 from scaffold_cad.lattice import UnitCell, cell_picture, cells
 
 PAGE = """\

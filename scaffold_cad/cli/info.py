@@ -6,7 +6,7 @@ import argparse
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats
+from scaffold_cad.base.arrays import Floats
 from scaffold_cad.cli import source
 from scaffold_cad.io import read_raw, read_with_repairs
 from scaffold_cad.skeleton import Skeleton

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, Points
+from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.brep import BREP_SUFFIXES
 from scaffold_cad.cli import sizes, source
 from scaffold_cad.cli.build import united_solid

@@ -7,7 +7,7 @@ import re
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats
+from scaffold_cad.base.arrays import Floats
 
 
 def size(text: str) -> Floats:

@@ -9,8 +9,8 @@ import webbrowser
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from scaffold_cad.base.files import check_page
 from scaffold_cad.cli import build, source
-from scaffold_cad.files import check_page
 from scaffold_cad.meshfiles import read_triangles
 from scaffold_cad.roundstruts import ROUND_SIDES
 from scaffold_cad.thicken import frame_scaffold

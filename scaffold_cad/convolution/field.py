@@ -10,13 +10,13 @@ from typing import Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arguments import as_real, check_choice
-from scaffold_cad.arrays import Floats, Frozen, Ints, Points, UnitVectors, as_points
+from scaffold_cad.base.arguments import as_real, check_choice
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, UnitVectors, as_points
+from scaffold_cad.base.vectors import dot
 from scaffold_cad.convolution.kernels import Cauchy, CompactCubic, Kernel, Pairs, tip_reach
 from scaffold_cad.convolution.nearby import all_pairs, nearby_pairs
 from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton, check_skeleton
-from scaffold_cad.vectors import dot
 
 KernelName: TypeAlias = Literal["compact-cubic", "cauchy"]
 """What is integrated along the edges, see `ConvolutionField`."""

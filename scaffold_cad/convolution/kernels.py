@@ -26,7 +26,7 @@ from typing import Protocol
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats
+from scaffold_cad.base.arrays import Floats
 
 SERIES_LIMIT = 0.3
 """Where the moments of 1 / (1 − e z) are taken from their series rather than from a logarithm,

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, Ints, Points
-from scaffold_cad.boxes import order_in_space, overlapping_boxes
-from scaffold_cad.vectors import dot, length
+from scaffold_cad.base.arrays import Floats, Ints, Points
+from scaffold_cad.base.boxes import order_in_space, overlapping_boxes
+from scaffold_cad.base.vectors import dot, length
 
 BLOCK = 32
 """Points looked for together."""

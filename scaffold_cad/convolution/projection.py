@@ -8,15 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from scaffold_cad.arguments import check_kind
-from scaffold_cad.arrays import Bools, Floats, Ints, Points, Quads, Radii
+from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, Quads, Radii
+from scaffold_cad.base.topology import component_labels
+from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.convolution.field import ConvolutionField, FieldSamples
 from scaffold_cad.convolution.nearby import nearby_pairs
 from scaffold_cad.errors import MeshError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.topology import component_labels
-from scaffold_cad.vectors import dot, length, normalize
 
 TOLERANCE = 1e-9
 """Greatest acceptable difference of the field from 1 on the surface."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import combinations
 from typing import TypeAlias
 
-from scaffold_cad.arrays import Floats
+from scaffold_cad.base.arrays import Floats
 from scaffold_cad.intersections.faces import Faces
 
 _Vector: TypeAlias = tuple[int, int, int]

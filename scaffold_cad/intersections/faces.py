@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, Ints, Points
-from scaffold_cad.positions import equal_positions
+from scaffold_cad.base.arrays import Floats, Ints, Points
+from scaffold_cad.base.positions import equal_positions
+from scaffold_cad.base.vectors import normalize
 from scaffold_cad.trianglemesh import TriangleMesh
-from scaffold_cad.vectors import normalize
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,14 +11,14 @@ from typing import Protocol
 
 import numpy as np
 
-from scaffold_cad.arguments import as_count, as_number, check_kind
-from scaffold_cad.arrays import Bools, Edges, Ints, Points, Triangles
-from scaffold_cad.boxes import order_in_space, overlapping_neighbors
+from scaffold_cad.base.arguments import as_count, as_number, check_kind
+from scaffold_cad.base.arrays import Bools, Edges, Ints, Points, Triangles
+from scaffold_cad.base.boxes import order_in_space, overlapping_neighbors
+from scaffold_cad.base.threads import in_order
 from scaffold_cad.errors import MeshError
 from scaffold_cad.intersections.certificates import depth_of, left_open, pierces
 from scaffold_cad.intersections.exact import meet_exactly
 from scaffold_cad.intersections.faces import Faces, boxes_of, faces_of
-from scaffold_cad.threads import in_order
 from scaffold_cad.trianglemesh import TriangleMesh
 
 LARGEST_COORDINATE = 1e70

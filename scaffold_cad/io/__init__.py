@@ -14,8 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
-from scaffold_cad.arguments import as_count, as_number, as_path
-from scaffold_cad.arrays import Floats
+from scaffold_cad.base.arguments import as_count, as_number, as_path
+from scaffold_cad.base.arrays import Floats
 from scaffold_cad.errors import FormatError, OptionError, SkeletonError
 
 # Importing these modules registers their formats.

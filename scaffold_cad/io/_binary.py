@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from scaffold_cad.arrays import Floats
+from scaffold_cad.base.arrays import Floats
 
 
 def as_doubles(values: NDArray[Any]) -> Floats:

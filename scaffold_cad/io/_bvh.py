@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats
+from scaffold_cad.base.arrays import Floats
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._raw import RawSkeleton

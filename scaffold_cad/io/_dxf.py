@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from scaffold_cad.arrays import LARGEST_COORDINATE, Points
-from scaffold_cad.backends import need
+from scaffold_cad.base.arrays import LARGEST_COORDINATE, Points
+from scaffold_cad.base.backends import need
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._raw import RawSkeleton, joined_polylines

@@ -21,7 +21,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from scaffold_cad.arrays import as_points
+from scaffold_cad.base.arrays import as_points
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._document import member, read_document
 from scaffold_cad.io._formats import register_reader

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.arrays import Bools, Edges, Ints, Points
+from scaffold_cad.base.arrays import Bools, Edges, Ints, Points
+from scaffold_cad.base.positions import equal_positions
 from scaffold_cad.errors import SkeletonError
 from scaffold_cad.io._raw import RawSkeleton
-from scaffold_cad.positions import equal_positions
 
 FLAT = 1e-3
 """Angle, rad, below which two triangles are one face that was cut: STL rounds to 32 bits."""

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from scaffold_cad.arguments import check_kind
-from scaffold_cad.arrays import as_floats
-from scaffold_cad.backends import need
+from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arrays import as_floats
+from scaffold_cad.base.backends import need
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.skeleton import Skeleton
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.arrays import Edges, Floats
+from scaffold_cad.base.arrays import Edges, Floats
 
 
 def largest_at_nodes(edges: Edges, radii: Floats, count: int) -> Floats:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arrays import (
+from scaffold_cad.base.arrays import (
     Edges,
     Floats,
     Frozen,
@@ -17,8 +17,8 @@ from scaffold_cad.arrays import (
     as_floats,
     check_believable,
 )
+from scaffold_cad.base.positions import equal_positions
 from scaffold_cad.errors import SkeletonError
-from scaffold_cad.positions import equal_positions
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats
+from scaffold_cad.base.arrays import Floats
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._document import member, number, read_document
 from scaffold_cad.io._formats import register_reader

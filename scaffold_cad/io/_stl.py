@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from scaffold_cad.arrays import Points
+from scaffold_cad.base.arrays import Points
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._binary import as_doubles
 from scaffold_cad.io._formats import HEAD_SIZE, register_reader

@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, Ints
+from scaffold_cad.base.arrays import Floats, Ints
 from scaffold_cad.errors import FormatError
 
 Row: TypeAlias = tuple[int, list[str]]

@@ -20,7 +20,7 @@ import numpy as np
 from defusedxml.common import DefusedXmlException
 from defusedxml.expatreader import DefusedExpatParser
 
-from scaffold_cad.arrays import Edges, Floats, Points
+from scaffold_cad.base.arrays import Edges, Floats, Points
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._text import line_error
 

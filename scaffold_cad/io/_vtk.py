@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, Ints
+from scaffold_cad.base.arrays import Floats, Ints
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._raw import RawSkeleton
 

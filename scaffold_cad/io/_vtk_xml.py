@@ -10,7 +10,7 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, Ints
+from scaffold_cad.base.arrays import Floats, Ints
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._binary import as_doubles
 from scaffold_cad.io._formats import register_reader

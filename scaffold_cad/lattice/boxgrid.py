@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from scaffold_cad.arrays import Bools, Floats, Ints, Points
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
 
 CELLS_ACROSS = (32, 128)
 """Least and most cells along the longest side of a grid."""

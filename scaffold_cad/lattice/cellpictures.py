@@ -6,8 +6,8 @@ from html import escape
 
 import numpy as np
 
+from scaffold_cad.base.vectors import normalize
 from scaffold_cad.lattice.unitcell import UnitCell
-from scaffold_cad.vectors import normalize
 
 SIZE = 220
 """Width and height of a drawing, pixels."""

@@ -6,8 +6,8 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from scaffold_cad.arguments import as_number
-from scaffold_cad.arrays import Bools, Floats, Ints
+from scaffold_cad.base.arguments import as_number
+from scaffold_cad.base.arrays import Bools, Floats, Ints
 from scaffold_cad.lattice.regions import Region
 from scaffold_cad.lattice.struts import Struts
 

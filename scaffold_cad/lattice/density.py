@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arguments import as_number, as_real
+from scaffold_cad.base.arguments import as_number, as_real
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.tiling import cell_size, tile

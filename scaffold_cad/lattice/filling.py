@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arrays import Floats, Points, as_floats
+from scaffold_cad.base.arrays import Floats, Points, as_floats
+from scaffold_cad.base.radii import Radius
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice.clipping import Keep, clipped, least_length
 from scaffold_cad.lattice.meshregion import MeshRegion
@@ -17,7 +18,6 @@ from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.repetition import as_counts, repeated
 from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.lattice.unitcell import UnitCell
-from scaffold_cad.radii import Radius
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.surfaces import surface_of
 from scaffold_cad.trianglemesh import TriangleMesh

@@ -10,16 +10,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import Delaunay, cKDTree
 
-from scaffold_cad.arguments import as_count, as_real
-from scaffold_cad.arrays import Floats, Ints, Points
+from scaffold_cad.base.arguments import as_count, as_real
+from scaffold_cad.base.arrays import Floats, Ints, Points
+from scaffold_cad.base.radii import Radius
+from scaffold_cad.base.topology import component_labels
+from scaffold_cad.base.vectors import dot
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice.clipping import Keep, clipped, least_length
 from scaffold_cad.lattice.regions import BoxRegion, as_box
 from scaffold_cad.lattice.struts import Struts
-from scaffold_cad.radii import Radius
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.topology import component_labels
-from scaffold_cad.vectors import dot
 
 SHORTEST_FRACTION = 1e-3
 """Length below which struts are shrunk to a node, as a fraction of the points' mean spacing."""

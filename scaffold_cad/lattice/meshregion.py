@@ -7,12 +7,12 @@ from functools import cached_property
 import numpy as np
 from scipy.ndimage import label
 
-from scaffold_cad.arrays import Bools, Floats, Ints, Points, read_only
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, read_only
+from scaffold_cad.base.vectors import dot, length, rotate
 from scaffold_cad.lattice.boxgrid import BoxGrid
 from scaffold_cad.lattice.regions import surface_tolerance
 from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.trianglemesh import TriangleMesh
-from scaffold_cad.vectors import dot, length, rotate
 from scaffold_cad.welding import welded, without_repeated_corners
 
 SURFACE_FRACTION = 1e-6

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arrays import Bools, Floats, Ints, Points, as_floats, read_only
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, as_floats, read_only
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice.struts import Struts
 

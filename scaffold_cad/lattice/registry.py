@@ -12,13 +12,13 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arguments import check_kind
-from scaffold_cad.arrays import Edges, Ints, Points
+from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arrays import Edges, Ints, Points
+from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice.repetition import repeated
 from scaffold_cad.lattice.unitcell import UnitCell, check_periodic
 from scaffold_cad.skeleton import check_skeleton
-from scaffold_cad.vectors import length
 
 CORNER = [[0, 0, 0]]
 CENTER = [[0.5, 0.5, 0.5]]

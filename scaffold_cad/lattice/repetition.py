@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.arrays import Edges, Floats, Ints, Points
+from scaffold_cad.base.arrays import Edges, Floats, Ints, Points
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.lattice.unitcell import Motif, UnitCell

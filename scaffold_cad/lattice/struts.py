@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.arrays import Bools, Edges, Floats, Ints, Points
-from scaffold_cad.radii import Radius, radii_at
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points
+from scaffold_cad.base.radii import Radius, radii_at
+from scaffold_cad.base.topology import component_labels, valencies
+from scaffold_cad.base.vectors import length
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.topology import component_labels, valencies
-from scaffold_cad.vectors import length
 
 
 @dataclass(frozen=True, eq=False)

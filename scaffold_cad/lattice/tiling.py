@@ -7,13 +7,13 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arguments import check_kind
-from scaffold_cad.arrays import Floats, Ints, Points, as_floats
+from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arrays import Floats, Ints, Points, as_floats
+from scaffold_cad.base.radii import Radius
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.repetition import as_counts, repeated
 from scaffold_cad.lattice.unitcell import UnitCell, as_three
-from scaffold_cad.radii import Radius
 from scaffold_cad.skeleton import Skeleton
 
 

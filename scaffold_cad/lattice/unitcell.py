@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arrays import (
+from scaffold_cad.base.arrays import (
     Bools,
     Edges,
     Floats,
@@ -19,10 +19,10 @@ from scaffold_cad.arrays import (
     as_points,
     read_only,
 )
+from scaffold_cad.base.topology import valencies
+from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.skeleton import Skeleton, check_skeleton
-from scaffold_cad.topology import valencies
-from scaffold_cad.vectors import length
 
 FACE_TOLERANCE = 1e-9
 """Difference below which two coordinates in the unit cube are the same; no unit."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.arrays import Bools, Ints
+from scaffold_cad.base.arrays import Bools, Ints
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.arrays import Bools, Floats, Ints, UnitVectors
+from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors
+from scaffold_cad.base.vectors import angle_between
 from scaffold_cad.partition.arcs import arc_counts
 from scaffold_cad.partition.certificate import certify
 from scaffold_cad.partition.delaunay import Triangulations, triangulations
@@ -22,7 +23,6 @@ from scaffold_cad.partition.matching import good_matchings
 from scaffold_cad.partition.multigraph import Quadrangulations, quadrangulations
 from scaffold_cad.partition.relax import relaxed
 from scaffold_cad.partition.star import nearest_angles, unique_rows
-from scaffold_cad.vectors import angle_between
 
 PERFECT = 0.9999
 """A lowest ratio that need not be improved."""

@@ -13,12 +13,12 @@ from itertools import count
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arrays import Floats, Ints, UnitVectors, as_indices
+from scaffold_cad.base.arrays import Floats, Ints, UnitVectors, as_indices
+from scaffold_cad.base.vectors import angle_between, normalize
 from scaffold_cad.errors import PartitionError
 from scaffold_cad.partition.delaunay import Triangulations, triangulations
 from scaffold_cad.partition.dual import EFFORTS, Contest, candidates, edges_of
 from scaffold_cad.partition.multigraph import EDGES_EACH
-from scaffold_cad.vectors import angle_between, normalize
 
 
 def as_neighbors(pairs: ArrayLike, valency: int) -> Ints:

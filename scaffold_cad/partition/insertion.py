@@ -15,9 +15,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, Ints, UnitVectors
+from scaffold_cad.base.arrays import Floats, Ints, UnitVectors
+from scaffold_cad.base.vectors import any_perpendicular, dot, length, normalize
 from scaffold_cad.partition.certificate import arc_normals
-from scaffold_cad.vectors import any_perpendicular, dot, length, normalize
 
 SPLITS = np.array(
     [

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, Ints, UnitVectors
+from scaffold_cad.base.arrays import Floats, Ints, UnitVectors
+from scaffold_cad.base.vectors import any_perpendicular, dot, normalize
 from scaffold_cad.partition.blocks import blocks
 from scaffold_cad.partition.star import nearest_angles
-from scaffold_cad.vectors import any_perpendicular, dot, normalize
 
 AXES = 96
 """Axes tried for each star, spread evenly over half the sphere."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, Ints
+from scaffold_cad.base.arrays import Floats, Ints
 from scaffold_cad.partition.multigraph import EDGES_EACH
 
 PENALTIES, PHASE = (1.0, 2.0, 4.0, 6.0), 40

@@ -14,10 +14,10 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from scaffold_cad.arrays import Bools, Ints, UnitVectors
+from scaffold_cad.base.arrays import Bools, Ints, UnitVectors
+from scaffold_cad.base.vectors import normalize
 from scaffold_cad.partition.arcs import is_closed
 from scaffold_cad.partition.delaunay import Triangulations
-from scaffold_cad.vectors import normalize
 
 EDGES_EACH = 4
 """Edges of the multigraph at each direction: its quad has as many sides."""

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from scaffold_cad.arrays import Floats, Frozen, Ints, UnitVectors
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.partition.star import nearest_angles
 
 

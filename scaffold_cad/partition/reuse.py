@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arrays import Bools, Floats, Ints, UnitVectors, as_floats, as_indices
+from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors, as_floats, as_indices
+from scaffold_cad.base.vectors import normalize
 from scaffold_cad.errors import PartitionError
 from scaffold_cad.partition.arcs import arc_counts, is_closed, side_twins, sides
 from scaffold_cad.partition.certificate import certify
 from scaffold_cad.partition.relax import NEWTON_SHARPNESS, relaxed
 from scaffold_cad.partition.star import direction_keys, nearest_angles
-from scaffold_cad.vectors import normalize
 
 FLOW, NEWTON = 150, 20
 """Steps along the gradient, and Newton steps, from a first guess that may be far off."""

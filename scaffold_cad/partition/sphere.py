@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scaffold_cad.arguments import check_choice
-from scaffold_cad.arrays import Floats, Ints, UnitVectors, as_floats
+from scaffold_cad.base.arguments import check_choice
+from scaffold_cad.base.arrays import Floats, Ints, UnitVectors, as_floats
 from scaffold_cad.errors import OptionError, PartitionError
 from scaffold_cad.partition.blocks import blocks
 from scaffold_cad.partition.certificate import (

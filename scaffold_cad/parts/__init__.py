@@ -19,7 +19,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from scaffold_cad.backends import need
+from scaffold_cad.base.backends import need
 from scaffold_cad.parts.filled import lattice_part
 from scaffold_cad.parts.meshshapes import to_mesh_shape
 

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from scaffold_cad import manifolds
-from scaffold_cad.arrays import Ints
-from scaffold_cad.backends import need
+from scaffold_cad.base.arrays import Ints
+from scaffold_cad.base.backends import need
+from scaffold_cad.base.topology import component_labels
 from scaffold_cad.cad import to_brep
 from scaffold_cad.errors import BrepError
 from scaffold_cad.quadmesh import QuadMesh
@@ -18,7 +19,6 @@ from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.smooth import Caps, Patches, crossing_struts
 from scaffold_cad.smooth.patches import patches_around
 from scaffold_cad.solid import to_solid
-from scaffold_cad.topology import component_labels
 from scaffold_cad.trianglemesh import TriangleMesh
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from OCP.gp import gp_Pnt
 from OCP.GProp import GProp_GProps
 from OCP.TopAbs import TopAbs_State
 
-from scaffold_cad.arrays import Floats
+from scaffold_cad.base.arrays import Floats
 from scaffold_cad.brep import tessellated
 from scaffold_cad.errors import BrepError, MeshError
 from scaffold_cad.lattice.meshregion import MeshRegion

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad import manifolds
-from scaffold_cad.arguments import as_real
-from scaffold_cad.arrays import as_floats
+from scaffold_cad.base.arguments import as_real
+from scaffold_cad.base.arrays import as_floats
+from scaffold_cad.base.radii import Radius
 from scaffold_cad.collapse import without_short_edges
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 from scaffold_cad.insets import inset
@@ -20,7 +21,6 @@ from scaffold_cad.lattice.regions import Region
 from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.overlaps import log_overlaps
 from scaffold_cad.quadmesh import QuadMesh
-from scaffold_cad.radii import Radius
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import clean_surface, solidified

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from scaffold_cad.backends import need
+from scaffold_cad.base.backends import need
 from scaffold_cad.errors import MeshError
 from scaffold_cad.surfaces import triangles_of
 

@@ -12,8 +12,9 @@ import numpy as np
 from build123d import Align, BasePartObject, Mode, Plane, RigidJoint, Shape, tuplify
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arguments import as_real, check_kind
-from scaffold_cad.arrays import Floats
+from scaffold_cad.base.arguments import as_real, check_kind
+from scaffold_cad.base.arrays import Floats
+from scaffold_cad.base.radii import Radius
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import UnitCell, fill
 from scaffold_cad.lattice.clipping import Keep
@@ -21,7 +22,6 @@ from scaffold_cad.parts.bodies import BodySurface, body_surface, sound_body
 from scaffold_cad.parts.booleans import Operation, check_boolean
 from scaffold_cad.parts.stubs import without_overlapping_stubs
 from scaffold_cad.quadmesh import QuadMesh
-from scaffold_cad.radii import Radius
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import Caps

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arguments import check_kind
+from scaffold_cad.base.arguments import check_kind
 from scaffold_cad.errors import MeshError
 from scaffold_cad.printability.direction import direction_findings
 from scaffold_cad.printability.drainage import drainage_finding

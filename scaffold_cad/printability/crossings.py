@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, Points
-from scaffold_cad.vectors import dot
+from scaffold_cad.base.arrays import Floats, Points
+from scaffold_cad.base.vectors import dot
 
 SLACK = 1e-9
 """How far outside a triangle, in barycentric coordinates, a place may be by rounding."""

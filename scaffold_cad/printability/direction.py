@@ -7,7 +7,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from scaffold_cad.arrays import Bools, Edges, Floats, Ints, UnitVectors
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, UnitVectors
+from scaffold_cad.base.topology import component_labels
 from scaffold_cad.printability.processes import Process
 from scaffold_cad.printability.report import MOST_PLACES, Finding, Verdict, counted
 from scaffold_cad.printability.standing import (
@@ -19,7 +20,6 @@ from scaffold_cad.printability.standing import (
 )
 from scaffold_cad.printability.triangletopology import TriangleTopology
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.topology import component_labels
 
 LEVEL = 1e-6
 """Difference of heights taken as none, parts of the extent."""

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from scaffold_cad.arrays import Bools, Floats, Ints, Points
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
+from scaffold_cad.base.vectors import length
 from scaffold_cad.printability.nesting import winding_numbers
 from scaffold_cad.printability.processes import Process
 from scaffold_cad.printability.report import Finding, counted
 from scaffold_cad.printability.triangletopology import TriangleTopology
-from scaffold_cad.vectors import length
 
 GRID_STEPS = 6
 """Steps of the grid across the narrowest opening."""

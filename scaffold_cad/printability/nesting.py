@@ -7,9 +7,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, Ints, Points
+from scaffold_cad.base.arrays import Floats, Ints, Points
+from scaffold_cad.base.visibility import seen
 from scaffold_cad.printability.triangletopology import TriangleTopology
-from scaffold_cad.visibility import seen
 
 TRIANGLES_AT_ONCE = 1 << 16
 

@@ -7,8 +7,8 @@ from importlib.resources import files
 from itertools import groupby
 from os import PathLike
 
-from scaffold_cad.arguments import as_path
-from scaffold_cad.files import replacing
+from scaffold_cad.base.arguments import as_path
+from scaffold_cad.base.files import replacing
 from scaffold_cad.printability.report import MARKS, Finding, Report
 from scaffold_cad.webpage.scene import Dots, Layer, Scene, Surface, filled
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 
-from scaffold_cad.arguments import as_number
+from scaffold_cad.base.arguments import as_number
 from scaffold_cad.errors import OptionError
 
 

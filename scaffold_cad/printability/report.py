@@ -9,7 +9,7 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from scaffold_cad.arrays import Frozen, Points, UnitVectors
+from scaffold_cad.base.arrays import Frozen, Points, UnitVectors
 from scaffold_cad.printability.processes import Process
 from scaffold_cad.trianglemesh import TriangleMesh
 

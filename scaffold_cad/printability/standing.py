@@ -9,11 +9,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arrays import Bools, Floats, Ints, Points, UnitVectors, as_floats
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, UnitVectors, as_floats
+from scaffold_cad.base.vectors import any_perpendicular, length, normalize
 from scaffold_cad.errors import OptionError
 from scaffold_cad.printability.processes import Process
 from scaffold_cad.printability.triangletopology import TriangleTopology
-from scaffold_cad.vectors import any_perpendicular, length, normalize
 
 CANDIDATES = 150
 """Directions spread over the sphere that are tried, beside the axes and the largest faces."""

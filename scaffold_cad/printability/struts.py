@@ -8,13 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, Ints, Points
-from scaffold_cad.boxes import overlapping_boxes
+from scaffold_cad.base.arrays import Floats, Ints, Points
+from scaffold_cad.base.boxes import overlapping_boxes
+from scaffold_cad.base.segments import nearest_on_segments
+from scaffold_cad.base.vectors import length
 from scaffold_cad.printability.processes import Process
 from scaffold_cad.printability.report import MOST_PLACES, Finding, counted
-from scaffold_cad.segments import nearest_on_segments
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.vectors import length
 
 RADIUS_STEP = 1e-3
 """What radii that are advised are multiples of, mm."""

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from scaffold_cad.arguments import check_kind
-from scaffold_cad.arrays import Floats, Frozen, Ints, Points, Radii, UnitVectors
+from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, Radii, UnitVectors
+from scaffold_cad.base.vectors import angle_between, any_perpendicular, dot, length, normalize
 from scaffold_cad.beziermesh import side_indices
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
@@ -17,7 +18,6 @@ from scaffold_cad.smooth.connectivity import Connectivity
 from scaffold_cad.smooth.limits import limit
 from scaffold_cad.smooth.patches import Patches
 from scaffold_cad.smooth.subdivision import catmull_clark
-from scaffold_cad.vectors import angle_between, any_perpendicular, dot, length, normalize
 
 EDGE_SAMPLES = 33
 """Points on each edge at which the normals of its two patches are compared."""

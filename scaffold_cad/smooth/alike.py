@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from scaffold_cad.arrays import Ints
-from scaffold_cad.topology import component_labels
+from scaffold_cad.base.arrays import Ints
+from scaffold_cad.base.topology import component_labels
 
 Colours = NDArray[np.uint64]
 """Hashes of sides, shape (s,)."""

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.arrays import Bools, Floats, Ints, Points, Radii, UnitVectors
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, Radii, UnitVectors
+from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.collars import BLEND
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.sleeves import MITER_LIMIT
-from scaffold_cad.vectors import dot, length, normalize
 
 COLLARED_STRAY = 0.1
 """Furthest that the limit's axis may pass from a joint of collared struts that gets no sections

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.arrays import Bools, Floats, Ints, Points
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
 from scaffold_cad.smooth.connectivity import Connectivity
 
 

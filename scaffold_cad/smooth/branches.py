@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, Ints, UnitVectors
+from scaffold_cad.base.arrays import Floats, Ints, UnitVectors
+from scaffold_cad.base.vectors import any_perpendicular, length, rotate
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.sleeves import fitted_angle
 from scaffold_cad.smooth.bends import STRAY
-from scaffold_cad.vectors import any_perpendicular, length, rotate
 
 
 def pulled_half_edges(scaffold: Scaffold) -> Ints:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csc_array
 
-from scaffold_cad.arrays import (
+from scaffold_cad.base.arrays import (
     Bools,
     Edges,
     Floats,

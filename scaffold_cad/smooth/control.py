@@ -12,8 +12,9 @@ from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 
-from scaffold_cad.arguments import check_kind
-from scaffold_cad.arrays import Edges, Frozen, Ints
+from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arrays import Edges, Frozen, Ints
+from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import OptionError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
@@ -23,7 +24,6 @@ from scaffold_cad.smooth.rig import Rig, cap_rows, make_rig
 from scaffold_cad.smooth.subdivision import subdivided_points
 from scaffold_cad.smooth.targets import Domes, Pose, Rails, RoundStruts, Spheres, StrutRadii, Target
 from scaffold_cad.stars import APOTHEM
-from scaffold_cad.vectors import length
 
 Caps: TypeAlias = Literal["round", "flat"]
 """How extremities end: in a dome that reaches one radius beyond the node, or flat at the node."""

@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, Ints, Points
+from scaffold_cad.base.arrays import Floats, Ints, Points
 from scaffold_cad.beziermesh import side_indices
 from scaffold_cad.smooth.connectivity import Connectivity
 

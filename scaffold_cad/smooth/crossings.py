@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, Ints
+from scaffold_cad.base.arrays import Floats, Ints
+from scaffold_cad.base.vectors import dot, normalize
 from scaffold_cad.intersections import self_intersections
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
@@ -14,7 +15,6 @@ from scaffold_cad.smooth.limits import limit_points, sum_of_normals
 from scaffold_cad.smooth.patches import Patches
 from scaffold_cad.smooth.slabs import FineSurface
 from scaffold_cad.smooth.subdivision import subdivided
-from scaffold_cad.vectors import dot, normalize
 
 TRIED_LEVELS = (2, 3)
 """Levels of the meshes that are tested in turn: 4 × 4 cells a quad, and 8 × 8 where those cross;

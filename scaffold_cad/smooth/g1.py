@@ -19,7 +19,7 @@ import numpy as np
 from scipy.sparse import block_array, coo_array, csr_array, diags_array
 from scipy.sparse.linalg import splu
 
-from scaffold_cad.arrays import Bools, Floats, Ints, Points
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
 from scaffold_cad.bernstein import elevation, product, square_norm, thin_plate
 from scaffold_cad.smooth.alike import alike_parts
 from scaffold_cad.smooth.bicubic import smooth_valence

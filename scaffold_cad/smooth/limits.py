@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arguments import check_kind
-from scaffold_cad.arrays import Floats, Frozen, Points, UnitVectors
+from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arrays import Floats, Frozen, Points, UnitVectors
+from scaffold_cad.base.vectors import normalize
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.smooth.connectivity import NO_CREASES, Connectivity
-from scaffold_cad.vectors import normalize
 
 
 @dataclass(frozen=True, eq=False)

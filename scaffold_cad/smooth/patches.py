@@ -8,8 +8,9 @@ from functools import cached_property
 
 import numpy as np
 
-from scaffold_cad.arguments import as_count, check_kind
-from scaffold_cad.arrays import Bools, Floats, Frozen, Ints, UnitVectors
+from scaffold_cad.base.arguments import as_count, check_kind
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
+from scaffold_cad.base.vectors import dot, normalize
 from scaffold_cad.bernstein import bernstein, elevation
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.errors import OptionError
@@ -23,7 +24,6 @@ from scaffold_cad.smooth.g1 import G1System
 from scaffold_cad.smooth.grids import as_grids
 from scaffold_cad.smooth.limits import limit, limit_points
 from scaffold_cad.smooth.subdivision import catmull_clark, subdivided
-from scaffold_cad.vectors import dot, normalize
 
 _log = logging.getLogger(__name__)
 

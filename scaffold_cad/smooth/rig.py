@@ -10,14 +10,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.arrays import Bools, Floats, Ints, Points
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
+from scaffold_cad.base.vectors import dot
 from scaffold_cad.collars import collar_distances
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.sleeves import sleeve_quads
 from scaffold_cad.smooth.bends import Bends, bends_of
 from scaffold_cad.smooth.branches import fitting_squares, pulled_half_edges
 from scaffold_cad.stars import APOTHEM
-from scaffold_cad.vectors import dot
 
 DOME_DISTANCE = 0.8
 """Distance of the section before a dome from the extremity's node, in radii. With it the limit is

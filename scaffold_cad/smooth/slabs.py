@@ -12,8 +12,8 @@ from functools import cached_property
 
 import numpy as np
 
-from scaffold_cad.arguments import as_count
-from scaffold_cad.arrays import Bools, Frozen, Ints, Points, Quads
+from scaffold_cad.base.arguments import as_count
+from scaffold_cad.base.arrays import Bools, Frozen, Ints, Points, Quads
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.smooth.connectivity import Connectivity
 from scaffold_cad.smooth.control import Caps, control_mesh

@@ -11,8 +11,8 @@ from typing import Protocol
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, Ints, Points, Radii, UnitVectors
-from scaffold_cad.vectors import dot, length, normalize
+from scaffold_cad.base.arrays import Floats, Ints, Points, Radii, UnitVectors
+from scaffold_cad.base.vectors import dot, length, normalize
 
 DOME_WEIGHT = 0.92
 """Part of the shift of a dome's cap that its top follows."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
-from scaffold_cad.backends import need
+from scaffold_cad.base.backends import need
 from scaffold_cad.viewers.shapes import to_shape
 
 

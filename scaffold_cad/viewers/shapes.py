@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from scaffold_cad.backends import is_instance
+from scaffold_cad.base.backends import is_instance
+from scaffold_cad.base.builders import built
 from scaffold_cad.beziermesh import BezierMesh
-from scaffold_cad.builders import built
 from scaffold_cad.cad import to_brep
 from scaffold_cad.errors import ScaffoldCadError
 from scaffold_cad.parts.meshshapes import to_mesh_shape

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from scaffold_cad.arguments import as_path
+from scaffold_cad.base.arguments import as_path
+from scaffold_cad.base.files import replacing
+from scaffold_cad.base.notebook import Shown
 from scaffold_cad.errors import MeshError, OptionError
-from scaffold_cad.files import replacing
-from scaffold_cad.notebook import Shown
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton

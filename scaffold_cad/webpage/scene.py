@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from scaffold_cad.arrays import Edges, Floats, Points
+from scaffold_cad.base.arrays import Edges, Floats, Points
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.trianglemesh import TriangleMesh
 

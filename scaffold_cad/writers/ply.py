@@ -7,7 +7,7 @@ from typing import BinaryIO
 
 import numpy as np
 
-from scaffold_cad.arrays import Ints
+from scaffold_cad.base.arrays import Ints
 from scaffold_cad.errors import FormatError
 from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.smooth import FineSurface

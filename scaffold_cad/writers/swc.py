@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order
 
-from scaffold_cad.arrays import Ints
+from scaffold_cad.base.arrays import Ints
 from scaffold_cad.errors import FormatError
 from scaffold_cad.skeleton import Skeleton
 

@@ -11,8 +11,8 @@ from uuid import UUID
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, Points, Triangles
-from scaffold_cad.backends import need
+from scaffold_cad.base.arrays import Floats, Points, Triangles
+from scaffold_cad.base.backends import need
 from scaffold_cad.beams import BeamLattice
 from scaffold_cad.errors import FormatError
 from scaffold_cad.trianglemesh import TriangleMesh

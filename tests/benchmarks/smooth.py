@@ -29,7 +29,8 @@ import manifold3d
 import numpy as np
 from scipy.spatial import cKDTree
 
-from scaffold_cad.arrays import Floats
+from scaffold_cad.base.arrays import Floats
+from scaffold_cad.base.vectors import angle_between, any_perpendicular, length, normalize
 from scaffold_cad.bernstein import bernstein
 from scaffold_cad.export import write
 from scaffold_cad.io import read_skeleton
@@ -45,7 +46,6 @@ from scaffold_cad.smooth import (
     smooth_patches,
 )
 from scaffold_cad.stars import Fit
-from scaffold_cad.vectors import angle_between, any_perpendicular, length, normalize
 from tests.skeletons import TRIPOD
 
 DATA = Path(__file__).parents[2] / ".." / "shared" / "data"

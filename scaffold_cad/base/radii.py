@@ -8,8 +8,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.arguments import as_number
-from scaffold_cad.arrays import Floats, Points, as_floats
+from scaffold_cad.base.arguments import as_number
+from scaffold_cad.base.arrays import Floats, Points, as_floats
 from scaffold_cad.errors import OptionError
 
 Radius: TypeAlias = float | Callable[[Points], ArrayLike]

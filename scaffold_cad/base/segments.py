@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, Points
-from scaffold_cad.vectors import dot
+from scaffold_cad.base.arrays import Floats, Points
+from scaffold_cad.base.vectors import dot
 
 
 def nearest_on_segments(

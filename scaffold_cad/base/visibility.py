@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.arrays import Bools, Floats, Points
-from scaffold_cad.vectors import dot, length, triple
+from scaffold_cad.base.arrays import Bools, Floats, Points
+from scaffold_cad.base.vectors import dot, length, triple
 
 MARGIN = 1e-9
 """Least distance from a separating plane that counts as apart, in lengths of what is compared."""

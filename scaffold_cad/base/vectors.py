@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.arrays import Floats, UnitVectors
+from scaffold_cad.base.arrays import Floats, UnitVectors
 
 
 def dot(a: Floats, b: Floats) -> Floats:

@@ -13,7 +13,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from scaffold_cad.arrays import Ints, Points
+from scaffold_cad.base.arrays import Ints, Points
 
 PAIRS_AT_ONCE = 1 << 16
 """Pairs of boxes looked at together: some 10 MB, however many boxes there are."""

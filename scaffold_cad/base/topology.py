@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from scaffold_cad.arrays import Bools, Edges, Frozen, Ints
+from scaffold_cad.base.arrays import Bools, Edges, Frozen, Ints
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.arrays import Ints, Points
+from scaffold_cad.base.arrays import Ints, Points
 
 
 def equal_positions(points: Points) -> tuple[Ints, Ints]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from scaffold_cad.backends import is_instance
+from scaffold_cad.base.backends import is_instance
 from scaffold_cad.errors import OptionError
 
 
