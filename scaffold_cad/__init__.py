@@ -12,7 +12,6 @@ from scaffold_cad.convolution import ConvolutionField, project
 from scaffold_cad.embedding import Embedding
 from scaffold_cad.export import write
 from scaffold_cad.frames import rotation_minimizing_frames
-from scaffold_cad.intersections import self_intersections
 from scaffold_cad.io import read_skeleton
 from scaffold_cad.lattice import (
     UnitCell,
@@ -27,10 +26,12 @@ from scaffold_cad.lattice import (
     voronoi_foam,
 )
 from scaffold_cad.manifolds import to_trimesh
+from scaffold_cad.mesh.intersections import self_intersections
+from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.partition import Partition, partition_sphere, partition_spheres
 from scaffold_cad.parts import lattice_part
 from scaffold_cad.printability import Report, assert_printable, check_printability
-from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 from scaffold_cad.smooth import (
@@ -46,7 +47,6 @@ from scaffold_cad.smooth import (
 )
 from scaffold_cad.solid import Solidified, solidified, to_solid
 from scaffold_cad.thicken import frame_scaffold, thicken
-from scaffold_cad.trianglemesh import TriangleMesh
 from scaffold_cad.viewers import show
 
 __all__ = [

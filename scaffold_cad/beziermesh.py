@@ -20,7 +20,7 @@ from scaffold_cad.base.arrays import (
 from scaffold_cad.base.vectors import length, normalize, triple
 from scaffold_cad.bernstein import bernstein
 from scaffold_cad.errors import MeshError
-from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.mesh.quadmesh import QuadMesh
 
 GAP_TOLERANCE = 1e-8
 """Distance within which the control points that two patches share must agree, mm."""

@@ -17,9 +17,9 @@ from scaffold_cad.base.topology import component_labels
 from scaffold_cad.base.vectors import length
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.errors import BrepError, FormatError, OptionError
-from scaffold_cad.quadmesh import QuadMesh
-from scaffold_cad.shells import check_oriented, check_solid, quads_of_shells
-from scaffold_cad.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.shells import check_oriented, check_solid, quads_of_shells
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 if TYPE_CHECKING:
     from build123d import Shape

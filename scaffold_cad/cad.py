@@ -9,7 +9,7 @@ from scaffold_cad.base.arguments import check_kind
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.brep import Kind
 from scaffold_cad.errors import OptionError
-from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.smooth import Caps, Patches, smooth_patches
 

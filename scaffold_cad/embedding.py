@@ -29,8 +29,8 @@ from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import dot, length, normalize, triple
 from scaffold_cad.base.visibility import MARGIN, ROUNDING, in_front, rounding_of, seen
-from scaffold_cad.intersections import self_intersections
-from scaffold_cad.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.intersections import self_intersections
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 if TYPE_CHECKING:
     from scaffold_cad.scaffold import Scaffold

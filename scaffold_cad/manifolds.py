@@ -13,9 +13,9 @@ from scaffold_cad.base.arguments import check_kind
 from scaffold_cad.base.arrays import Points
 from scaffold_cad.base.backends import is_instance, need
 from scaffold_cad.errors import FormatError, MeshError
-from scaffold_cad.quadmesh import QuadMesh
-from scaffold_cad.shells import check_solid
-from scaffold_cad.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.shells import check_solid
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

@@ -15,8 +15,8 @@ from scaffold_cad.base.notebook import Shown
 from scaffold_cad.collars import Refinement, with_collars, without_collars
 from scaffold_cad.embedding import Embedding, embedding
 from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.partition.sphere import METHODS
-from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 from scaffold_cad.sleeves import (
     REVERSED,

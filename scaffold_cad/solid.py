@@ -15,15 +15,15 @@ from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
 from scaffold_cad.base.notebook import Shown
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import length
-from scaffold_cad.collapse import without_short_edges
 from scaffold_cad.errors import MeshError, OptionError
-from scaffold_cad.intersections import self_intersections
+from scaffold_cad.mesh.collapse import without_short_edges
+from scaffold_cad.mesh.intersections import self_intersections
+from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.pieces import solid_pieces
-from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.roundstruts import check_sides, prisms_and_balls, round_surface
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.trianglemesh import TriangleMesh
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

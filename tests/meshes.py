@@ -6,7 +6,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.beziermesh import BezierMesh
-from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.mesh.quadmesh import QuadMesh
 
 CUBE = QuadMesh(
     np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float),

@@ -9,7 +9,7 @@ import pytest
 
 from scaffold_cad.beziermesh import BezierMesh, side_indices
 from scaffold_cad.errors import MeshError
-from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.mesh.quadmesh import QuadMesh
 from tests.meshes import (
     CUBE,
     DART_PRISM,

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from scaffold_cad.intersections import self_intersections
 from scaffold_cad.lattice import tile
+from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.pieces import solid_pieces
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton

@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike
 from scaffold_cad.base.arrays import Points
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.errors import MeshError, OptionError
-from scaffold_cad.intersections import self_intersections
-from scaffold_cad.quadmesh import QuadMesh
-from scaffold_cad.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.intersections import self_intersections
+from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 # ---------------------------------------------------------------------------------------------
 # The oracle: every corner of an intersection is a corner of a triangle, or lies where an edge

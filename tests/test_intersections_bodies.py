@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from scaffold_cad import roundstruts
 from scaffold_cad.base.arrays import Points, Quads
-from scaffold_cad.intersections import bodies, intersections_of_bodies, self_intersections
 from scaffold_cad.lattice import tile
-from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.mesh.intersections import bodies, intersections_of_bodies, self_intersections
+from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import smooth_mesh

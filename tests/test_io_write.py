@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from scaffold_cad import write
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io import read_skeleton
-from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from tests.skeletons import CUBE, NAMED, STICK_FIGURE, STRUT, TWO_STRUTS

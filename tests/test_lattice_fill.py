@@ -17,9 +17,9 @@ from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 from scaffold_cad.lattice import UnitCell, cells, fill, tile, unit_cell
 from scaffold_cad.lattice.meshregion import MeshRegion
 from scaffold_cad.lattice.struts import Struts
-from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.skeleton import Skeleton, check_skeleton
-from scaffold_cad.trianglemesh import TriangleMesh
 
 BOX = np.array([[-5.0, 2.0, 1.0], [35.0, 32.0, 21.0]])
 """A box of 4 × 3 × 2 cells of 10 mm."""

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import MeshError, MissingBackendError
 from scaffold_cad.manifolds import eroded, manifold_triangles, to_manifold, to_trimesh
-from scaffold_cad.quadmesh import QuadMesh
-from scaffold_cad.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from tests.meshes import CUBE, INSIDE_OUT_CUBE, OPEN_CUBE, TORUS, TWO_CUBES, torus
 
 

@@ -10,8 +10,8 @@ import pytest
 
 from scaffold_cad.brep import tessellated
 from scaffold_cad.errors import BrepError
-from scaffold_cad.intersections import self_intersections
 from scaffold_cad.manifolds import to_manifold
+from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.parts import LatticeBox, ScaffoldSolid, SmoothScaffold, objects
 from scaffold_cad.parts.booleans import Operation, check_boolean
 from tests.skeletons import NAMED, STRUT

@@ -21,6 +21,8 @@ from scaffold_cad.brep import tessellated
 from scaffold_cad.errors import BrepError, MeshError, OptionError, SkeletonError
 from scaffold_cad.lattice import fill
 from scaffold_cad.manifolds import to_manifold
+from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.parts import (
     LatticeBox,
     LatticeFill,
@@ -30,12 +32,10 @@ from scaffold_cad.parts import (
     lattice_part,
     to_mesh_shape,
 )
-from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import to_solid
 from scaffold_cad.thicken import frame_scaffold
-from scaffold_cad.trianglemesh import TriangleMesh
 from tests.meshes import CUBE
 from tests.skeletons import CROSS, JACK, RING, STICK_FIGURE, TAPER, TRIPOD, TWO_STRUTS, star
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from scaffold_cad.base.vectors import triple
 from scaffold_cad.errors import MeshError
-from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.mesh.quadmesh import QuadMesh
 
 CORNERS = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], dtype=float)
 CUBE_QUADS = np.array(

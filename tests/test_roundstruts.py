@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaffold_cad.errors import OptionError
-from scaffold_cad.intersections import self_intersections
 from scaffold_cad.lattice import tile
 from scaffold_cad.manifolds import manifold_triangles
+from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.roundstruts import circumradius
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from scaffold_cad.errors import MeshError
-from scaffold_cad.quadmesh import QuadMesh
-from scaffold_cad.shells import check_oriented, check_solid, quads_of_shells, shell_of_quad
+from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.shells import check_oriented, check_solid, quads_of_shells, shell_of_quad
 from tests.meshes import CUBE, INSIDE_OUT_CUBE, OPEN_CUBE, TORUS, TWO_CUBES
 
 

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.errors import MeshError, OptionError
-from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import (

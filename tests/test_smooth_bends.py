@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from scaffold_cad.base.arrays import Bools, Floats, Points
-from scaffold_cad.intersections import self_intersections
-from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.mesh.intersections import self_intersections
+from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import Caps, control_mesh, smooth_mesh

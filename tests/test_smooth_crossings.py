@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from scaffold_cad.intersections import self_intersections
 from scaffold_cad.lattice import tile
+from scaffold_cad.mesh.intersections import self_intersections
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import (
@@ -18,7 +19,6 @@ from scaffold_cad.smooth import (
     smooth_mesh,
     smooth_patches,
 )
-from scaffold_cad.trianglemesh import TriangleMesh
 from tests.skeletons import BCC_STAR, ELBOW, JACK, star
 from tests.strategies import skeletons
 

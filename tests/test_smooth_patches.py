@@ -15,7 +15,7 @@ from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.cad import to_brep
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.lattice import tile
-from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import (

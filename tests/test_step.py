@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaffold_cad.beziermesh import BezierMesh
-from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.writers import step
 from scaffold_cad.writers.step import write_step
 from tests.meshes import CUBE, DART_PRISM, TORUS, TWISTED_TUBE, TWO_CUBES, ball, pillow, torus

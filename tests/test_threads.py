@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from scaffold_cad.base.threads import MOST_THREADS, in_order
-from scaffold_cad.intersections import self_intersections
-from scaffold_cad.intersections.search import ONE_THREAD
+from scaffold_cad.mesh.intersections import self_intersections
+from scaffold_cad.mesh.intersections.search import ONE_THREAD
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import smooth_mesh
@@ -76,5 +76,5 @@ def test_large_meshes_are_tested_as_small_ones_are(monkeypatch: pytest.MonkeyPat
     assert len(mesh.triangles) > ONE_THREAD
     found = self_intersections(mesh)
     assert len(found) > 0
-    monkeypatch.setattr("scaffold_cad.intersections.search.ONE_THREAD", len(mesh.triangles))
+    monkeypatch.setattr("scaffold_cad.mesh.intersections.search.ONE_THREAD", len(mesh.triangles))
     np.testing.assert_array_equal(self_intersections(mesh), found)

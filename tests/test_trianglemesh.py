@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from scaffold_cad.errors import MeshError
-from scaffold_cad.trianglemesh import TriangleMesh, cone_volumes
+from scaffold_cad.mesh.trianglemesh import TriangleMesh, cone_volumes
 from tests.meshes import CUBE, INSIDE_OUT_CUBE, TORUS
 
 TETRAHEDRON = TriangleMesh(

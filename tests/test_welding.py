@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.lattice import fill
-from scaffold_cad.trianglemesh import TriangleMesh
-from scaffold_cad.welding import welded, without_repeated_corners
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.welding import welded, without_repeated_corners
 from tests.meshes import CUBE
 
 CORNERS_APART = TriangleMesh(

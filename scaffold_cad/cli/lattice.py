@@ -22,12 +22,12 @@ from scaffold_cad.lattice import fill
 from scaffold_cad.lattice.filling import cells_around
 from scaffold_cad.lattice.registry import unit_cell
 from scaffold_cad.lattice.tiling import cell_size
+from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.meshfiles import read_triangles
 from scaffold_cad.overlaps import log_overlaps
 from scaffold_cad.parts import lattice_part
-from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import build_scaffold
-from scaffold_cad.trianglemesh import TriangleMesh
 
 if TYPE_CHECKING:
     from scaffold_cad.skeleton import Skeleton

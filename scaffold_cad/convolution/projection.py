@@ -15,7 +15,7 @@ from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.convolution.field import ConvolutionField, FieldSamples
 from scaffold_cad.convolution.nearby import nearby_pairs
 from scaffold_cad.errors import MeshError
-from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.skeleton import Skeleton
 
 TOLERANCE = 1e-9

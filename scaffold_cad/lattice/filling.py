@@ -18,9 +18,9 @@ from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.repetition import as_counts, repeated
 from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.lattice.unitcell import UnitCell
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.surfaces import surface_of
-from scaffold_cad.trianglemesh import TriangleMesh
 
 if TYPE_CHECKING:
     from build123d import Shape

@@ -12,8 +12,8 @@ from scaffold_cad.base.vectors import dot, length, rotate
 from scaffold_cad.lattice.boxgrid import BoxGrid
 from scaffold_cad.lattice.regions import surface_tolerance
 from scaffold_cad.lattice.struts import Struts
-from scaffold_cad.trianglemesh import TriangleMesh
-from scaffold_cad.welding import welded, without_repeated_corners
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.welding import welded, without_repeated_corners
 
 SURFACE_FRACTION = 1e-6
 """Distance within which a point is on the surface, as a fraction of the bounds' diagonal.

@@ -12,21 +12,21 @@ from scaffold_cad import manifolds
 from scaffold_cad.base.arguments import as_real
 from scaffold_cad.base.arrays import as_floats
 from scaffold_cad.base.radii import Radius
-from scaffold_cad.collapse import without_short_edges
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
-from scaffold_cad.insets import inset
 from scaffold_cad.lattice import UnitCell, fill
 from scaffold_cad.lattice.filling import HasTriangles, as_region
 from scaffold_cad.lattice.regions import Region
 from scaffold_cad.lattice.struts import Struts
+from scaffold_cad.mesh.collapse import without_short_edges
+from scaffold_cad.mesh.insets import inset
+from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.welding import welded, without_repeated_corners
 from scaffold_cad.overlaps import log_overlaps
-from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import clean_surface, solidified
 from scaffold_cad.surfaces import triangles_of
-from scaffold_cad.trianglemesh import TriangleMesh
-from scaffold_cad.welding import welded, without_repeated_corners
 
 if TYPE_CHECKING:
     from build123d import Shape

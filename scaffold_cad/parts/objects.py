@@ -18,10 +18,10 @@ from scaffold_cad.base.radii import Radius
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import UnitCell, fill
 from scaffold_cad.lattice.clipping import Keep
+from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.parts.bodies import BodySurface, body_surface, sound_body
 from scaffold_cad.parts.booleans import Operation, check_boolean
 from scaffold_cad.parts.stubs import without_overlapping_stubs
-from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import Caps

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import check_kind
 from scaffold_cad.errors import MeshError
+from scaffold_cad.mesh.welding import welded
 from scaffold_cad.printability.direction import direction_findings
 from scaffold_cad.printability.drainage import drainage_finding
 from scaffold_cad.printability.match import match_finding
@@ -28,7 +29,6 @@ from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import to_solid
 from scaffold_cad.stars import APOTHEM
 from scaffold_cad.surfaces import triangles_of
-from scaffold_cad.welding import welded
 
 
 def check_printability(

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.lattice.meshregion import MeshRegion
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.printability.report import MOST_PLACES, Finding, counted
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.trianglemesh import TriangleMesh
 
 
 def match_finding(skeleton: Skeleton, mesh: TriangleMesh) -> Finding:

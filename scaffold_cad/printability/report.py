@@ -10,8 +10,8 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from scaffold_cad.base.arrays import Frozen, Points, UnitVectors
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.printability.processes import Process
-from scaffold_cad.trianglemesh import TriangleMesh
 
 Verdict: TypeAlias = Literal["ok", "note", "warning", "failure"]
 """As it must be; a plain figure; to be looked at; not printable."""

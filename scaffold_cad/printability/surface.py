@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from scaffold_cad.intersections import self_intersections
+from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.printability.crossings import meeting_places
 from scaffold_cad.printability.nesting import nesting
 from scaffold_cad.printability.processes import Process

@@ -10,7 +10,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.base.vectors import length
-from scaffold_cad.trianglemesh import TriangleMesh, cone_volumes
+from scaffold_cad.mesh.trianglemesh import TriangleMesh, cone_volumes
 
 SINGLE_STEP = 2.0**-22
 """Largest error of a height by the rounding of 32-bit coordinates, parts of the largest of them."""

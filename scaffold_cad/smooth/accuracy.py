@@ -11,7 +11,7 @@ from scaffold_cad.base.arguments import check_kind
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, Radii, UnitVectors
 from scaffold_cad.base.vectors import angle_between, any_perpendicular, dot, length, normalize
 from scaffold_cad.beziermesh import side_indices
-from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth.connectivity import Connectivity

@@ -21,7 +21,7 @@ from scaffold_cad.base.arrays import (
     read_only,
 )
 from scaffold_cad.errors import MeshError
-from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.mesh.quadmesh import QuadMesh
 
 NO_CREASES: Edges = np.zeros((0, 2), dtype=np.intp)
 """The creases of a surface that is smooth everywhere."""

@@ -16,7 +16,7 @@ from scaffold_cad.base.arguments import check_kind
 from scaffold_cad.base.arrays import Edges, Frozen, Ints
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import OptionError
-from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.smooth.connectivity import NO_CREASES, Connectivity
 from scaffold_cad.smooth.limits import limit_points

@@ -6,8 +6,8 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints
 from scaffold_cad.base.vectors import dot, normalize
-from scaffold_cad.intersections import self_intersections
-from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.mesh.intersections import self_intersections
+from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.smooth.connectivity import Connectivity
 from scaffold_cad.smooth.grids import as_grids, grid_places

@@ -14,7 +14,7 @@ from scaffold_cad.base.vectors import dot, normalize
 from scaffold_cad.bernstein import bernstein, elevation
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.errors import OptionError
-from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.smooth.bicubic import bicubic_patches
 from scaffold_cad.smooth.connectivity import NO_CREASES, Connectivity

@@ -9,8 +9,8 @@ from scaffold_cad.base.builders import built
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.cad import to_brep
 from scaffold_cad.errors import ScaffoldCadError
+from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.parts.meshshapes import to_mesh_shape
-from scaffold_cad.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import Patches, Subdivision

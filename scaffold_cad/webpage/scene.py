@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scaffold_cad.base.arrays import Edges, Floats, Points
-from scaffold_cad.quadmesh import QuadMesh
-from scaffold_cad.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 
 @dataclass(frozen=True, eq=False)

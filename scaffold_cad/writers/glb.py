@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from scaffold_cad.manifolds import to_trimesh
-from scaffold_cad.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 METRES_PER_MM = 0.001
 

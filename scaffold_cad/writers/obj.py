@@ -7,9 +7,9 @@ from typing import TextIO
 
 import numpy as np
 
-from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.trianglemesh import TriangleMesh
 
 CHUNK = 1 << 15
 """Rows that are formatted at once: bounds the memory that their texts take."""

@@ -9,9 +9,9 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Ints
 from scaffold_cad.errors import FormatError
-from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.smooth import FineSurface
-from scaffold_cad.trianglemesh import TriangleMesh
 
 HEADER = """\
 ply

@@ -17,7 +17,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Floats, Ints
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.beziermesh import BezierMesh, side_indices
-from scaffold_cad.shells import quads_of_shells
+from scaffold_cad.mesh.shells import quads_of_shells
 
 CHUNK = 8192
 """Rows of a table that are formatted at once: bounds the memory that their texts take."""

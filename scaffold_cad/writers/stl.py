@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from scaffold_cad.errors import FormatError
-from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.smooth import FineSurface
-from scaffold_cad.trianglemesh import TriangleMesh
 
 HEADER = b"scaffold_cad binary STL, unit: mm"  # a header that starts with "solid" means text
 

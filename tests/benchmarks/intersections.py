@@ -15,11 +15,11 @@ from multiprocessing import get_context
 
 import numpy as np
 
-from scaffold_cad.intersections import Triangulated, self_intersections
 from scaffold_cad.lattice import tile
-from scaffold_cad.quadmesh import QuadMesh
+from scaffold_cad.mesh.intersections import Triangulated, self_intersections
+from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.scaffold import build_scaffold
-from scaffold_cad.trianglemesh import TriangleMesh
 
 
 @dataclass(frozen=True)

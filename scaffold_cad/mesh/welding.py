@@ -6,7 +6,7 @@ import numpy as np
 
 from scaffold_cad.base.positions import equal_positions
 from scaffold_cad.errors import MeshError
-from scaffold_cad.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 
 def welded(mesh: TriangleMesh) -> TriangleMesh:

@@ -6,8 +6,8 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.base.vectors import angle_between, dot, normalize
-from scaffold_cad.intersections import self_intersections
-from scaffold_cad.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.intersections import self_intersections
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 FLAT = 1e-5
 """Least eigenvalue, relative to the largest, at which the planes at a vertex fix a direction."""

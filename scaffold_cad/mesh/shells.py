@@ -7,8 +7,8 @@ import numpy as np
 from scaffold_cad.base.arrays import Ints
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.errors import MeshError
-from scaffold_cad.quadmesh import QuadMesh
-from scaffold_cad.trianglemesh import cone_volumes
+from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.trianglemesh import cone_volumes
 
 
 def shell_of_quad(mesh: QuadMesh) -> Ints:

@@ -9,7 +9,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Ints, Points
 from scaffold_cad.base.positions import equal_positions
 from scaffold_cad.base.vectors import normalize
-from scaffold_cad.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Edges, Triangles
 from scaffold_cad.base.vectors import length
-from scaffold_cad.trianglemesh import TriangleMesh, compacted
+from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 
 
 def without_short_edges(mesh: TriangleMesh, shortest: float) -> TriangleMesh:

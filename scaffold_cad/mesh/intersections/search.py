@@ -16,10 +16,10 @@ from scaffold_cad.base.arrays import Bools, Edges, Ints, Points, Triangles
 from scaffold_cad.base.boxes import order_in_space, overlapping_neighbors
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.errors import MeshError
-from scaffold_cad.intersections.certificates import depth_of, left_open, pierces
-from scaffold_cad.intersections.exact import meet_exactly
-from scaffold_cad.intersections.faces import Faces, boxes_of, faces_of
-from scaffold_cad.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.intersections.certificates import depth_of, left_open, pierces
+from scaffold_cad.mesh.intersections.exact import meet_exactly
+from scaffold_cad.mesh.intersections.faces import Faces, boxes_of, faces_of
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 LARGEST_COORDINATE = 1e70
 """Products of four greater lengths would overflow, mm."""

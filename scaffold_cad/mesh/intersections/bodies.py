@@ -21,9 +21,9 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Edges, Ints, Points
 from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.visibility import in_front, rounding_of, seen
-from scaffold_cad.intersections.search import self_intersections
-from scaffold_cad.quadmesh import QuadMesh
-from scaffold_cad.trianglemesh import compacted
+from scaffold_cad.mesh.intersections.search import self_intersections
+from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.trianglemesh import compacted
 
 MOST_HUBS = 4
 """Rings looked at of a body whose cones it keeps to."""

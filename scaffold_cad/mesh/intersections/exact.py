@@ -6,7 +6,7 @@ from itertools import combinations
 from typing import TypeAlias
 
 from scaffold_cad.base.arrays import Floats
-from scaffold_cad.intersections.faces import Faces
+from scaffold_cad.mesh.intersections.faces import Faces
 
 _Vector: TypeAlias = tuple[int, int, int]
 _Point: TypeAlias = tuple[int, int, int, int]

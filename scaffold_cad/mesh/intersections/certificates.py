@@ -10,7 +10,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
 from scaffold_cad.base.vectors import dot, normalize, triple
-from scaffold_cad.intersections.faces import Faces, picked
+from scaffold_cad.mesh.intersections.faces import Faces, picked
 
 _ROUNDING = 2.0**-45
 """Bound on the rounding error of any expression below, relative to its largest term.

@@ -1,0 +1,1 @@
+"""Quad and triangle meshes: surfaces, their shells, and whether they cross themselves."""
