@@ -6,7 +6,6 @@
 15
 """
 
-from scaffold_cad.beams import BeamLattice
 from scaffold_cad.cad import to_brep
 from scaffold_cad.convolution import ConvolutionField, project
 from scaffold_cad.embedding import Embedding
@@ -34,6 +33,7 @@ from scaffold_cad.parts import lattice_part
 from scaffold_cad.printability import Report, assert_printable, check_printability
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton, check_skeleton
+from scaffold_cad.skeleton.beams import BeamLattice
 from scaffold_cad.smooth import (
     Deviation,
     FineSurface,

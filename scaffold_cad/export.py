@@ -25,7 +25,6 @@ from scaffold_cad.base.arguments import as_path
 from scaffold_cad.base.backends import is_instance
 from scaffold_cad.base.builders import built
 from scaffold_cad.base.files import check_target, replacing
-from scaffold_cad.beams import BeamLattice
 from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.io import skeleton_to_json
@@ -34,6 +33,7 @@ from scaffold_cad.mesh.shells import check_solid
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.skeleton.beams import BeamLattice
 from scaffold_cad.smooth import FineSurface, Patches, Subdivision
 from scaffold_cad.surfaces import surface_of
 from scaffold_cad.writers.glb import write_glb

@@ -18,8 +18,8 @@ from scaffold_cad.embedding import Embedding, stub_apexes
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.skeleton.thinning import kept_samples
 from scaffold_cad.sleeves import fitted_angle
-from scaffold_cad.thinning import kept_samples
 
 PLASTIC = 1.32471795724474602596
 """The plastic number, the root of x³ = x + 1."""

@@ -11,13 +11,13 @@ import pytest
 import trimesh
 from hypothesis import HealthCheck, given, settings
 
-from scaffold_cad.beams import BeamLattice
 from scaffold_cad.errors import FormatError, MeshError, SkeletonError
 from scaffold_cad.export import write
 from scaffold_cad.io import read_skeleton
 from scaffold_cad.lattice import tile
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.skeleton.beams import BeamLattice
 from scaffold_cad.solid import to_solid
 from tests.strategies import skeletons
 

@@ -21,8 +21,8 @@ from scaffold_cad.io import (
     register_reader,
     skeleton_to_json,
 )
-from scaffold_cad.repair import Repairs
 from scaffold_cad.skeleton import check_skeleton
+from scaffold_cad.skeleton.repair import Repairs
 from tests.skeletons import STICK_FIGURE, STRUT
 
 ELBOW_OBJ = "v 0 0 0\nv 10 0 0\nv 10 10 0\nl 1 2 3\n"

@@ -6,7 +6,7 @@ import pytest
 
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io import read_raw, read_with_repairs
-from scaffold_cad.repair import Repairs
+from scaffold_cad.skeleton.repair import Repairs
 from tests.test_io import written
 
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from scaffold_cad.io import read_raw, read_skeleton, read_with_repairs
-from scaffold_cad.repair import Repairs
 from scaffold_cad.skeleton import Skeleton, check_skeleton
+from scaffold_cad.skeleton.repair import Repairs
 
 SOUND = {
     # name: nodes, edges, loops, largest valency, branch points, joints, extremities, diagonal,

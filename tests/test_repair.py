@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from scaffold_cad import repair
 from scaffold_cad.base.arrays import Edges, Floats, Points
 from scaffold_cad.errors import OptionError, SkeletonError
-from scaffold_cad.repair import (
+from scaffold_cad.skeleton import Skeleton, check_skeleton
+from scaffold_cad.skeleton.repair import (
     RepairedGraph,
     Repairs,
     default_weld_distance,
@@ -18,7 +19,6 @@ from scaffold_cad.repair import (
     overlapping_half_edges,
     repaired,
 )
-from scaffold_cad.skeleton import Skeleton, check_skeleton
 from tests.skeletons import NAMED, polyline
 from tests.strategies import skeletons
 

@@ -14,8 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaffold_cad.errors import OptionError, SkeletonError
-from scaffold_cad.repair import Repairs
 from scaffold_cad.skeleton import Skeleton, check_skeleton
+from scaffold_cad.skeleton.repair import Repairs
 from tests.skeletons import (
     ELBOW,
     FIGURE_EIGHT,

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaffold_cad.base.arrays import Floats, Points
-from scaffold_cad.thinning import farthest_sample, kept_samples
+from scaffold_cad.skeleton.thinning import farthest_sample, kept_samples
 
 _NUMBER = st.integers(-200, 200).map(lambda quarters: quarters / 4)
 _SAMPLES = st.lists(st.tuples(_NUMBER, _NUMBER, _NUMBER), min_size=2, max_size=30, unique=True)

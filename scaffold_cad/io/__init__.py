@@ -48,8 +48,8 @@ from scaffold_cad.io._formats import (
 from scaffold_cad.io._json import skeleton_to_json
 from scaffold_cad.io._networkx import skeleton_from_networkx, skeleton_to_networkx
 from scaffold_cad.io._raw import RawSkeleton
-from scaffold_cad.repair import repaired
 from scaffold_cad.skeleton import Cleaning, Skeleton, check_skeleton
+from scaffold_cad.skeleton.repair import repaired
 
 __all__ = [
     "RawSkeleton",

@@ -13,9 +13,9 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Points, Triangles
 from scaffold_cad.base.backends import need
-from scaffold_cad.beams import BeamLattice
 from scaffold_cad.errors import FormatError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.skeleton.beams import BeamLattice
 
 BEAM = np.dtype([("ends", "<u4", 2), ("radii", "<f8", 2), ("caps", "<i4", 2)])
 """A beam as lib3mf takes it, without gaps between the fields."""

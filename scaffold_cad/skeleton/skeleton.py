@@ -37,8 +37,8 @@ from scaffold_cad.base.topology import (
 )
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import SkeletonError
-from scaffold_cad.repair import LEAST_LENGTH, Repairs, overlapping_half_edges, repaired
-from scaffold_cad.thinning import farthest_sample, kept_samples
+from scaffold_cad.skeleton.repair import LEAST_LENGTH, Repairs, overlapping_half_edges, repaired
+from scaffold_cad.skeleton.thinning import farthest_sample, kept_samples
 
 if TYPE_CHECKING:
     from build123d import Curve

@@ -1,0 +1,6 @@
+"""Skeletons: graphs in space with radii, their repair and thinning, and beam lattices."""
+
+from scaffold_cad.skeleton.beams import BeamLattice
+from scaffold_cad.skeleton.skeleton import Cleaning, Skeleton, check_skeleton
+
+__all__ = ["BeamLattice", "Cleaning", "Skeleton", "check_skeleton"]
