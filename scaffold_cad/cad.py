@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from scaffold_cad import brep
 from scaffold_cad.base.arguments import check_kind
-from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.brep import Kind
+from scaffold_cad.brep.beziermesh import BezierMesh
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold

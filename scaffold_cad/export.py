@@ -25,7 +25,7 @@ from scaffold_cad.base.arguments import as_path
 from scaffold_cad.base.backends import is_instance
 from scaffold_cad.base.builders import built
 from scaffold_cad.base.files import check_target, replacing
-from scaffold_cad.beziermesh import BezierMesh
+from scaffold_cad.brep.beziermesh import BezierMesh
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.io import skeleton_to_json
 from scaffold_cad.mesh.quadmesh import QuadMesh

@@ -7,7 +7,7 @@ from typing import Any
 from scaffold_cad import brep
 from scaffold_cad.base.backends import is_instance
 from scaffold_cad.base.builders import built
-from scaffold_cad.beziermesh import BezierMesh
+from scaffold_cad.brep.beziermesh import BezierMesh
 from scaffold_cad.cad import to_brep
 from scaffold_cad.errors import OptionError
 from scaffold_cad.manifolds import manifold_triangles

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from scaffold_cad.beziermesh import BezierMesh, side_indices
+from scaffold_cad.brep.beziermesh import BezierMesh, side_indices
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from tests.meshes import (

@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import dot, length, normalize
-from scaffold_cad.bernstein import bernstein
-from scaffold_cad.beziermesh import BezierMesh
 from scaffold_cad.brep import TESSELLATION_DISTANCE, export_brep, export_step, tessellated
+from scaffold_cad.brep.bernstein import bernstein
+from scaffold_cad.brep.beziermesh import BezierMesh
 from scaffold_cad.cad import to_brep
 from scaffold_cad.errors import BrepError, MeshError, MissingBackendError, OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh

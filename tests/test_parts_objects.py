@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from scaffold_cad._occt_meshes import solid_of_triangles
 from scaffold_cad.brep import tessellated
+from scaffold_cad.brep.occtmeshes import solid_of_triangles
 from scaffold_cad.errors import BrepError, MeshError, OptionError, SkeletonError
 from scaffold_cad.lattice import fill
 from scaffold_cad.manifolds import to_manifold

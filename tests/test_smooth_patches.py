@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaffold_cad.base.arrays import Floats
-from scaffold_cad.bernstein import bernstein, elevation, gram, product, thin_plate
-from scaffold_cad.beziermesh import BezierMesh
+from scaffold_cad.brep.bernstein import bernstein, elevation, gram, product, thin_plate
+from scaffold_cad.brep.beziermesh import BezierMesh
 from scaffold_cad.cad import to_brep
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.lattice import tile

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaffold_cad.beziermesh import BezierMesh
+from scaffold_cad.brep.beziermesh import BezierMesh
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.writers import step
 from scaffold_cad.writers.step import write_step

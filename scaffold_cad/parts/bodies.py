@@ -105,9 +105,9 @@ def solid_of_union(scaffold: Scaffold, *, sides: int) -> Shape:
             "exports any number)"
         )
     need("build123d", "a B-rep")
-    from scaffold_cad import _occt_meshes
+    from scaffold_cad.brep import occtmeshes
 
-    return _occt_meshes.solid_of_triangles(mesh.vertices, mesh.triangles, _shell_of_triangle(mesh))
+    return occtmeshes.solid_of_triangles(mesh.vertices, mesh.triangles, _shell_of_triangle(mesh))
 
 
 def _shell_of_triangle(mesh: TriangleMesh) -> Ints:

@@ -37,6 +37,6 @@ def to_mesh_shape(what: Any) -> Face:
     if len(mesh.triangles) == 0:
         raise MeshError(f"the {type(what).__name__} has no triangles; need at least one")
     need("build123d", "a shape of triangles")
-    from scaffold_cad import _occt_meshes
+    from scaffold_cad.brep import occtmeshes
 
-    return _occt_meshes.triangulated_face(mesh.vertices, mesh.triangles)
+    return occtmeshes.triangulated_face(mesh.vertices, mesh.triangles)

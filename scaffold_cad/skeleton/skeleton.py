@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from build123d import Curve
 
     from scaffold_cad.base.radii import Radius
-    from scaffold_cad.wires import Curves
+    from scaffold_cad.brep.wires import Curves
 
 LEAST_RADIUS = 1e-9
 """Least radius of a node, in largest coordinates: a solid is made of differences of these."""
@@ -109,7 +109,7 @@ class Skeleton(Frozen, Shown):
             If build123d is not installed.
         """
         need("build123d", "a skeleton of its edges")
-        from scaffold_cad import wires
+        from scaffold_cad.brep import wires
 
         return wires.skeleton_from_edges(curves, radius, tolerance=tolerance, contact=contact)
 
@@ -124,7 +124,7 @@ class Skeleton(Frozen, Shown):
             If build123d is not installed.
         """
         need("build123d", "a compound of its edges")
-        from scaffold_cad import wires
+        from scaffold_cad.brep import wires
 
         return wires.wire_compound(self)
 

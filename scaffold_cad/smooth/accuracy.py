@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from scaffold_cad.base.arguments import check_kind
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, Radii, UnitVectors
 from scaffold_cad.base.vectors import angle_between, any_perpendicular, dot, length, normalize
-from scaffold_cad.beziermesh import side_indices
+from scaffold_cad.brep.beziermesh import side_indices
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints, Points
-from scaffold_cad.beziermesh import side_indices
+from scaffold_cad.brep.beziermesh import side_indices
 from scaffold_cad.smooth.connectivity import Connectivity
 
 

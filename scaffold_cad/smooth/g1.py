@@ -20,7 +20,7 @@ from scipy.sparse import block_array, coo_array, csr_array, diags_array
 from scipy.sparse.linalg import splu
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
-from scaffold_cad.bernstein import elevation, product, square_norm, thin_plate
+from scaffold_cad.brep.bernstein import elevation, product, square_norm, thin_plate
 from scaffold_cad.smooth.alike import alike_parts
 from scaffold_cad.smooth.bicubic import smooth_valence
 from scaffold_cad.smooth.controlnet import ControlNet

@@ -11,8 +11,8 @@ import numpy as np
 from scaffold_cad.base.arguments import as_count, check_kind
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.base.vectors import dot, normalize
-from scaffold_cad.bernstein import bernstein, elevation
-from scaffold_cad.beziermesh import BezierMesh
+from scaffold_cad.brep.bernstein import bernstein, elevation
+from scaffold_cad.brep.beziermesh import BezierMesh
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from scaffold_cad.base.backends import is_instance
 from scaffold_cad.base.builders import built
-from scaffold_cad.beziermesh import BezierMesh
+from scaffold_cad.brep.beziermesh import BezierMesh
 from scaffold_cad.cad import to_brep
 from scaffold_cad.errors import ScaffoldCadError
 from scaffold_cad.mesh.quadmesh import QuadMesh

@@ -16,7 +16,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints
 from scaffold_cad.base.vectors import normalize
-from scaffold_cad.beziermesh import BezierMesh, side_indices
+from scaffold_cad.brep.beziermesh import BezierMesh, side_indices
 from scaffold_cad.mesh.shells import quads_of_shells
 
 CHUNK = 8192

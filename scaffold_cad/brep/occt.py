@@ -49,7 +49,7 @@ from OCP.TopoDS import (
 
 from scaffold_cad.base.arrays import Edges, Points, Triangles
 from scaffold_cad.base.vectors import length
-from scaffold_cad.beziermesh import BezierMesh
+from scaffold_cad.brep.beziermesh import BezierMesh
 from scaffold_cad.errors import BrepError
 
 try:  # OCP 8, of build123d 0.13

@@ -21,12 +21,12 @@ from OCP.GeomAbs import GeomAbs_CurveType
 from OCP.TopExp import TopExp
 from OCP.TopoDS import TopoDS_Compound, TopoDS_Edge
 
-from scaffold_cad._occt import TOLERANCE
-from scaffold_cad._occt_meshes import line_edges
 from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.arrays import Edges, Points
 from scaffold_cad.base.builders import built
 from scaffold_cad.base.radii import Radius, radii_at
+from scaffold_cad.brep.occt import TOLERANCE
+from scaffold_cad.brep.occtmeshes import line_edges
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.skeleton import Skeleton
 

@@ -18,7 +18,7 @@ from scaffold_cad.base.arrays import (
     read_only,
 )
 from scaffold_cad.base.vectors import length, normalize, triple
-from scaffold_cad.bernstein import bernstein
+from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 

@@ -1,4 +1,4 @@
-"""Triangles and straight lines as OCCT shapes; imports build123d and its OCP, as `_occt.py` does.
+"""Triangles and straight lines as OCCT shapes; imports build123d and its OCP, as `occt.py` does.
 
 Modules that are imported without being asked for a shape import this one inside their functions.
 """
@@ -17,9 +17,9 @@ from OCP.TopoDS import (
     TopoDS_Wire,
 )
 
-from scaffold_cad._occt import TOLERANCE, edges_between, lines, shell_of, solid_of
 from scaffold_cad.base.arrays import Edges, Ints, Points, Triangles, UnitVectors
 from scaffold_cad.base.vectors import normalize
+from scaffold_cad.brep.occt import TOLERANCE, edges_between, lines, shell_of, solid_of
 from scaffold_cad.errors import BrepError
 
 

@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.base.vectors import length
-from scaffold_cad.beziermesh import BezierMesh
+from scaffold_cad.brep.beziermesh import BezierMesh
 from scaffold_cad.errors import BrepError, FormatError, OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.shells import check_oriented, check_solid, quads_of_shells
@@ -60,9 +60,9 @@ def brep_of_patches(mesh: QuadMesh | BezierMesh, kind: Kind = "solid") -> Shape:
     closed = [not is_open[quads].any() for quads in shells]
 
     need("build123d", "a B-rep")
-    from scaffold_cad import _occt
+    from scaffold_cad.brep import occt
 
-    return _occt.make_shape(patches, [quads.tolist() for quads in shells], closed, kind)
+    return occt.make_shape(patches, [quads.tolist() for quads in shells], closed, kind)
 
 
 def check_sizes(patches: BezierMesh) -> None:
@@ -111,9 +111,9 @@ def tessellated(
     BrepError
         If a face has no triangles, as one that is not finite.
     """
-    from scaffold_cad import _occt
+    from scaffold_cad.brep import occt
 
-    points, triangles = _occt.tessellate(shape, distance, angle)
+    points, triangles = occt.tessellate(shape, distance, angle)
     same_place = cKDTree(points).query_pairs(LEAST_SIZE / 2, output_type="ndarray")
     vertex = component_labels(same_place, len(points))  # one for each point
     _, first = np.unique(vertex, return_index=True)
@@ -134,9 +134,9 @@ def read_brep(path: Path) -> Shape:
     if not path.is_file():
         raise FormatError(f"{path} cannot be read: there is no such file")
     need("build123d", "a STEP or BREP file")
-    from scaffold_cad import _occt
+    from scaffold_cad.brep import occt
 
-    read = _occt.import_brep if path.suffix.lower() == ".brep" else _occt.import_step
+    read = occt.import_brep if path.suffix.lower() == ".brep" else occt.import_step
     try:
         shape = read(path)
     except (OSError, RuntimeError, ValueError) as error:
@@ -162,9 +162,9 @@ def export_step(shape: Shape, path: Path, *, write_pcurves: bool = False) -> Non
         If OCCT cannot write the file.
     """
     need("build123d", "a STEP file")
-    from scaffold_cad import _occt
+    from scaffold_cad.brep import occt
 
-    if not _occt.export_step(shape, path, write_pcurves=write_pcurves):
+    if not occt.export_step(shape, path, write_pcurves=write_pcurves):
         raise OSError("OCCT could not write it; is the disk full?")
 
 
@@ -177,7 +177,7 @@ def export_brep(shape: Shape, path: Path) -> None:
         If OCCT cannot write the file.
     """
     need("build123d", "a BREP file")
-    from scaffold_cad import _occt
+    from scaffold_cad.brep import occt
 
-    if not _occt.export_brep(shape, path):
+    if not occt.export_brep(shape, path):
         raise OSError("OCCT could not write it; is the disk full?")

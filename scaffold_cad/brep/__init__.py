@@ -1,0 +1,25 @@
+"""B-reps: Bézier patches, shells and solids of them, and OCCT, which only this wing and parts use."""
+
+from scaffold_cad.brep.shapes import (
+    BREP_SUFFIXES,
+    TESSELLATION_DISTANCE,
+    Kind,
+    brep_of_patches,
+    check_sizes,
+    export_brep,
+    export_step,
+    read_brep,
+    tessellated,
+)
+
+__all__ = [
+    "BREP_SUFFIXES",
+    "TESSELLATION_DISTANCE",
+    "Kind",
+    "brep_of_patches",
+    "check_sizes",
+    "export_brep",
+    "export_step",
+    "read_brep",
+    "tessellated",
+]
