@@ -8,9 +8,7 @@
 
 from scaffold_cad.cad import to_brep
 from scaffold_cad.convolution import ConvolutionField, project
-from scaffold_cad.embedding import Embedding
 from scaffold_cad.export import write
-from scaffold_cad.frames import rotation_minimizing_frames
 from scaffold_cad.io import read_skeleton
 from scaffold_cad.lattice import (
     UnitCell,
@@ -32,6 +30,8 @@ from scaffold_cad.partition import Partition, partition_sphere, partition_sphere
 from scaffold_cad.parts import lattice_part
 from scaffold_cad.printability import Report, assert_printable, check_printability
 from scaffold_cad.scaffold import Scaffold, build_scaffold
+from scaffold_cad.scaffold.embedding import Embedding
+from scaffold_cad.scaffold.frames import rotation_minimizing_frames
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 from scaffold_cad.skeleton.beams import BeamLattice
 from scaffold_cad.smooth import (

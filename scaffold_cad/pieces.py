@@ -14,12 +14,12 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, Triangles, UnitVectors
 from scaffold_cad.base.vectors import any_perpendicular, dot, length, normalize, rotate
-from scaffold_cad.embedding import Embedding, stub_apexes
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.scaffold import Scaffold
+from scaffold_cad.scaffold.embedding import Embedding, stub_apexes
+from scaffold_cad.scaffold.sleeves import fitted_angle
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.skeleton.thinning import kept_samples
-from scaffold_cad.sleeves import fitted_angle
 
 PLASTIC = 1.32471795724474602596
 """The plastic number, the root of x³ = x + 1."""

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.errors import OptionError
-from scaffold_cad.frames import (
+from scaffold_cad.scaffold.frames import (
     accumulate,
     double_reflection,
     multiply,

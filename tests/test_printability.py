@@ -42,8 +42,8 @@ from scaffold_cad.printability.direction import floating_groups
 from scaffold_cad.printability.nesting import winding_numbers
 from scaffold_cad.printability.page import page
 from scaffold_cad.printability.struts import narrow_gaps
+from scaffold_cad.scaffold.stars import Section
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.stars import Section
 from scaffold_cad.writers.stl import write_stl
 from tests.meshes import CUBE, INSIDE_OUT_CUBE, OPEN_CUBE, TORUS, TWO_CUBES
 from tests.skeletons import ELBOW, JACK, K4, NAMED, STRUT, TWO_STRUTS, star

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from scaffold_cad.base.vectors import dot, length, rotate
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.scaffold import Scaffold, build_scaffold
+from scaffold_cad.scaffold.stars import APOTHEM
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.skeleton.repair import LEAST_ANGLE, overlapping_half_edges
-from scaffold_cad.stars import APOTHEM
 from tests import skeletons as named
 from tests.skeletons import polyline, star
 from tests.strategies import skeletons

@@ -13,6 +13,7 @@ from scaffold_cad.base.arrays import Floats
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold, build_scaffold
+from scaffold_cad.scaffold.stars import Section
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import (
     Caps,
@@ -22,7 +23,6 @@ from scaffold_cad.smooth import (
     limit,
     smooth_mesh,
 )
-from scaffold_cad.stars import Section
 from tests.skeletons import (
     CUBE,
     ELBOW,

@@ -9,10 +9,10 @@ from scaffold_cad.base.arrays import Bools, Floats, Points
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.scaffold import build_scaffold
+from scaffold_cad.scaffold.stars import Section
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import Caps, control_mesh, smooth_mesh
 from scaffold_cad.smooth.bends import COLLARED_STRAY, STRAY, bends_of
-from scaffold_cad.stars import Section
 from tests.benchmarks.smooth import union_of_struts
 from tests.skeletons import RING, polyline
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from scaffold_cad import Skeleton, build_scaffold, partition_sphere
-from scaffold_cad.stars import worst_clearance
+from scaffold_cad.scaffold.stars import worst_clearance
 from tests.skeletons import ELBOW, JACK, K4, RING, STICK_FIGURE, STRUT, TRIPOD
 
 

@@ -14,9 +14,9 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, Radii, UnitVectors
 from scaffold_cad.base.vectors import dot, length, normalize
-from scaffold_cad.collars import BLEND
 from scaffold_cad.scaffold import Scaffold
-from scaffold_cad.sleeves import MITER_LIMIT
+from scaffold_cad.scaffold.collars import BLEND
+from scaffold_cad.scaffold.sleeves import MITER_LIMIT
 
 COLLARED_STRAY = 0.1
 """Furthest that the limit's axis may pass from a joint of collared struts that gets no sections

@@ -12,7 +12,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Ints, UnitVectors
 from scaffold_cad.base.vectors import any_perpendicular, length, rotate
 from scaffold_cad.scaffold import Scaffold
-from scaffold_cad.sleeves import fitted_angle
+from scaffold_cad.scaffold.sleeves import fitted_angle
 from scaffold_cad.smooth.bends import STRAY
 
 

@@ -18,12 +18,12 @@ from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold
+from scaffold_cad.scaffold.stars import APOTHEM
 from scaffold_cad.smooth.connectivity import NO_CREASES, Connectivity
 from scaffold_cad.smooth.limits import limit_points
 from scaffold_cad.smooth.rig import Rig, cap_rows, make_rig
 from scaffold_cad.smooth.subdivision import subdivided_points
 from scaffold_cad.smooth.targets import Domes, Pose, Rails, RoundStruts, Spheres, StrutRadii, Target
-from scaffold_cad.stars import APOTHEM
 
 Caps: TypeAlias = Literal["round", "flat"]
 """How extremities end: in a dome that reaches one radius beyond the node, or flat at the node."""

@@ -12,12 +12,12 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
 from scaffold_cad.base.vectors import dot
-from scaffold_cad.collars import collar_distances
 from scaffold_cad.scaffold import Scaffold
-from scaffold_cad.sleeves import sleeve_quads
+from scaffold_cad.scaffold.collars import collar_distances
+from scaffold_cad.scaffold.sleeves import sleeve_quads
+from scaffold_cad.scaffold.stars import APOTHEM
 from scaffold_cad.smooth.bends import Bends, bends_of
 from scaffold_cad.smooth.branches import fitting_squares, pulled_half_edges
-from scaffold_cad.stars import APOTHEM
 
 DOME_DISTANCE = 0.8
 """Distance of the section before a dome from the extremity's node, in radii. With it the limit is

@@ -9,8 +9,8 @@ import numpy as np
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.scaffold import Scaffold
+from scaffold_cad.scaffold.stars import worst_clearance
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.stars import worst_clearance
 from scaffold_cad.webpage.scene import Dots, Layer, Lines, Part, Surface
 
 INK, GREY, SAND, BLUE, CRIMSON = "#2b2f36", "#8c96a1", "#e8b765", "#8ca8cc", "#c8102e"

@@ -36,6 +36,7 @@ from scaffold_cad.export import write
 from scaffold_cad.io import read_skeleton
 from scaffold_cad.lattice import tile, voronoi_foam
 from scaffold_cad.scaffold import Scaffold, build_scaffold
+from scaffold_cad.scaffold.stars import Fit
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import (
     Caps,
@@ -45,7 +46,6 @@ from scaffold_cad.smooth import (
     smooth_mesh,
     smooth_patches,
 )
-from scaffold_cad.stars import Fit
 from tests.skeletons import TRIPOD
 
 DATA = Path(__file__).parents[2] / ".." / "shared" / "data"

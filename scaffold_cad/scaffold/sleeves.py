@@ -19,7 +19,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.base.topology import Chains
 from scaffold_cad.base.vectors import any_perpendicular, dot, length, normalize, rotate
-from scaffold_cad.frames import accumulate, bisectors, double_reflection, turn
+from scaffold_cad.scaffold.frames import accumulate, bisectors, double_reflection, turn
 from scaffold_cad.skeleton import Skeleton
 
 MITER_LIMIT = 3.0

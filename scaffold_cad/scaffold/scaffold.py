@@ -12,13 +12,12 @@ import numpy as np
 from scaffold_cad.base.arguments import as_flag, check_choice, check_kind
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, Quads
 from scaffold_cad.base.notebook import Shown
-from scaffold_cad.collars import Refinement, with_collars, without_collars
-from scaffold_cad.embedding import Embedding, embedding
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.partition.sphere import METHODS
-from scaffold_cad.skeleton import Skeleton, check_skeleton
-from scaffold_cad.sleeves import (
+from scaffold_cad.scaffold.collars import Refinement, with_collars, without_collars
+from scaffold_cad.scaffold.embedding import Embedding, embedding
+from scaffold_cad.scaffold.sleeves import (
     REVERSED,
     Sections,
     SphericalQuads,
@@ -28,7 +27,15 @@ from scaffold_cad.sleeves import (
     sleeve_quads,
     walk_branches,
 )
-from scaffold_cad.stars import APOTHEM, Fit, Section, Stars, partition_stars, star_positions
+from scaffold_cad.scaffold.stars import (
+    APOTHEM,
+    Fit,
+    Section,
+    Stars,
+    partition_stars,
+    star_positions,
+)
+from scaffold_cad.skeleton import Skeleton, check_skeleton
 
 
 @dataclass(frozen=True)

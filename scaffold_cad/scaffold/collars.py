@@ -11,8 +11,8 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points
 from scaffold_cad.base.vectors import dot
+from scaffold_cad.scaffold.stars import Stars
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.stars import Stars
 
 BLEND = 0.5
 """Distance from a branch point's furthest corner along a strut to its collar, in radii."""
