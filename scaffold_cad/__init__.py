@@ -22,7 +22,6 @@ from scaffold_cad.lattice import (
     tile,
     voronoi_foam,
 )
-from scaffold_cad.manifolds import to_trimesh
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -46,7 +45,8 @@ from scaffold_cad.smooth import (
     smooth_patches,
 )
 from scaffold_cad.solid import Solidified, solidified, to_solid
-from scaffold_cad.thicken import frame_scaffold, thicken
+from scaffold_cad.solid.manifolds import to_trimesh
+from scaffold_cad.solid.thicken import frame_scaffold, thicken
 from scaffold_cad.viewers import show
 
 __all__ = [

@@ -14,8 +14,8 @@ from scaffold_cad.base.arguments import as_path
 from scaffold_cad.base.backends import need
 from scaffold_cad.brep import BREP_SUFFIXES, read_brep, tessellated
 from scaffold_cad.errors import FormatError, MeshError, SkeletonError
-from scaffold_cad.manifolds import meshes_in
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.solid.manifolds import meshes_in
 
 Reader: TypeAlias = Callable[[Path], TriangleMesh]
 

@@ -10,10 +10,10 @@ from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 
 from scaffold_cad.base.boxes import overlapping_boxes
-from scaffold_cad.manifolds import manifold_triangles
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.solid.manifolds import manifold_triangles
 
 
 def check_solid_of(skeleton: Skeleton, manifold: Any) -> None:

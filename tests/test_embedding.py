@@ -8,9 +8,9 @@ from hypothesis import given
 
 from scaffold_cad.lattice import tile
 from scaffold_cad.mesh.intersections import self_intersections
-from scaffold_cad.pieces import solid_pieces
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.solid.pieces import solid_pieces
 from tests import skeletons as named
 from tests.skeletons import NAMED, star
 from tests.strategies import hinged_stars, skeletons

@@ -24,11 +24,11 @@ from scaffold_cad.errors import (
 )
 from scaffold_cad.export import check_writable, known_suffixes, write
 from scaffold_cad.io import read_skeleton
-from scaffold_cad.manifolds import to_manifold, to_trimesh
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.smooth import smooth_patches
+from scaffold_cad.solid.manifolds import to_manifold, to_trimesh
 from tests.meshes import (
     CUBE,
     INSIDE_OUT_CUBE,

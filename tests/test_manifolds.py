@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import MeshError, MissingBackendError
-from scaffold_cad.manifolds import eroded, manifold_triangles, to_manifold, to_trimesh
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.solid.manifolds import eroded, manifold_triangles, to_manifold, to_trimesh
 from tests.meshes import CUBE, INSIDE_OUT_CUBE, OPEN_CUBE, TORUS, TWO_CUBES, torus
 
 
@@ -25,9 +25,7 @@ def triangles_of(mesh: QuadMesh) -> TriangleMesh:
 
 
 def test_importing_the_module_leaves_its_back_ends_alone() -> None:
-    program = (
-        "import sys, scaffold_cad.manifolds; print({'manifold3d', 'trimesh'} & set(sys.modules))"
-    )
+    program = "import sys, scaffold_cad.solid.manifolds; print({'manifold3d', 'trimesh'} & set(sys.modules))"
     run = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, check=True
     )
@@ -75,7 +73,7 @@ def test_what_bounds_no_solid_is_refused(mesh, message) -> None:
 
 
 def test_a_refusal_of_manifold3d_is_named(monkeypatch) -> None:
-    monkeypatch.setattr("scaffold_cad.manifolds.check_solid", lambda _: None)
+    monkeypatch.setattr("scaffold_cad.solid.manifolds.check_solid", lambda _: None)
     with pytest.raises(MeshError, match="manifold3d refuses the mesh: NotManifold; need NoError"):
         to_manifold(OPEN_CUBE)
 
@@ -137,6 +135,6 @@ def test_fine_bodies_are_simplified_for_an_even_wall(caplog: pytest.LogCaptureFi
 
 
 def test_walls_that_would_take_hours_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("scaffold_cad.manifolds.MOST_TO_ERODE", 10)
+    monkeypatch.setattr("scaffold_cad.solid.manifolds.MOST_TO_ERODE", 10)
     with pytest.raises(MeshError, match=r"a wall of 0.1 mm .* 12 triangles .*; need 10 or fewer"):
         eroded(to_manifold(CUBE), 0.1)

@@ -9,12 +9,12 @@ import trimesh
 
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 from scaffold_cad.lattice.meshregion import MeshRegion
-from scaffold_cad.manifolds import manifold_triangles, to_manifold
 from scaffold_cad.mesh.insets import inset
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.parts import lattice_part
 from scaffold_cad.printability.triangletopology import TriangleTopology
+from scaffold_cad.solid.manifolds import manifold_triangles, to_manifold
 from tests.meshes import CUBE
 
 BOX = trimesh.creation.box((30.0, 20.0, 10.0))

@@ -10,10 +10,10 @@ import pytest
 
 from scaffold_cad.brep import tessellated
 from scaffold_cad.errors import BrepError
-from scaffold_cad.manifolds import to_manifold
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.parts import LatticeBox, ScaffoldSolid, SmoothScaffold, objects
 from scaffold_cad.parts.booleans import Operation, check_boolean
+from scaffold_cad.solid.manifolds import to_manifold
 from tests.skeletons import NAMED, STRUT
 
 BOX = bd.Pos(3, 2, 1) * bd.Box(13, 11, 9)

@@ -20,7 +20,6 @@ from scaffold_cad.brep import tessellated
 from scaffold_cad.brep.occtmeshes import solid_of_triangles
 from scaffold_cad.errors import BrepError, MeshError, OptionError, SkeletonError
 from scaffold_cad.lattice import fill
-from scaffold_cad.manifolds import to_manifold
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.parts import (
@@ -35,7 +34,8 @@ from scaffold_cad.parts import (
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import to_solid
-from scaffold_cad.thicken import frame_scaffold
+from scaffold_cad.solid.manifolds import to_manifold
+from scaffold_cad.solid.thicken import frame_scaffold
 from tests.meshes import CUBE
 from tests.skeletons import CROSS, JACK, RING, STICK_FIGURE, TAPER, TRIPOD, TWO_STRUTS, star
 

@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import tile
-from scaffold_cad.manifolds import manifold_triangles
 from scaffold_cad.mesh.intersections import self_intersections
-from scaffold_cad.roundstruts import circumradius
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import solidified, to_solid
-from scaffold_cad.thicken import thicken
+from scaffold_cad.solid.manifolds import manifold_triangles
+from scaffold_cad.solid.roundstruts import circumradius
+from scaffold_cad.solid.thicken import thicken
 from tests.meshes import CUBE
 from tests.real_files import RADII, real_skeleton
 from tests.solids import check_solid_of, contains

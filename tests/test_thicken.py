@@ -7,7 +7,7 @@ import pytest
 
 from scaffold_cad.errors import OptionError
 from scaffold_cad.scaffold import build_scaffold
-from scaffold_cad.thicken import frame_scaffold, thicken
+from scaffold_cad.solid.thicken import frame_scaffold, thicken
 from tests import skeletons as named
 from tests.meshes import CUBE
 from tests.solids import check_solid_of

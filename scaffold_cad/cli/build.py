@@ -16,12 +16,12 @@ from scaffold_cad.cli.progress import FILE_RATE, SCAFFOLD_RATE, SMOOTH_RATE, SOL
 from scaffold_cad.errors import OptionError
 from scaffold_cad.export import check_writable, write
 from scaffold_cad.overlaps import log_overlaps
-from scaffold_cad.roundstruts import ROUND_SIDES
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.scaffold.stars import Fit, Section
 from scaffold_cad.smooth import Caps, crossing_struts, fine_surface, smooth_patches
 from scaffold_cad.solid import solidified
-from scaffold_cad.thicken import frame_scaffold
+from scaffold_cad.solid.roundstruts import ROUND_SIDES
+from scaffold_cad.solid.thicken import frame_scaffold
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

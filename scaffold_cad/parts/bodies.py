@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scaffold_cad import manifolds
 from scaffold_cad.base.arrays import Ints
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.topology import component_labels
@@ -15,11 +14,11 @@ from scaffold_cad.cad import to_brep
 from scaffold_cad.errors import BrepError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.roundstruts import ROUND_SIDES
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.smooth import Caps, Patches, crossing_struts
 from scaffold_cad.smooth.patches import patches_around
-from scaffold_cad.solid import to_solid
+from scaffold_cad.solid import manifolds, to_solid
+from scaffold_cad.solid.roundstruts import ROUND_SIDES
 
 if TYPE_CHECKING:
     from build123d import Shape

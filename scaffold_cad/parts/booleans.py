@@ -22,7 +22,7 @@ from scaffold_cad.base.arrays import Floats
 from scaffold_cad.brep import tessellated
 from scaffold_cad.errors import BrepError, MeshError
 from scaffold_cad.lattice.meshregion import MeshRegion
-from scaffold_cad.manifolds import manifold_triangles, to_manifold
+from scaffold_cad.solid.manifolds import manifold_triangles, to_manifold
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad import manifolds
 from scaffold_cad.base.arguments import as_real
 from scaffold_cad.base.arrays import as_floats
 from scaffold_cad.base.radii import Radius
@@ -25,7 +24,7 @@ from scaffold_cad.mesh.welding import welded, without_repeated_corners
 from scaffold_cad.overlaps import log_overlaps
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.solid import clean_surface, solidified
+from scaffold_cad.solid import clean_surface, manifolds, solidified
 from scaffold_cad.surfaces import triangles_of
 
 if TYPE_CHECKING:

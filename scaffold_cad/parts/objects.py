@@ -25,7 +25,7 @@ from scaffold_cad.parts.stubs import without_overlapping_stubs
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import Caps
-from scaffold_cad.thicken import frame_scaffold
+from scaffold_cad.solid.thicken import frame_scaffold
 
 ALIGNED = {Align.MIN: 0.0, Align.CENTER: 0.5, Align.MAX: 1.0, Align.NONE: 0.0}
 """Where the origin is in a box, as a fraction of its size."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from scaffold_cad.manifolds import to_trimesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.solid.manifolds import to_trimesh
 
 METRES_PER_MM = 0.001
 

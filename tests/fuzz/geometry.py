@@ -24,8 +24,8 @@ import numpy as np
 from scaffold_cad import build_scaffold, self_intersections, solidified
 from scaffold_cad.errors import ScaffoldCadError
 from scaffold_cad.io import read_with_repairs, skeleton_to_json
-from scaffold_cad.manifolds import manifold_triangles
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.solid.manifolds import manifold_triangles
 from tests.skeletons import NAMED
 
 SCALES = (1e-6, 1e-3, 1.0, 1e3, 1e6)

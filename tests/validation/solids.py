@@ -22,7 +22,7 @@ from scaffold_cad.lattice import delaunay_foam, voronoi_foam
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import to_solid
-from scaffold_cad.thicken import frame_scaffold
+from scaffold_cad.solid.thicken import frame_scaffold
 from tests.real_files import RADII, real_skeleton
 from tests.skeletons import polyline
 from tests.solids import check_solid_of

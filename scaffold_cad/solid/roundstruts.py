@@ -17,10 +17,10 @@ from scaffold_cad.base.vectors import any_perpendicular
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.intersections import intersections_of_bodies
 from scaffold_cad.mesh.quadmesh import QuadMesh
-from scaffold_cad.pieces import spread
 from scaffold_cad.scaffold import Scaffold, ScaffoldOptions, build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import Subdivision, smooth_mesh
+from scaffold_cad.solid.pieces import spread
 
 LEVELS = {8: 1, 16: 2}
 """Subdivisions that give a section its number of sides."""

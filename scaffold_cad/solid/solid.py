@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scaffold_cad import manifolds
 from scaffold_cad.base.arguments import check_kind
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
 from scaffold_cad.base.notebook import Shown
@@ -20,10 +19,11 @@ from scaffold_cad.mesh.collapse import without_short_edges
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.pieces import solid_pieces
-from scaffold_cad.roundstruts import check_sides, prisms_and_balls, round_surface
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.solid import manifolds
+from scaffold_cad.solid.pieces import solid_pieces
+from scaffold_cad.solid.roundstruts import check_sides, prisms_and_balls, round_surface
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
