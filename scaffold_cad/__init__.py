@@ -6,7 +6,6 @@
 15
 """
 
-from scaffold_cad.cad import to_brep
 from scaffold_cad.convolution import ConvolutionField, project
 from scaffold_cad.export import write
 from scaffold_cad.io import read_skeleton
@@ -28,6 +27,7 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.partition import Partition, partition_sphere, partition_spheres
 from scaffold_cad.parts import lattice_part
 from scaffold_cad.printability import Report, assert_printable, check_printability
+from scaffold_cad.products.breps import to_brep
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.scaffold.embedding import Embedding
 from scaffold_cad.scaffold.frames import rotation_minimizing_frames

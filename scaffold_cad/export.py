@@ -31,11 +31,11 @@ from scaffold_cad.io import skeleton_to_json
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.shells import check_solid
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.products.surfaces import surface_of
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.skeleton.beams import BeamLattice
 from scaffold_cad.smooth import FineSurface, Patches, Subdivision
-from scaffold_cad.surfaces import surface_of
 from scaffold_cad.writers.glb import write_glb
 from scaffold_cad.writers.obj import write_obj, write_obj_lines
 from scaffold_cad.writers.ply import write_ply, write_ply_slabs

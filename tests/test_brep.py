@@ -18,10 +18,10 @@ from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.brep import TESSELLATION_DISTANCE, export_brep, export_step, tessellated
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.brep.beziermesh import BezierMesh
-from scaffold_cad.cad import to_brep
 from scaffold_cad.errors import BrepError, MeshError, MissingBackendError, OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.products.breps import to_brep
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import smooth_patches

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.brep.bernstein import bernstein, elevation, gram, product, thin_plate
 from scaffold_cad.brep.beziermesh import BezierMesh
-from scaffold_cad.cad import to_brep
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.lattice import tile
 from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.products.breps import to_brep
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import (

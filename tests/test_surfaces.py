@@ -13,8 +13,8 @@ from scaffold_cad import solidified
 from scaffold_cad.errors import OptionError
 from scaffold_cad.export import write
 from scaffold_cad.printability import read_triangles
+from scaffold_cad.products.surfaces import surface_of, triangles_of
 from scaffold_cad.scaffold import build_scaffold
-from scaffold_cad.surfaces import surface_of, triangles_of
 from scaffold_cad.viewers import to_shape
 from tests.meshes import CUBE
 from tests.skeletons import K4

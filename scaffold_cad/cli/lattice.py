@@ -25,8 +25,8 @@ from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.meshfiles import read_triangles
-from scaffold_cad.overlaps import log_overlaps
 from scaffold_cad.parts import lattice_part
+from scaffold_cad.products.overlaps import log_overlaps
 from scaffold_cad.scaffold import build_scaffold
 
 if TYPE_CHECKING:

@@ -19,8 +19,8 @@ from scaffold_cad.lattice.repetition import as_counts, repeated
 from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.lattice.unitcell import UnitCell
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.products.surfaces import surface_of
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.surfaces import surface_of
 
 if TYPE_CHECKING:
     from build123d import Shape

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 from scaffold_cad.base.backends import need
 from scaffold_cad.parts.filled import lattice_part
-from scaffold_cad.parts.meshshapes import to_mesh_shape
+from scaffold_cad.products.meshshapes import to_mesh_shape
 
 if TYPE_CHECKING:
     from scaffold_cad.parts.objects import (

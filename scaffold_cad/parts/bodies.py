@@ -10,10 +10,10 @@ import numpy as np
 from scaffold_cad.base.arrays import Ints
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.topology import component_labels
-from scaffold_cad.cad import to_brep
 from scaffold_cad.errors import BrepError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.products.breps import to_brep
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.smooth import Caps, Patches, crossing_struts
 from scaffold_cad.smooth.patches import patches_around

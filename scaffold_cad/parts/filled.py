@@ -21,11 +21,11 @@ from scaffold_cad.mesh.insets import inset
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.mesh.welding import welded, without_repeated_corners
-from scaffold_cad.overlaps import log_overlaps
+from scaffold_cad.products.overlaps import log_overlaps
+from scaffold_cad.products.surfaces import triangles_of
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import clean_surface, manifolds, solidified
-from scaffold_cad.surfaces import triangles_of
 
 if TYPE_CHECKING:
     from build123d import Shape

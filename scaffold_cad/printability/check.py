@@ -24,11 +24,11 @@ from scaffold_cad.printability.standing import (
 from scaffold_cad.printability.struts import strut_findings
 from scaffold_cad.printability.surface import surface_findings
 from scaffold_cad.printability.triangletopology import TriangleTopology
+from scaffold_cad.products.surfaces import triangles_of
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.scaffold.stars import APOTHEM
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import to_solid
-from scaffold_cad.surfaces import triangles_of
 
 
 def check_printability(

@@ -12,10 +12,10 @@ from typing import Any, TypeAlias
 from scaffold_cad.errors import MissingBackendError, OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.products.surfaces import triangles_of
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import Solidified
-from scaffold_cad.surfaces import triangles_of
 from scaffold_cad.viewers.cadquery import to_cadquery
 from scaffold_cad.viewers.shapes import to_shape
 

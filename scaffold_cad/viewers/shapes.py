@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 from scaffold_cad.base.backends import is_instance
 from scaffold_cad.base.builders import built
 from scaffold_cad.brep.beziermesh import BezierMesh
-from scaffold_cad.cad import to_brep
 from scaffold_cad.errors import ScaffoldCadError
 from scaffold_cad.mesh.quadmesh import QuadMesh
-from scaffold_cad.parts.meshshapes import to_mesh_shape
+from scaffold_cad.products.breps import to_brep
+from scaffold_cad.products.meshshapes import to_mesh_shape
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import Patches, Subdivision

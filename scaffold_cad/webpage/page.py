@@ -16,10 +16,10 @@ from scaffold_cad.base.notebook import Shown
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.products.surfaces import surface_of
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import Solidified, solidified
-from scaffold_cad.surfaces import surface_of
 from scaffold_cad.webpage.layers import (
     ShownLayer,
     quads_layer,

@@ -8,10 +8,10 @@ from scaffold_cad import brep
 from scaffold_cad.base.backends import is_instance
 from scaffold_cad.base.builders import built
 from scaffold_cad.brep.beziermesh import BezierMesh
-from scaffold_cad.cad import to_brep
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.products.breps import to_brep
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.smooth import Patches, Subdivision
 from scaffold_cad.solid import Solidified, to_solid

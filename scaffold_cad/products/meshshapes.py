@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from scaffold_cad.base.backends import need
 from scaffold_cad.errors import MeshError
-from scaffold_cad.surfaces import triangles_of
+from scaffold_cad.products.surfaces import triangles_of
 
 if TYPE_CHECKING:
     from build123d import Face
