@@ -17,9 +17,9 @@ from scaffold_cad.cli.build import united_solid
 from scaffold_cad.cli.progress import SCAFFOLD_RATE, SMOOTH_RATE, SOLID_RATE, Progress
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.export import check_writable, write
+from scaffold_cad.filling.fill import cells_around
 from scaffold_cad.io import BYTES_PER_EDGE
 from scaffold_cad.lattice import fill
-from scaffold_cad.lattice.filling import cells_around
 from scaffold_cad.lattice.registry import unit_cell
 from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.mesh.quadmesh import QuadMesh

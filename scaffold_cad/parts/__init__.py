@@ -20,7 +20,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from scaffold_cad.base.backends import need
-from scaffold_cad.parts.filled import lattice_part
+from scaffold_cad.filling.parts import lattice_part
 from scaffold_cad.products.meshshapes import to_mesh_shape
 
 if TYPE_CHECKING:
