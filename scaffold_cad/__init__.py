@@ -6,14 +6,15 @@
 15
 """
 
+from scaffold_cad import webpage  # noqa: F401  (it registers what notebooks show)
 from scaffold_cad.convolution import ConvolutionField, project
-from scaffold_cad.export import write
+from scaffold_cad.filling import fill, lattice_part
 from scaffold_cad.io import read_skeleton
+from scaffold_cad.io.export import write
 from scaffold_cad.lattice import (
     UnitCell,
     cells,
     delaunay_foam,
-    fill,
     mapped,
     register_cell,
     relative_density,
@@ -25,7 +26,6 @@ from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.partition import Partition, partition_sphere, partition_spheres
-from scaffold_cad.parts import lattice_part
 from scaffold_cad.printability import Report, assert_printable, check_printability
 from scaffold_cad.products.breps import to_brep
 from scaffold_cad.scaffold import Scaffold, build_scaffold

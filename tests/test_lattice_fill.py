@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike
 from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.base.vectors import rotate
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
-from scaffold_cad.lattice import UnitCell, cells, fill, tile, unit_cell
+from scaffold_cad.filling import fill
+from scaffold_cad.lattice import UnitCell, cells, tile, unit_cell
 from scaffold_cad.lattice.meshregion import MeshRegion
 from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.mesh.quadmesh import QuadMesh

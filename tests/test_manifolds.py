@@ -25,7 +25,10 @@ def triangles_of(mesh: QuadMesh) -> TriangleMesh:
 
 
 def test_importing_the_module_leaves_its_back_ends_alone() -> None:
-    program = "import sys, scaffold_cad.solid.manifolds; print({'manifold3d', 'trimesh'} & set(sys.modules))"
+    program = (
+        "import sys, scaffold_cad.solid.manifolds; "
+        "print({'manifold3d', 'trimesh'} & set(sys.modules))"
+    )
     run = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, check=True
     )

@@ -19,7 +19,7 @@ import trimesh
 from scaffold_cad.brep import tessellated
 from scaffold_cad.brep.occtmeshes import solid_of_triangles
 from scaffold_cad.errors import BrepError, MeshError, OptionError, SkeletonError
-from scaffold_cad.lattice import fill
+from scaffold_cad.filling import fill
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.parts import (

@@ -28,6 +28,7 @@ from scaffold_cad import (
     write,
 )
 from scaffold_cad.errors import FormatError, MeshError, OptionError
+from scaffold_cad.io.writers.stl import write_stl
 from scaffold_cad.printability import (
     MATERIALS,
     PROCESSES,
@@ -44,7 +45,6 @@ from scaffold_cad.printability.page import page
 from scaffold_cad.printability.struts import narrow_gaps
 from scaffold_cad.scaffold.stars import Section
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.writers.stl import write_stl
 from tests.meshes import CUBE, INSIDE_OUT_CUBE, OPEN_CUBE, TORUS, TWO_CUBES
 from tests.skeletons import ELBOW, JACK, K4, NAMED, STRUT, TWO_STRUTS, star
 from tests.validation.printability import (

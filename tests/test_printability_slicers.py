@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from scaffold_cad import TriangleMesh, build_scaffold, tile, to_solid
+from scaffold_cad.io.writers.stl import write_stl
 from scaffold_cad.printability import check_printability
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid.manifolds import manifold_triangles
-from scaffold_cad.writers.stl import write_stl
 from tests.meshes import CUBE, OPEN_CUBE
 from tests.skeletons import K4, NAMED, TRIPOD
 from tests.validation.printability import (

@@ -10,14 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from manifold3d import Manifold
 
-from scaffold_cad import solid
 from scaffold_cad.errors import MeshError
 from scaffold_cad.lattice import tile
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.scaffold.embedding import Embedding
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.solid import solidified, to_solid
+from scaffold_cad.solid import solid, solidified, to_solid
 from scaffold_cad.solid.pieces import Pieces, solid_pieces
 from tests import skeletons as named
 from tests.meshes import CUBE

@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaffold_cad.brep.beziermesh import BezierMesh
+from scaffold_cad.io.writers import step
+from scaffold_cad.io.writers.step import write_step
 from scaffold_cad.mesh.quadmesh import QuadMesh
-from scaffold_cad.writers import step
-from scaffold_cad.writers.step import write_step
 from tests.meshes import CUBE, DART_PRISM, TORUS, TWISTED_TUBE, TWO_CUBES, ball, pillow, torus
 
 build123d = pytest.importorskip("build123d")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.lattice import fill
+from scaffold_cad.filling import fill
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.mesh.welding import welded, without_repeated_corners
 from tests.meshes import CUBE

@@ -1,4 +1,4 @@
-"""B-reps: Bézier patches, shells and solids of them, and OCCT, which only this wing and parts use."""
+"""B-reps: Bézier patches, shells and solids of them; only this wing and parts use OCCT."""
 
 from scaffold_cad.brep.shapes import (
     BREP_SUFFIXES,

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from scaffold_cad import export
-from scaffold_cad.io import known_formats
+from scaffold_cad.io import export, known_formats
 
 NAMES = {
     ".brep": "OCCT B-rep",

@@ -16,15 +16,15 @@ from scaffold_cad.cli import sizes, source
 from scaffold_cad.cli.build import united_solid
 from scaffold_cad.cli.progress import SCAFFOLD_RATE, SMOOTH_RATE, SOLID_RATE, Progress
 from scaffold_cad.errors import FormatError, OptionError
-from scaffold_cad.export import check_writable, write
+from scaffold_cad.filling import fill
 from scaffold_cad.filling.fill import cells_around
 from scaffold_cad.io import BYTES_PER_EDGE
-from scaffold_cad.lattice import fill
+from scaffold_cad.io.export import check_writable, write
+from scaffold_cad.io.meshfiles import read_triangles
 from scaffold_cad.lattice.registry import unit_cell
 from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.meshfiles import read_triangles
 from scaffold_cad.parts import lattice_part
 from scaffold_cad.products.overlaps import log_overlaps
 from scaffold_cad.scaffold import build_scaffold

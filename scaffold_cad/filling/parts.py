@@ -12,8 +12,8 @@ from scaffold_cad.base.arguments import as_real
 from scaffold_cad.base.arrays import as_floats
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
-from scaffold_cad.filling.fill import HasTriangles, as_region
-from scaffold_cad.lattice import UnitCell, fill
+from scaffold_cad.filling.fill import HasTriangles, as_region, fill
+from scaffold_cad.lattice import UnitCell
 from scaffold_cad.lattice.regions import Region
 from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.mesh.collapse import without_short_edges

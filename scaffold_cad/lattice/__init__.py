@@ -1,12 +1,10 @@
 """Lattices and foams: graphs of struts, tiled or random, returned as skeletons."""
 
-from scaffold_cad.filling.fill import fill
-from scaffold_cad.lattice.cellpictures import cell_picture
 from scaffold_cad.lattice.density import measured_density, relative_density, solve_radius
 from scaffold_cad.lattice.foams import delaunay_foam, voronoi_foam
 from scaffold_cad.lattice.registry import cells, register_cell, unit_cell
 from scaffold_cad.lattice.tiling import mapped, tile
-from scaffold_cad.lattice.unitcell import UnitCell, check_periodic
+from scaffold_cad.lattice.unitcell import UnitCell, cell_picture, check_periodic
 
 __all__ = [
     "UnitCell",
@@ -14,7 +12,6 @@ __all__ = [
     "cells",
     "check_periodic",
     "delaunay_foam",
-    "fill",
     "mapped",
     "measured_density",
     "register_cell",

@@ -6,8 +6,8 @@ from html import escape
 
 import numpy as np
 
+from scaffold_cad.base.arrays import Edges, Floats, Points
 from scaffold_cad.base.vectors import normalize
-from scaffold_cad.lattice.unitcell import UnitCell
 
 SIZE = 220
 """Width and height of a drawing, pixels."""
@@ -19,12 +19,19 @@ BOX = [(a, b) for a in range(8) for b in range(8) if b > a and (a ^ b) in (1, 2,
 """Edges of a cube whose corners are numbered by x, y and z, a bit each."""
 
 
-def cell_picture(cell: UnitCell) -> str:
-    """Return an SVG picture of one cell in its box."""
+def graph_picture(name: str, nodes: Points, edges: Edges, proportions: Floats) -> str:
+    """Return an SVG picture of a graph in its box.
+
+    Parameters
+    ----------
+    nodes : (n, 3) in the unit cube
+    edges : (m, 2)
+    proportions : (3,) of the box
+    """
     up = np.cross(TOWARDS, RIGHT)
     corners = (np.arange(8)[:, None] >> np.arange(3) & 1) - 0.5
-    points = np.concatenate([corners, cell.nodes - 0.5]) * cell.proportions
-    lines = np.concatenate([BOX, cell.edges + 8])
+    points = np.concatenate([corners, nodes - 0.5]) * proportions
+    lines = np.concatenate([BOX, edges + 8])
     seen = points @ np.stack([RIGHT, -up, TOWARDS], axis=1)  # (p, 3): right, down, near
     places = SIZE / 2 + seen[:, :2] * 0.44 * SIZE / np.abs(seen[:8, :2]).max()
     depth = seen[lines, 2].mean(axis=1)
@@ -43,5 +50,5 @@ def cell_picture(cell: UnitCell) -> str:
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{SIZE}" height="{SIZE}" '
         f'viewBox="0 0 {SIZE} {SIZE}" stroke-linecap="round" role="img">'
-        f"<title>{escape(cell.name)}</title>{''.join(drawn)}</svg>"
+        f"<title>{escape(name)}</title>{''.join(drawn)}</svg>"
     )

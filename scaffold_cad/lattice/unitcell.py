@@ -22,6 +22,7 @@ from scaffold_cad.base.arrays import (
 from scaffold_cad.base.topology import valencies
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.lattice.cellpictures import graph_picture
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 
 FACE_TOLERANCE = 1e-9
@@ -80,8 +81,6 @@ class UnitCell(Frozen):
 
     def _repr_svg_(self) -> str:
         """Return a picture for notebooks."""
-        from scaffold_cad.lattice.cellpictures import cell_picture
-
         return cell_picture(self)
 
     @cached_property
@@ -231,3 +230,8 @@ def _ranks(values: Floats) -> Ints:
     ranks = np.empty(len(values), dtype=np.intp)
     ranks[order] = np.cumsum(steps)
     return ranks
+
+
+def cell_picture(cell: UnitCell) -> str:
+    """Return an SVG picture of one cell in its box."""
+    return graph_picture(cell.name, cell.nodes, cell.edges, cell.proportions)

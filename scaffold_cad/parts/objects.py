@@ -16,7 +16,8 @@ from scaffold_cad.base.arguments import as_real, check_kind
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.errors import OptionError
-from scaffold_cad.lattice import UnitCell, fill
+from scaffold_cad.filling import fill
+from scaffold_cad.lattice import UnitCell
 from scaffold_cad.lattice.clipping import Keep
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.parts.bodies import BodySurface, body_surface, sound_body

@@ -20,7 +20,7 @@ Every condition is sufficient and none is necessary: what breaks one may still b
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
@@ -30,10 +30,40 @@ from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import dot, length, normalize, triple
 from scaffold_cad.base.visibility import MARGIN, ROUNDING, in_front, rounding_of, seen
 from scaffold_cad.mesh.intersections import self_intersections
+from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.scaffold.collars import Refinement
+from scaffold_cad.scaffold.stars import Stars
+from scaffold_cad.skeleton import Skeleton
 
-if TYPE_CHECKING:
-    from scaffold_cad.scaffold import Scaffold
+
+class Sleeved(Protocol):
+    """What a scaffold says of its surface; see the fields of `Scaffold`."""
+
+    @property
+    def skeleton(self) -> Skeleton:
+        """The skeleton that was asked for."""
+
+    @property
+    def refined(self) -> Skeleton:
+        """The skeleton with its collars as joints."""
+
+    @property
+    def refinement(self) -> Refinement:
+        """Where the edges of `refined` come from."""
+
+    @property
+    def mesh(self) -> QuadMesh:
+        """The quads."""
+
+    @property
+    def sleeves(self) -> Ints:
+        """Vertices of the sections at both ends of each edge of `refined`, (m', 2, 4)."""
+
+    @property
+    def stars(self) -> Stars:
+        """The partitions of the branch points."""
+
 
 STAR_CENTRES = (0.5, 0.25, 0.75, 0.1, 0.9, 0.02, 0.98)
 """Where on its axis a sleeve is tried to be star-shaped, as fractions of its length."""
@@ -77,7 +107,7 @@ class Embedding(Frozen):
         return np.flatnonzero(~self.kept)
 
 
-def embedding(scaffold: Scaffold) -> Embedding:
+def embedding(scaffold: Sleeved) -> Embedding:
     """Return which struts of `scaffold` keep to their own room.
 
     Notes
@@ -107,7 +137,7 @@ def embedding(scaffold: Scaffold) -> Embedding:
         kept &= kept_nodes[scaffold.skeleton.edges].all(axis=1)
 
 
-def stub_apexes(scaffold: Scaffold, half_edges: Ints) -> Points:
+def stub_apexes(scaffold: Sleeved, half_edges: Ints) -> Points:
     """Return the point on each half-edge's axis that closes its spherical quad, (k, 3), mm.
 
     Seen from the node, the four triangles from the sides of the quad to it are positive, as the
@@ -123,7 +153,7 @@ def stub_apexes(scaffold: Scaffold, half_edges: Ints) -> Points:
     return apexes
 
 
-def _within_cones(scaffold: Scaffold) -> Bools:
+def _within_cones(scaffold: Sleeved) -> Bools:
     """Return whether each strut leaves each of its nodes within its own cone, (m, 2)."""
     skeleton, refined = scaffold.skeleton, scaffold.refined
     vertices = scaffold.mesh.vertices
@@ -160,7 +190,7 @@ def _within_cones(scaffold: Scaffold) -> Bools:
     return inside.reshape(-1, 2)
 
 
-def _uncrossed(scaffold: Scaffold) -> Bools:
+def _uncrossed(scaffold: Sleeved) -> Bools:
     """Return whether each sleeve, closed towards its nodes, holds its axis and is whole, (m',).
 
     Nearly all are star-shaped around a point of their axis: their triangles are all seen from one
@@ -202,7 +232,7 @@ def _whole(shells: Points) -> Bools:
     return np.asarray(fine)
 
 
-def _closed_sleeves(scaffold: Scaffold, sleeves: Ints, sides: Ints) -> Points:
+def _closed_sleeves(scaffold: Sleeved, sleeves: Ints, sides: Ints) -> Points:
     """Return the corners of a sleeve's triangles and of those that close it, (k, 16, 3, 3)."""
     refined, vertices = scaffold.refined, scaffold.mesh.vertices
     triangles = [vertices[sides]]
@@ -265,7 +295,7 @@ class _Bodies:
         )
 
 
-def _tubes(scaffold: Scaffold) -> _Bodies:
+def _tubes(scaffold: Sleeved) -> _Bodies:
     """Return each sleeve with its ends closed as a body, one an edge of the refined skeleton."""
     refined, vertices = scaffold.refined, scaffold.mesh.vertices
     edge = scaffold.refinement.edge_of_edge
@@ -285,7 +315,7 @@ def _tubes(scaffold: Scaffold) -> _Bodies:
     )
 
 
-def _with_stubs(scaffold: Scaffold, tubes: _Bodies, left_out: Ints, kept_nodes: Bools) -> _Bodies:
+def _with_stubs(scaffold: Sleeved, tubes: _Bodies, left_out: Ints, kept_nodes: Bools) -> _Bodies:
     """Return `tubes` and the stubs of the edges left out, at the branch points that are kept."""
     skeleton = scaffold.skeleton
     half_edges = np.stack([2 * left_out, 2 * left_out + 1], axis=1).reshape(-1)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from scaffold_cad.base.arguments import check_kind
 from scaffold_cad.base.arrays import Floats, Frozen, as_floats, check_believable
 from scaffold_cad.errors import SkeletonError
-from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.skeleton.skeleton import Skeleton
 
 
 @dataclass(frozen=True, eq=False)

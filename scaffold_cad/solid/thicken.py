@@ -17,8 +17,8 @@ from scaffold_cad.base.arguments import as_number, check_kind
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.solid import to_solid
 from scaffold_cad.solid.roundstruts import check_sides
+from scaffold_cad.solid.solid import to_solid
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

@@ -3,6 +3,9 @@
 The script that draws is our own and takes some 10 kB a page: a notebook keeps one page a cell.
 """
 
+from scaffold_cad.base.notebook import register_drawer
 from scaffold_cad.webpage.page import for_notebook, model_page, write_page
 
 __all__ = ["for_notebook", "model_page", "write_page"]
+
+register_drawer(for_notebook)

@@ -28,6 +28,13 @@ from scaffold_cad.base.files import check_target, replacing
 from scaffold_cad.brep.beziermesh import BezierMesh
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.io import skeleton_to_json
+from scaffold_cad.io.writers.glb import write_glb
+from scaffold_cad.io.writers.obj import write_obj, write_obj_lines
+from scaffold_cad.io.writers.ply import write_ply, write_ply_slabs
+from scaffold_cad.io.writers.step import write_step
+from scaffold_cad.io.writers.stl import write_stl, write_stl_slabs
+from scaffold_cad.io.writers.swc import write_swc
+from scaffold_cad.io.writers.threemf import write_3mf, write_3mf_beams
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.shells import check_solid
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -36,13 +43,6 @@ from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.skeleton.beams import BeamLattice
 from scaffold_cad.smooth import FineSurface, Patches, Subdivision
-from scaffold_cad.writers.glb import write_glb
-from scaffold_cad.writers.obj import write_obj, write_obj_lines
-from scaffold_cad.writers.ply import write_ply, write_ply_slabs
-from scaffold_cad.writers.step import write_step
-from scaffold_cad.writers.stl import write_stl, write_stl_slabs
-from scaffold_cad.writers.swc import write_swc
-from scaffold_cad.writers.threemf import write_3mf, write_3mf_beams
 
 SKELETON_SUFFIXES = (".json", ".swc")
 """Suffixes of the formats that hold skeletons and nothing else."""
