@@ -14,10 +14,21 @@ settings.register_profile("thorough", deadline=None, max_examples=1000)
 settings.load_profile("default")
 
 
+NO_REAL_FILES = "no folder of real files beside the repository"
+
+
 @pytest.fixture(scope="session")
 def shared_data() -> Path:
     """Return the folder of real files beside the repository, or skip the test without it."""
     folder = Path(__file__).parents[1] / ".." / "shared" / "data"
     if not folder.is_dir():
-        pytest.skip("no folder of real files beside the repository")
+        pytest.skip(NO_REAL_FILES)
     return folder
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Say in one line how many tests need the real files beside the repository, where absent."""
+    skipped = terminalreporter.stats.get("skipped", [])
+    count = sum(NO_REAL_FILES in str(report.longrepr) for report in skipped)
+    if count:
+        terminalreporter.write_line(f"{count} tests need ../shared/data, which is not here")

@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 
 import scaffold_cad
-from scaffold_cad import Skeleton, export, write
+from scaffold_cad import Skeleton, write
 from scaffold_cad.cli import main
-from scaffold_cad.io import _formats
+from scaffold_cad.io import _formats, export
 from scaffold_cad.lattice import registry
 
 ROOT = Path(__file__).parents[1]

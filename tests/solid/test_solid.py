@@ -1,0 +1,119 @@
+"""Solids of scaffolds: whole, without crossings, and holding their skeleton, whatever overlaps."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from manifold3d import Manifold
+
+from scaffold_cad.errors import MeshError
+from scaffold_cad.lattice import tile
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.scaffold import Scaffold, build_scaffold
+from scaffold_cad.scaffold.embedding import Embedding
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.solid import solid, solidified, to_solid
+from scaffold_cad.solid.pieces import Pieces, solid_pieces
+from tests import skeletons as named
+from tests.meshes import CUBE
+from tests.real_files import RADII, real_skeleton
+from tests.scaffold.test_embedding import CROSSING, DOUBLED_BACK, NARROW, OVERLAPPING_SPHERES
+from tests.skeletons import polyline
+from tests.solids import check_solid_of
+from tests.strategies import skeletons
+
+
+def test_an_embedded_scaffold_is_taken_as_it_is() -> None:
+    scaffold = build_scaffold(named.TETRAPOD)
+    result = solidified(scaffold)
+    assert len(result.united_edges) == 0
+    assert result.manifold.num_vert() == len(scaffold.mesh.vertices)
+    assert result.manifold.num_tri() == 2 * len(scaffold.mesh.quads)
+    assert result.manifold.volume() > 0
+    assert result.manifold.genus() == 0
+
+
+def test_genus_of_the_solid_counts_the_loops_of_a_lattice() -> None:
+    lattice = tile("bcc", 10.0, (2, 2, 2), radius=0.4)
+    assert to_solid(build_scaffold(lattice)).genus() == lattice.loop_count
+
+
+def test_a_bare_mesh_is_taken_as_it_is() -> None:
+    assert to_solid(CUBE).volume() == pytest.approx(CUBE.signed_volume, rel=1e-12)
+
+
+@pytest.mark.parametrize("skeleton", [CROSSING, OVERLAPPING_SPHERES, NARROW, DOUBLED_BACK])
+def test_overlapping_struts_are_united_and_named(skeleton: Skeleton) -> None:
+    result = solidified(build_scaffold(skeleton))
+    assert len(result.united_edges)
+    check_solid_of(skeleton, result.manifold)
+
+
+def test_two_crossing_bars_have_the_volume_of_their_union() -> None:
+    plus = Skeleton([[-10, 0, 0], [10, 0, 0], [0, -10, 0.5], [0, 10, 0.5]], [[0, 1], [2, 3]], 1.0)
+    manifold = to_solid(build_scaffold(plus))
+    # Square bars of side 2 and length 20, apart by half a millimetre: 2 x 2 x 1.5 in common.
+    assert manifold.volume() == pytest.approx(2 * 80 - 6, rel=1e-3)
+    assert manifold.genus() == 0
+
+
+def test_a_ring_too_thick_for_its_hole_is_filled() -> None:
+    angle = np.linspace(0, 2 * np.pi, 13)[:-1]
+    points = np.column_stack([3 * np.cos(angle), 3 * np.sin(angle), 0 * angle])
+    ring = Skeleton(points, polyline(12, closed=True), 2.5)
+    check_solid_of(ring, to_solid(build_scaffold(ring)))
+
+
+@given(skeletons(), st.sampled_from([1.0, 2.0, 4.0]), st.booleans())
+@settings(max_examples=25)
+def test_solids_of_random_skeletons(skeleton: Skeleton, factor: float, collars: bool) -> None:
+    thick = skeleton.with_radii(factor * skeleton.radii)
+    check_solid_of(thick, to_solid(build_scaffold(thick, collars=collars)))
+
+
+@pytest.mark.parametrize("name", [name for name in RADII if name != "nrn_ordering.swc"])
+@pytest.mark.parametrize("factor", [1, 4])
+def test_solids_of_real_files(shared_data: Path, name: str, factor: int) -> None:
+    skeleton = real_skeleton(shared_data, name, factor)
+    check_solid_of(skeleton, to_solid(build_scaffold(skeleton)))
+
+
+def test_only_struts_near_a_fault_are_made_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    wide = [[0, 0, 0], [40, 0, 0]]
+    crosses = [[[x, -9, 0.5], [x, 9, 0.5]] for x in (10, 30)]
+    nodes = np.concatenate([wide, *crosses])
+    skeleton = Skeleton(nodes, [[0, 1], [2, 3], [4, 5]], 1.0)
+    asked = []
+    clean = solid.clean_surface
+
+    def faulty_twice(manifold: Manifold) -> TriangleMesh:
+        if len(asked) < 3:
+            raise solid.FaultySurfaceError("has a fault", np.array([[10.0, 5.0, 0.5]]))
+        return clean(manifold)
+
+    def pieces(scaffold: Scaffold, embedded: Embedding, wobble: np.ndarray) -> Pieces:
+        asked.append(wobble)
+        return solid_pieces(scaffold, embedded, wobble)
+
+    monkeypatch.setattr(solid, "clean_surface", faulty_twice)
+    monkeypatch.setattr(solid, "solid_pieces", pieces)
+    result = solid.solidified(build_scaffold(skeleton))
+    check_solid_of(skeleton, result.manifold)
+    assert len(asked) == 3
+    for tries, wobble in enumerate(asked):
+        expected = np.zeros(6)
+        expected[[2, 3]] = solid.WOBBLES[tries]
+        np.testing.assert_array_equal(wobble, expected)
+
+
+def test_a_fault_that_stays_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    def faulty(manifold: Manifold) -> TriangleMesh:
+        raise solid.FaultySurfaceError("has a fault", np.zeros((0, 3)))
+
+    monkeypatch.setattr(solid, "clean_surface", faulty)
+    with pytest.raises(MeshError, match="the union of 2 overlapping struts has a fault; need"):
+        solid.solidified(build_scaffold(CROSSING))
