@@ -1,0 +1,86 @@
+"""Triangles between two rings of a strut, and the rings' size that makes their volume the strut's.
+
+A ring is n points at equal angles around a strut's axis. The rings at the two ends of a strut may
+have another phase: a cylinder has no corners, and a band between two rings needs none. It is turned
+by less than half a side, and the polygons are so much larger than the circles that the band has
+the strut's volume.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, Triangles, UnitVectors
+from scaffold_cad.base.vectors import dot
+
+
+@dataclass(frozen=True, eq=False)
+class Matching(Frozen):
+    """Which points of the rings at both ends of bands are joined."""
+
+    shift: Ints
+    """Point k of the first ring is joined to point shift − k of the second, shape (b,)."""
+    twist: Floats
+    """Angle from the one to the other about the axis, at most π / n as made, rad, shape (b,)."""
+
+
+def matching(x: UnitVectors, y: UnitVectors, far_x: UnitVectors, sides: int) -> Matching:
+    """Return the matching of least twist of the rings at the two ends of bands.
+
+    Parameters
+    ----------
+    x, y : (b, 3); point k of the first ring is at the angle 2πk/n from x towards y, seen with the
+        band's axis x × y pointing at the viewer
+    far_x : (b, 3), at right angles to the axis; where the second ring begins, which runs the
+        other way round
+    sides : points of a ring, n
+    """
+    phase = np.arctan2(dot(far_x, y), dot(far_x, x))  # (b,)
+    step = 2 * np.pi / sides
+    shift = np.round(phase / step).astype(np.intp)
+    return Matching(shift, phase - step * shift)
+
+
+def twist_of(x: UnitVectors, y: UnitVectors, far_x: UnitVectors, sides: int, shift: Ints) -> Floats:
+    """Return the twist in (−π, π] of bands whose matching is given, rad, shape (b,)."""
+    phase = np.arctan2(dot(far_x, y), dot(far_x, x)) - 2 * np.pi / sides * shift
+    return np.pi - np.mod(np.pi - phase, 2 * np.pi)
+
+
+def band_triangles(near: Ints, far: Ints, shift: Ints, twist: Floats) -> Triangles:
+    """Return the triangles of bands between rings of vertices, shape (2 n b, 3).
+
+    Parameters
+    ----------
+    near, far : (b, n) vertices of the rings, each counter-clockwise seen from the other end
+    shift, twist : of a `Matching`; the diagonals go with the twist
+    """
+    count, sides = near.shape
+    k = np.arange(sides)
+    opposite = far[np.arange(count)[:, None], (shift[:, None] - k) % sides]  # (b, n)
+    a, b = near, np.roll(near, -1, axis=1)
+    d, c = opposite, np.roll(opposite, -1, axis=1)
+    ahead = np.stack([np.stack([a, b, c], -1), np.stack([a, c, d], -1)], axis=2)
+    behind = np.stack([np.stack([a, b, d], -1), np.stack([b, c, d], -1)], axis=2)
+    # The shorter diagonals: from k to what stands over k where the far ring is turned back.
+    chosen = np.where((twist > 0)[:, None, None, None], behind, ahead)
+    triangles: Triangles = chosen.reshape(-1, 3)
+    return triangles
+
+
+def enlargement(twist: Floats, sides: int) -> Floats:
+    """Return how much larger than its circles a band's polygons are, for the same volume, (b,).
+
+    Sections of a band have an area that is quadratic in the height: Simpson's rule is exact. The
+    middle one has 2 n corners, at the middles of the band's sides and diagonals.
+    """
+    step, turn = 2 * np.pi / sides, np.abs(twist)
+    end = 0.5 * sides * np.sin(step)
+    side, diagonal = np.cos(0.5 * turn), np.cos(0.5 * (step - turn))  # distances from the axis
+    # Corners at angles turn / 2 and (turn - step) / 2: half a step apart.
+    middle = sides * side * diagonal * np.sin(0.5 * step)
+    mean = (2.0 * end + 4.0 * middle) / 6.0
+    ratio: Floats = np.sqrt(np.pi / mean)
+    return ratio

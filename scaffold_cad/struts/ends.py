@@ -1,0 +1,69 @@
+"""Ends of round struts as triangles: plane discs and hemispheres."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Floats, Ints, Points, Triangles
+from scaffold_cad.struts.runs import Runs
+
+
+def flat_ends(
+    runs: Runs, ends: Ints, radius: Floats, rings: Ints, points: Points, count: int
+) -> tuple[Points, Triangles]:
+    """Return the middles of discs and the triangles around them.
+
+    Parameters
+    ----------
+    ends : (e,) half-runs that leave the nodes where struts end
+    radius : (e,) mm; unused, see `round_ends`
+    rings : (e, s) vertices of the rings, counter-clockwise about the half-runs
+    points : (e, s, 3) their positions, mm
+    count : vertices so far
+    """
+    del radius, points
+    middle = count + np.arange(len(ends))
+    triangles = np.stack(
+        [np.roll(rings, -1, axis=1), rings, np.broadcast_to(middle[:, None], rings.shape)], axis=-1
+    )
+    return runs.nodes[runs.tails[ends]], triangles.reshape(-1, 3)
+
+
+def round_ends(
+    runs: Runs, ends: Ints, radius: Floats, rings: Ints, points: Points, count: int
+) -> tuple[Points, Triangles]:
+    """Return the vertices and triangles of spheres that join the struts with one tangent plane.
+
+    A cylinder ends in a hemisphere; a cone in the part of the sphere that touches it along its
+    last circle. The parameters are those of `flat_ends`.
+    """
+    number, sides = rings.shape
+    slope = -runs.slopes[ends]  # growth outward
+    center = radius * slope  # along the outward axis, from the node
+    size = radius * np.hypot(1.0, slope)
+    start = np.arctan2(-center, radius)  # latitude of the last circle
+    levels = max(1, sides // 4)
+    share = np.arange(1, levels) / levels
+    latitude = start[:, None] + share * (np.pi / 2 - start[:, None])  # (e, levels - 1)
+    node = runs.nodes[runs.tails[ends]]
+    outward = -runs.directions[ends]
+    spoke = points - points.mean(axis=1, keepdims=True)  # (e, s, 3), as long as the ring is wide
+    wide = size[:, None] * np.cos(latitude) / radius[:, None]
+    high = center[:, None] + size[:, None] * np.sin(latitude)
+    inner = (
+        (node[:, None] + high[..., None] * outward[:, None])[:, :, None]
+        + wide[..., None, None] * spoke[:, None]
+    )  # (e, levels - 1, s, 3)
+    pole = node + (center + size)[:, None] * outward
+    block = (levels - 1) * sides + 1
+    first = count + block * np.arange(number)
+    own = first[:, None, None] + np.arange((levels - 1) * sides).reshape(levels - 1, sides)
+    stack = np.concatenate([rings[:, None], own], axis=1)  # (e, levels, s)
+    low, above = stack[:, :-1].reshape(-1, sides), stack[:, 1:].reshape(-1, sides)
+    a, b, d, c = low, np.roll(low, -1, 1), above, np.roll(above, -1, 1)
+    bands = np.stack([np.stack([b, a, d], -1), np.stack([b, d, c], -1)], axis=2)
+    last = stack[:, -1]
+    tip = np.broadcast_to((first + block - 1)[:, None], last.shape)
+    fans = np.stack([np.roll(last, -1, axis=1), last, tip], axis=-1)
+    vertices = np.concatenate([inner.reshape(number, -1, 3), pole[:, None]], axis=1)
+    return vertices.reshape(-1, 3), np.concatenate([bands.reshape(-1, 3), fans.reshape(-1, 3)])

@@ -1,0 +1,132 @@
+"""Nodes as stacks of rings: the patches of each strut sampled around it, from the arcs outward.
+
+Level 0 of a strut's stack runs along the four arcs of its quad and is shared with its neighbors;
+the last level is the ring at its collar. A ring has `sides` points, a quarter of them a patch.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
+from scaffold_cad.base.vectors import normalize
+from scaffold_cad.brep.bernstein import bernstein
+
+
+@dataclass(frozen=True, eq=False)
+class Stacks(Frozen):
+    """The sampled surfaces of M nodes of valency N."""
+
+    points: Points
+    """Vertices node by node, shape (M, b, 3), mm: corners, points of arcs, levels 1 and on."""
+    rings: Ints
+    """Vertices of each level of each strut, in 0..b-1, shape (M, N, levels + 1, sides)."""
+
+
+def stacks(
+    control: Floats, quads: Ints, growth: Floats, quarter: Floats, levels: int, sides: int
+) -> Stacks:
+    """Sample the patches of nodes, and move the samples outward.
+
+    A surface of flat faces through points of a round one is smaller than that: so the points are
+    moved along the normals, by `growth` at each collar and by its mean over the struts at the arcs.
+
+    Parameters
+    ----------
+    control : (M, 4 N, d + 1, d + 1, 3) Bézier points, mm; patch 4 i + k lies between arc k of quad
+        i (v = 0) and quarter k of the collar of strut i (v = 1), u along them
+    quads : (M, N, 4) corners of the quads in 0..N+1
+    growth : (M, N) mm
+    quarter : (d + 1, 2) Bézier points of the unit quarter circle of the collars
+    levels : intervals from the arcs to the collar
+    sides : points of a ring, a multiple of 4
+    """
+    count, valency = quads.shape[:2]
+    steps = sides // 4
+    shared = valency + 2 + 2 * valency * (steps - 1)
+    own = shared + np.arange(valency * levels * sides).reshape(valency, levels, sides)
+    rings = np.empty((count, valency, levels + 1, sides), dtype=np.intp)
+    rings[:, :, 0] = first_rings(quads, steps)
+    rings[:, :, 1:] = own
+    v = np.linspace(0.0, 1.0, levels + 1)
+    mean = growth.mean(axis=1)[:, None, None]  # (M, 1, 1)
+    outward = mean + v * (growth[:, :, None] - mean)  # (M, N, levels + 1)
+    sampled, normals = _sampled(control, quarter_parameters(quarter, steps), v)
+    sampled += outward[..., None, None] * normals
+    points = np.empty((count, shared + own.size, 3))
+    node = np.arange(count)[:, None, None, None]
+    points[node, rings] = sampled  # of equal points the last one written stays, for all alike
+    return Stacks(points, rings)
+
+
+def first_rings(quads: Ints, steps: int) -> Ints:
+    """Return the vertices along the arcs of each quad, counter-clockwise, (M, N, 4 steps).
+
+    Corners come first, then the steps - 1 inner points of each arc from its lower corner.
+
+    Parameters
+    ----------
+    quads : (M, N, 4) corners in 0..N+1; two quads share each side, in opposite directions
+    steps : intervals of an arc
+    """
+    count, valency = quads.shape[:2]
+    start = quads.reshape(count, -1)  # (M, 4 N)
+    end = np.roll(quads, -1, axis=2).reshape(count, -1)
+    key = np.minimum(start, end) * (valency + 2) + np.maximum(start, end)
+    order = np.argsort(key, axis=1, kind="stable")
+    arc = np.empty_like(order)
+    np.put_along_axis(arc, order, np.arange(4 * valency)[None] // 2, axis=1)
+    step = np.arange(1, steps)
+    backward = (start > end)[..., None]
+    inner = valency + 2 + (steps - 1) * arc[..., None]
+    inner = inner + np.where(backward, steps - 1 - step, step - 1)  # (M, 4 N, steps - 1)
+    rings: Ints = np.concatenate([start[..., None], inner], axis=2)
+    return rings.reshape(count, valency, 4 * steps)
+
+
+def quarter_parameters(quarter: Floats, steps: int) -> Floats:
+    """Return the parameters in [0, 1) at which a Bézier quarter circle is at equal angles.
+
+    They lie alike from both ends, as the curve is symmetric: so two patches meet on an arc.
+
+    Parameters
+    ----------
+    quarter : (d + 1, 2) Bézier points from (1, 0) to (0, 1)
+    steps : intervals, of which the starts are returned, shape (steps,)
+    """
+    wanted = np.arange(steps) / steps * (np.pi / 2)
+    low, high = np.zeros(steps), np.ones(steps)
+    for _ in range(60):
+        middle = (low + high) / 2
+        place = bernstein(len(quarter) - 1, middle) @ quarter  # (steps, 2)
+        beyond = np.arctan2(place[:, 1], place[:, 0]) > wanted
+        low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
+    found = (low + high) / 2
+    # The same numbers from both ends, to the last bit.
+    found[1:] = (found[1:] + (1 - found[:0:-1])) / 2
+    found[0] = 0.0
+    return found
+
+
+def _sampled(control: Floats, u: Floats, v: Floats) -> tuple[Floats, Floats]:
+    """Return points and unit normals around each strut, both (M, N, levels + 1, sides, 3)."""
+    count, patches, side = control.shape[:3]
+    degree = side - 1
+    flat = control.reshape(count * patches, side, side, 3)
+    along, across = bernstein(degree, u), bernstein(degree, v)
+    rows = np.einsum("ui,fijx->fujx", along, flat)
+    points = np.einsum("vj,fujx->fvux", across, rows)
+    by_v = np.einsum("vj,fujx->fvux", bernstein(degree, v, 1), rows)
+    turned = np.einsum("ui,fijx->fujx", bernstein(degree, u, 1), flat)
+    by_u = np.einsum("vj,fujx->fvux", across, turned)
+    normals = normalize(np.cross(by_u, by_v))
+    return _around(points, count), _around(normals, count)
+
+
+def _around(values: Floats, count: int) -> Floats:
+    """Return samples (M 4N, levels + 1, steps, 3) in the order of rings."""
+    _, levels, steps, _ = values.shape
+    by_strut = values.reshape(count, -1, 4, levels, steps, 3).swapaxes(2, 3)
+    return by_strut.reshape(count, -1, levels, 4 * steps, 3)

@@ -1,0 +1,109 @@
+"""Runs: straight struts that pass through joints without a bend, joined to one cylinder or cone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points, UnitVectors
+from scaffold_cad.base.topology import Incidence, component_labels, incidence, valencies
+from scaffold_cad.base.vectors import dot, length
+from scaffold_cad.skeleton import Skeleton
+
+STRAIGHT = 1e-8
+"""Largest turn (rad) at a joint, step of radius (in radii) and change of taper of one run."""
+
+
+@dataclass(frozen=True, eq=False)
+class Runs(Frozen):
+    """Struts between ends, bends and branch points, each straight and of one taper.
+
+    Half-run `2 i` leaves node `edges[i, 0]`, half-run `2 i + 1` leaves `edges[i, 1]`.
+    """
+
+    nodes: Points
+    """Positions of all nodes of the skeleton, shape (n, 3), mm."""
+    edges: Edges
+    """First and last node of each run, shape (k, 2)."""
+    radii: Floats
+    """Radius at both ends of each run, shape (k, 2), mm."""
+    run_of_edge: Ints
+    """Run that each edge of the skeleton belongs to, shape (m,)."""
+
+    @cached_property
+    def tails(self) -> Ints:
+        """Node that each half-run leaves, shape (2 k,)."""
+        return self.edges.reshape(-1)
+
+    @cached_property
+    def lengths(self) -> Floats:
+        """Length of each run, shape (k,), mm."""
+        return length(self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]])
+
+    @cached_property
+    def directions(self) -> UnitVectors:
+        """Direction in which each half-run leaves its node, shape (2 k, 3)."""
+        spans = self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]]
+        ahead = spans / self.lengths[:, None]
+        return np.stack([ahead, -ahead], axis=1).reshape(-1, 3)
+
+    @cached_property
+    def slopes(self) -> Floats:
+        """Growth of the radius along each half-run, mm a mm, shape (2 k,)."""
+        taper = (self.radii[:, 1] - self.radii[:, 0]) / self.lengths
+        return np.stack([taper, -taper], axis=1).reshape(-1)
+
+    @cached_property
+    def valency(self) -> Ints:
+        """Number of runs at each node, 0 at those that runs pass through, shape (n,)."""
+        return valencies(self.edges, len(self.nodes))
+
+    @cached_property
+    def incidence(self) -> Incidence:
+        """The half-runs that leave each node."""
+        return incidence(self.edges, len(self.nodes))
+
+    def radii_at(self, half_runs: Ints, distances: Floats) -> Floats:
+        """Return the radius of half-runs (h,) at distances (h,) from their nodes, mm, (h,)."""
+        return self.radii.reshape(-1)[half_runs] + self.slopes[half_runs] * distances
+
+
+def straight_runs(skeleton: Skeleton) -> Runs:
+    """Return the edges of `skeleton`, joined where a joint changes nothing."""
+    through = _passed(skeleton)
+    if not through.any():
+        return Runs(skeleton.nodes, skeleton.edges, skeleton.edge_radii, np.arange(len(through)))
+    half_edges = skeleton.incidence.at_nodes(np.flatnonzero(through), 2)  # (j, 2)
+    run_of_edge = component_labels(half_edges >> 1, len(skeleton.edges))
+    tails = skeleton.edges.reshape(-1)
+    outer = np.flatnonzero(~through[tails])
+    # Two half-edges of each run leave nodes where it ends.
+    ends = outer[np.argsort(run_of_edge[outer >> 1], kind="stable")].reshape(-1, 2)
+    return Runs(
+        skeleton.nodes, tails[ends], skeleton.edge_radii.reshape(-1)[ends], run_of_edge
+    )
+
+
+def _passed(skeleton: Skeleton) -> Bools:
+    """Return the joints that change neither direction nor radius nor taper, shape (n,)."""
+    passed = np.zeros(len(skeleton.nodes), dtype=np.bool_)
+    joints = skeleton.joints
+    if len(joints) == 0:
+        return passed
+    sides = skeleton.incidence.at_nodes(joints, 2)  # (j, 2)
+    directions = skeleton.directions[sides]  # (j, 2, 3)
+    radii = skeleton.edge_radii.reshape(-1)
+    near, far = radii[sides], radii[sides ^ 1]  # (j, 2)
+    slopes = (far - near) / skeleton.lengths[sides >> 1]
+    turned = length(directions.sum(axis=1))
+    ball = skeleton.radii[joints] - near.max(axis=1)
+    passed[joints] = (
+        (turned < STRAIGHT)
+        & (dot(directions[:, 0], directions[:, 1]) < 0)
+        & (np.abs(near[:, 0] - near[:, 1]) < STRAIGHT * near[:, 0])
+        & (np.abs(slopes.sum(axis=1)) < STRAIGHT)
+        & (ball < STRAIGHT * near[:, 0])
+    )
+    return passed

@@ -1,0 +1,121 @@
+"""The triangles of round struts: stacks of rings at the nodes, bands between them, ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Triangles
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.struts.bands import band_triangles, enlargement, matching, twist_of
+from scaffold_cad.struts.ends import flat_ends, round_ends
+from scaffold_cad.struts.model import Blends, RoundStruts
+from scaffold_cad.struts.quarter import QUARTER
+from scaffold_cad.struts.rings import stacks
+
+LEVELS = 4
+"""Intervals of a patch from its arc to its collar, for 16 sides."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Sized(Frozen):
+    """How the rings of both ends of runs are joined, and how large they are."""
+
+    shift: Ints
+    """See `Matching`, shape (k,)."""
+    twist: Floats
+    """See `Matching`, shape (k,), rad."""
+    growth: Floats
+    """How much larger than its circle the polygon of each half-run's ring is, shape (2 k,), mm."""
+    radius: Floats
+    """Radius of each half-run's circle, shape (2 k,), mm."""
+
+
+def triangulated(struts: RoundStruts, sides: int, shift: Ints | None = None) -> TriangleMesh:
+    """Return the surface of round struts as triangles.
+
+    Parameters
+    ----------
+    sides : points of a ring, a multiple of 4
+    shift : (k,) how the rings of each run are joined, see `Matching`; by default with least twist
+    """
+    sized = _sized(struts, sides, shift)
+    rings = np.empty((len(struts.collar), sides), dtype=np.intp)
+    own = _own_rings(struts, sized, sides)  # (2 k, sides, 3)
+    points: list[Points] = []
+    faces: list[Triangles] = []
+    count = 0
+    for group in struts.blends:
+        placed, triangles, last = _node_surface(group, own, sized.growth, sides)
+        points.append(placed)
+        faces.append(triangles + count)
+        rings[group.half_runs] = last + count
+        count += len(placed)
+    ends = np.flatnonzero(struts.runs.valency[struts.runs.tails] == 1)
+    rings[ends] = count + np.arange(len(ends) * sides).reshape(-1, sides)
+    points.append(own[ends].reshape(-1, 3))
+    count += len(ends) * sides
+    make = flat_ends if struts.options.ends == "flat" else round_ends
+    extra, triangles = make(struts.runs, ends, sized.radius[ends], rings[ends], own[ends], count)
+    points.append(extra)
+    faces.append(triangles)
+    near, far = rings[0::2], rings[1::2]
+    faces.append(band_triangles(near, far, sized.shift, sized.twist))
+    return TriangleMesh(np.concatenate(points), np.concatenate(faces))
+
+
+def _sized(struts: RoundStruts, sides: int, shift: Ints | None) -> _Sized:
+    x, far_x = struts.x[0::2], struts.x[1::2]
+    y = np.cross(struts.runs.directions[0::2], x)
+    if shift is None:
+        matched = matching(x, y, far_x, sides)
+        shift, twist = matched.shift, matched.twist
+    else:
+        twist = twist_of(x, y, far_x, sides, shift)
+    radius = struts.runs.radii_at(np.arange(len(struts.collar)), struts.collar)
+    growth = np.repeat(enlargement(twist, sides) - 1.0, 2) * radius
+    return _Sized(shift, twist, growth, radius)
+
+
+def _own_rings(struts: RoundStruts, sized: _Sized, sides: int) -> Points:
+    """Return the points of the ring of each half-run, shape (2 k, sides, 3), mm."""
+    runs = struts.runs
+    angle = 2 * np.pi / sides * np.arange(sides)
+    center = runs.nodes[runs.tails] + struts.collar[:, None] * runs.directions
+    y = np.cross(runs.directions, struts.x)
+    spoke = (
+        np.cos(angle)[:, None] * struts.x[:, None] + np.sin(angle)[:, None] * y[:, None]
+    )  # (2 k, sides, 3)
+    rings: Points = center[:, None] + (sized.radius + sized.growth)[:, None, None] * spoke
+    return rings
+
+
+def _node_surface(
+    group: Blends, own: Points, growth: Floats, sides: int
+) -> tuple[Points, Triangles, Ints]:
+    """Return the vertices and triangles of nodes, and the rings at their collars, (M, N, sides)."""
+    levels = max(2, round(LEVELS * sides / 16))
+    made = stacks(group.control, group.quads, growth[group.half_runs], QUARTER, levels, sides)
+    count, block = made.points.shape[:2]
+    rings = made.rings + (block * np.arange(count))[:, None, None, None]
+    points = made.points.reshape(-1, 3).copy()
+    points[rings[:, :, -1]] = own[group.half_runs]
+    low, high = rings[:, :, :-1].reshape(-1, sides), rings[:, :, 1:].reshape(-1, sides)
+    return points, _ring_triangles(points, low, high), rings[:, :, -1]
+
+
+def _ring_triangles(points: Points, low: Ints, high: Ints) -> Triangles:
+    """Return the triangles between rings that follow each other, with the shorter diagonals."""
+    a, b = low, np.roll(low, -1, axis=1)
+    d, c = high, np.roll(high, -1, axis=1)
+    across = _square(points[a] - points[c]) <= _square(points[b] - points[d])
+    ahead = np.stack([np.stack([a, b, c], -1), np.stack([a, c, d], -1)], axis=2)
+    behind = np.stack([np.stack([a, b, d], -1), np.stack([b, c, d], -1)], axis=2)
+    chosen: Triangles = np.where(across[..., None, None], ahead, behind)
+    return chosen.reshape(-1, 3)
+
+
+def _square(vectors: Floats) -> Floats:
+    squares: Floats = np.einsum("...i,...i->...", vectors, vectors)
+    return squares
