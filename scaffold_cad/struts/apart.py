@@ -1,9 +1,9 @@
 """Which parts of round struts keep apart from all that they do not join: a proof by distances.
 
-Every run is cut into three capsules: what lies within its collars' distance of either node, as wide
-as the node's patches reach, and the strut between. A node without collars is a capsule of no
-length. Capsules that share no node must keep apart; those that share one are apart because the
-node's body is star-shaped around it, see `proof`.
+Every run is cut into capsules: slices of the patches between its nodes and its collars, as wide as
+their control points are off its axis, and the strut between. Capsules that share no node must keep
+apart; those that share one are apart because the node's body is star-shaped around it, see `proof`,
+and those of one run are one behind the other.
 
 Distances of cones are bounded by their larger radius.
 """
@@ -18,9 +18,16 @@ from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points
 from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import length
+from scaffold_cad.brep.bernstein import bernstein
+from scaffold_cad.struts.model import BlendedNodes
+from scaffold_cad.struts.options import StrutOptions
+from scaffold_cad.struts.runs import Runs
 
 PIECES = 4
 """Capsules that the strut of a cone is cut into, so that its larger radius bounds little."""
+
+SLICES = 4
+"""Slices that patches are cut into from their arcs to their collars."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +68,77 @@ def meeting_runs(capsules: Capsules, gap: float) -> Edges:
 
 
 def _without_neighbors(capsules: Capsules, i: Ints, j: Ints) -> tuple[Ints, Ints]:
-    """Return the pairs that share no node."""
+    """Return the pairs that share neither a node nor a run."""
     a, b = capsules.nodes[i], capsules.nodes[j]  # (p, 2)
     shared: Bools = (a[:, :, None] == b[:, None, :]).any(axis=(1, 2))
+    shared |= capsules.run[i] == capsules.run[j]  # its collars are one behind the other
     return i[~shared], j[~shared]
+
+
+def crossing_runs(
+    runs: Runs, blended: tuple[BlendedNodes, ...], collar: Floats, options: StrutOptions
+) -> Edges:
+    """Return the pairs of runs that are not known to keep apart, each once, shape (p, 2)."""
+    capsules = [_struts(runs, collar), *(_node_parts(runs, group) for group in blended)]
+    every = Capsules(
+        *(
+            np.concatenate([getattr(part, name) for part in capsules])
+            for name in ("start", "end", "radius", "nodes", "run")
+        )
+    )
+    del options
+    return meeting_runs(every, 0.0)
+
+
+def _struts(runs: Runs, collar: Floats) -> Capsules:
+    """Return the struts between their collars, cones in pieces."""
+    cone = runs.slopes[0::2] != 0
+    pieces = np.where(cone, PIECES, 1)
+    run = np.repeat(np.arange(len(pieces)), pieces)
+    piece = np.arange(len(run)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+    first, last = collar[0::2][run], (runs.lengths - collar[1::2])[run]
+    bounds = [first + (last - first) * (piece + side) / pieces[run] for side in (0, 1)]
+    ahead, tail = runs.directions[0::2][run], runs.nodes[runs.edges[run, 0]]
+    start, end = (tail + bound[:, None] * ahead for bound in bounds)
+    radius = np.maximum(*(runs.radii_at(2 * run, bound) for bound in bounds))
+    return Capsules(start, end, radius, runs.edges[run], run)
+
+
+def _node_parts(runs: Runs, group: BlendedNodes) -> Capsules:
+    """Return what lies between nodes and collars: the hulls of slices of the patches."""
+    made = group.blends
+    axes = made.stars.directions[_first_of(made.blend_of)]  # (U, N, 3)
+    count, valency = axes.shape[:2]
+    control = made.control.reshape(count, valency, 4, *made.control.shape[2:])
+    slices = np.einsum("sjl,unkilx->unskijx", slicing(SLICES, control.shape[4] - 1), control)
+    points = slices.reshape(count, valency, SLICES, -1, 3)
+    along = np.einsum("unspx,unx->unsp", points, axes)
+    low = np.maximum(along.min(axis=3), 0.0)  # (U, N, SLICES)
+    high = np.maximum(along.max(axis=3), low)
+    foot = np.clip(along, low[..., None], high[..., None])
+    wide = length(points - foot[..., None] * axes[:, :, None, None]).max(axis=3)
+    half_runs = np.repeat(group.half_runs.reshape(-1), SLICES)
+    first, last, radius = (each[made.blend_of].reshape(-1) for each in (low, high, wide))
+    node, ahead = runs.nodes[runs.tails[half_runs]], runs.directions[half_runs]
+    return Capsules(
+        node + first[:, None] * ahead,
+        node + last[:, None] * ahead,
+        radius,
+        np.repeat(runs.tails[half_runs][:, None], 2, axis=1),
+        half_runs >> 1,
+    )
+
+
+def slicing(count: int, degree: int) -> Floats:
+    """Return what takes Bézier points to those of equal slices, shape (count, d + 1, d + 1)."""
+    at = np.arange(degree + 1) / max(degree, 1)
+    basis = bernstein(degree, at)
+    places = (np.arange(count)[:, None] + at) / count  # (count, d + 1)
+    values = bernstein(degree, places.reshape(-1)).reshape(count, degree + 1, degree + 1)
+    return np.linalg.solve(basis[None], values)
+
+
+def _first_of(blend_of: Ints) -> Ints:
+    """Return one node of each blend, shape (U,)."""
+    _, first = np.unique(blend_of, return_index=True)
+    return first

@@ -10,25 +10,21 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.base.notebook import Shown
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.struts.nodes import Blends
 from scaffold_cad.struts.options import StrutOptions
 from scaffold_cad.struts.runs import Runs
 
 
 @dataclass(frozen=True, eq=False)
-class Blends(Frozen):
-    """Branch points and bends of one valency: a Bézier patch for each arc of their partitions."""
+class BlendedNodes(Frozen):
+    """Branch points and bends of one valency, and their blends."""
 
     nodes: Ints
     """Shape (M,)."""
     half_runs: Ints
     """Half-runs that leave each node, shape (M, N)."""
-    quads: Ints
-    """Corners of the quad around each strut, in 0..N+1, shape (M, N, 4)."""
-    control: Floats
-    """Bézier points, shape (M, 4 N, d + 1, d + 1, 3), mm: patch 4 i + k lies between arc k of quad
-    i (v = 0) and quarter k of the collar of strut i (v = 1), u along them."""
-    proved: Bools
-    """Whether each is proved to be star-shaped around its node, shape (M,)."""
+    blends: Blends
+    """Patches between the collars, relative to the nodes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,20 +37,25 @@ class RoundStruts(Frozen, Shown):
     """How they were made."""
     runs: Runs
     """Straight struts, which pass through joints without a bend."""
-    blends: tuple[Blends, ...]
-    """Branch points and bends, by valency."""
+    blended: tuple[BlendedNodes, ...]
+    """Branch points and bends that have a blend, by valency."""
     collar: Floats
     """Distance from each half-run's node at which its own surface begins, shape (2 k,), mm."""
     x: UnitVectors
     """Where the ring of each half-run begins, at right angles to it, shape (2 k, 3)."""
     fillet: Floats
     """Fillet radius reached at each node, mm; nan where there is none, shape (n,)."""
-    overlapping: Ints
-    """Skeleton edges that have no room of their own, ascending: their surfaces may cross others."""
+    crowded: Bools
+    """Nodes without a surface of their own, shape (n,): what is there overlaps or is not proved."""
+    crowded_runs: Bools
+    """Runs that have no surface of their own, shape (k,): both of their nodes are crowded."""
 
     @cached_property
     def exact(self) -> Bools:
         """Whether each edge is a cylinder or a cone on its axis between its collars, (m,)."""
-        exact = np.ones(len(self.skeleton.edges), dtype=np.bool_)
-        exact[self.overlapping] = False
-        return exact
+        return ~self.crowded_runs[self.runs.run_of_edge]
+
+    @property
+    def overlapping(self) -> Ints:
+        """Edges at a crowded node, whose surfaces may cross others, ascending."""
+        return np.flatnonzero(self.crowded[self.runs.edges].any(axis=1)[self.runs.run_of_edge])

@@ -13,6 +13,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.brep.bernstein import bernstein
+from scaffold_cad.struts.quarter import ARC, DEGREE
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +27,7 @@ class Stacks(Frozen):
 
 
 def stacks(
-    control: Floats, quads: Ints, growth: Floats, quarter: Floats, levels: int, sides: int
+    control: Floats, quads: Ints, which: Ints, growth: Floats, levels: int, sides: int
 ) -> Stacks:
     """Sample the patches of nodes, and move the samples outward.
 
@@ -35,11 +36,11 @@ def stacks(
 
     Parameters
     ----------
-    control : (M, 4 N, d + 1, d + 1, 3) Bézier points, mm; patch 4 i + k lies between arc k of quad
-        i (v = 0) and quarter k of the collar of strut i (v = 1), u along them
-    quads : (M, N, 4) corners of the quads in 0..N+1
+    control : (U, 4 N, d + 1, d + 1, 3) Bézier points relative to their node, mm; patch 4 i + k
+        lies between arc k of quad i (v = 0) and quarter k of the collar of strut i (v = 1)
+    quads : (U, N, 4) corners of the quads in 0..N+1
+    which : (M,) which of them each node has
     growth : (M, N) mm
-    quarter : (d + 1, 2) Bézier points of the unit quarter circle of the collars
     levels : intervals from the arcs to the collar
     sides : points of a ring, a multiple of 4
     """
@@ -51,14 +52,16 @@ def stacks(
     rings[:, :, 0] = first_rings(quads, steps)
     rings[:, :, 1:] = own
     v = np.linspace(0.0, 1.0, levels + 1)
-    mean = growth.mean(axis=1)[:, None, None]  # (M, 1, 1)
-    outward = mean + v * (growth[:, :, None] - mean)  # (M, N, levels + 1)
-    sampled, normals = _sampled(control, quarter_parameters(quarter, steps), v)
-    sampled += outward[..., None, None] * normals
-    points = np.empty((count, shared + own.size, 3))
+    sampled, normals = _sampled(control, quarter_parameters(steps), v)
     node = np.arange(count)[:, None, None, None]
-    points[node, rings] = sampled  # of equal points the last one written stays, for all alike
-    return Stacks(points, rings)
+    # Of the samples at one vertex the last one written stays, for all the same.
+    points, outward = (np.empty((count, shared + own.size, 3)) for _ in range(2))
+    points[node, rings], outward[node, rings] = sampled, normals
+    mean = growth.mean(axis=1)[:, None, None]  # (M, 1, 1)
+    moved = np.empty((len(which), points.shape[1]))
+    step = mean + v * (growth[:, :, None] - mean)  # (M, N, levels + 1)
+    moved[np.arange(len(which))[:, None, None, None], rings[which]] = step[..., None]
+    return Stacks(points[which] + moved[..., None] * outward[which], rings[which])
 
 
 def first_rings(quads: Ints, steps: int) -> Ints:
@@ -86,21 +89,16 @@ def first_rings(quads: Ints, steps: int) -> Ints:
     return rings.reshape(count, valency, 4 * steps)
 
 
-def quarter_parameters(quarter: Floats, steps: int) -> Floats:
-    """Return the parameters in [0, 1) at which a Bézier quarter circle is at equal angles.
+def quarter_parameters(steps: int) -> Floats:
+    """Return the parameters in [0, 1) at which the quarter circle is at equal angles, (steps,).
 
     They lie alike from both ends, as the curve is symmetric: so two patches meet on an arc.
-
-    Parameters
-    ----------
-    quarter : (d + 1, 2) Bézier points from (1, 0) to (0, 1)
-    steps : intervals, of which the starts are returned, shape (steps,)
     """
     wanted = np.arange(steps) / steps * (np.pi / 2)
     low, high = np.zeros(steps), np.ones(steps)
     for _ in range(60):
         middle = (low + high) / 2
-        place = bernstein(len(quarter) - 1, middle) @ quarter  # (steps, 2)
+        place = bernstein(DEGREE, middle) @ ARC  # (steps, 2)
         beyond = np.arctan2(place[:, 1], place[:, 0]) > wanted
         low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
     found = (low + high) / 2

@@ -10,8 +10,7 @@ from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Triang
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.struts.bands import band_triangles, enlargement, matching, twist_of
 from scaffold_cad.struts.ends import flat_ends, round_ends
-from scaffold_cad.struts.model import Blends, RoundStruts
-from scaffold_cad.struts.quarter import QUARTER
+from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.rings import stacks
 
 LEVELS = 4
@@ -46,8 +45,8 @@ def triangulated(struts: RoundStruts, sides: int, shift: Ints | None = None) -> 
     points: list[Points] = []
     faces: list[Triangles] = []
     count = 0
-    for group in struts.blends:
-        placed, triangles, last = _node_surface(group, own, sized.growth, sides)
+    for group in struts.blended:
+        placed, triangles, last = _node_surface(struts, group, own, sized.growth, sides)
         points.append(placed)
         faces.append(triangles + count)
         rings[group.half_runs] = last + count
@@ -92,14 +91,17 @@ def _own_rings(struts: RoundStruts, sized: _Sized, sides: int) -> Points:
 
 
 def _node_surface(
-    group: Blends, own: Points, growth: Floats, sides: int
+    struts: RoundStruts, group: BlendedNodes, own: Points, growth: Floats, sides: int
 ) -> tuple[Points, Triangles, Ints]:
     """Return the vertices and triangles of nodes, and the rings at their collars, (M, N, sides)."""
+    made = group.blends
     levels = max(2, round(LEVELS * sides / 16))
-    made = stacks(group.control, group.quads, growth[group.half_runs], QUARTER, levels, sides)
-    count, block = made.points.shape[:2]
-    rings = made.rings + (block * np.arange(count))[:, None, None, None]
-    points = made.points.reshape(-1, 3).copy()
+    sampled = stacks(
+        made.control, made.quads, made.blend_of, growth[group.half_runs], levels, sides
+    )
+    count, block = sampled.points.shape[:2]
+    rings = sampled.rings + (block * np.arange(count))[:, None, None, None]
+    points = (sampled.points + struts.runs.nodes[group.nodes][:, None]).reshape(-1, 3)
     points[rings[:, :, -1]] = own[group.half_runs]
     low, high = rings[:, :, :-1].reshape(-1, sides), rings[:, :, 1:].reshape(-1, sides)
     return points, _ring_triangles(points, low, high), rings[:, :, -1]

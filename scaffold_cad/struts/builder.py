@@ -1,0 +1,182 @@
+"""round_struts(): from a skeleton to exact struts with blends at their nodes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors
+from scaffold_cad.base.vectors import any_perpendicular, dot, length, normalize
+from scaffold_cad.partition import partition_spheres
+from scaffold_cad.skeleton import Skeleton, check_skeleton
+from scaffold_cad.struts.apart import crossing_runs
+from scaffold_cad.struts.collars import LEAST_BLEND, collar_distances
+from scaffold_cad.struts.distances import Union
+from scaffold_cad.struts.model import BlendedNodes, RoundStruts
+from scaffold_cad.struts.nodes import Blends, Stars, blends
+from scaffold_cad.struts.options import BLEND, Ends, Nodes, StrutOptions
+from scaffold_cad.struts.room import allotted
+from scaffold_cad.struts.runs import Runs, straight_runs
+
+
+def round_struts(
+    skeleton: Skeleton,
+    *,
+    blend: float | None = None,
+    ends: Ends = "flat",
+    nodes: Nodes = "blend",
+    wall: float | None = None,
+) -> RoundStruts:
+    """Return the struts of `skeleton` as exact cylinders and cones, blended at its nodes.
+
+    Parameters
+    ----------
+    skeleton : as `check_skeleton` asks; its edge radii are those of the struts
+    blend : fillet radius at the nodes, mm; by default half the radius of a node's thinnest strut.
+        Where there is no room for it it shrinks, to a tenth of the struts' radii at least
+    ends : how struts end: "flat" at their node, "round" beyond it, or "open" with a wall
+    nodes : "blend", or "ball" for spheres of the nodes' radii
+    wall : thickness of hollow struts, mm
+
+    Raises
+    ------
+    SkeletonError
+        If the skeleton cannot be built on.
+    OptionError
+        If an option has no such value.
+    """
+    check_skeleton(skeleton)
+    options = StrutOptions(blend, ends, nodes, wall)
+    runs = straight_runs(skeleton)
+    groups = _groups(runs)
+    wanted = [_stars(skeleton, runs, group, options) for group in groups]
+    limits, no_room = _limits(runs, groups, wanted)
+    solved = tuple(
+        BlendedNodes(group.nodes, group.half_runs, blends(_limited(stars, limits[group.half_runs])))
+        for group, stars in zip(groups, wanted, strict=True)
+    )
+    return _assembled(skeleton, options, runs, solved, no_room)
+
+
+@dataclass(frozen=True, eq=False)
+class _Group:
+    """Nodes of one valency."""
+
+    nodes: Ints
+    """Shape (M,)."""
+    half_runs: Ints
+    """Shape (M, N)."""
+
+
+def _groups(runs: Runs) -> list[_Group]:
+    """Return the branch points and bends by valency, ascending."""
+    groups = []
+    for valency in np.unique(runs.valency[runs.valency > 1]).tolist():
+        nodes = np.flatnonzero(runs.valency == valency)
+        groups.append(_Group(nodes, runs.incidence.at_nodes(nodes, valency)))
+    return groups
+
+
+def _stars(skeleton: Skeleton, runs: Runs, group: _Group, options: StrutOptions) -> Stars:
+    """Return what the blends of nodes are asked for, with room without end."""
+    directions = runs.directions[group.half_runs]  # (M, N, 3)
+    radii = runs.radii.reshape(-1)[group.half_runs]
+    ball = skeleton.radii[group.nodes]
+    ball = np.where(ball > radii.max(axis=1) * (1 + 1e-9), ball, 0.0)
+    thin = radii.min(axis=1)
+    blend = BLEND * thin if options.blend is None else np.full(len(thin), options.blend)
+    vertices, quads = _partitions(directions)
+    most = np.full(radii.shape, np.inf)
+    slopes = runs.slopes[group.half_runs]
+    return Stars(directions, radii, slopes, blend, ball, most, vertices, quads)
+
+
+def _partitions(directions: UnitVectors) -> tuple[UnitVectors, Ints]:
+    """Return partition vertices (M, N + 2, 3) and quads (M, N, 4) around directions (M, N, 3)."""
+    if directions.shape[1] > 2:
+        made = partition_spheres(directions)
+        return made.vertices, made.quads
+    # Two quads on the great circle between both directions, a corner toward the inner side.
+    across = normalize(directions[:, 0] - directions[:, 1])
+    inner = directions.sum(axis=1)
+    inner = np.where(
+        (length(inner) > 1e-6)[:, None], inner, any_perpendicular(across)
+    )
+    inner = normalize(inner - dot(inner, across)[:, None] * across)
+    side = np.cross(across, inner)
+    vertices = np.stack([inner, side, -inner, -side], axis=1)
+    quads = np.broadcast_to(np.array([[0, 1, 2, 3], [3, 2, 1, 0]]), (len(vertices), 2, 4))
+    return vertices, quads
+
+
+def _union(stars: Stars) -> Union:
+    leading = np.ascontiguousarray(np.moveaxis(stars.directions, -1, 0))
+    return Union(leading, stars.radii, stars.slopes, stars.balls, stars.blends)
+
+
+def _limits(runs: Runs, groups: list[_Group], wanted: list[Stars]) -> tuple[Floats, Bools]:
+    """Return the greatest collar distance of each half-run, (2 k,), and the runs without room."""
+    full, least = np.zeros(len(runs.tails)), np.zeros(len(runs.tails))
+    for group, stars in zip(groups, wanted, strict=True):
+        union = _union(stars)
+        small = np.minimum(stars.blends, LEAST_BLEND * stars.radii.mean(axis=1))
+        full[group.half_runs] = collar_distances(union, stars.blends)
+        least[group.half_runs] = collar_distances(union, small)
+    allowed, no_room = allotted(full, least, runs.lengths)
+    # Where all that is wanted fits there is no limit: equal nodes stay equal.
+    fits = np.repeat((full.reshape(-1, 2).sum(axis=1) <= runs.lengths), 2)
+    return np.where(fits, np.inf, allowed), no_room
+
+
+def _limited(stars: Stars, most: Floats) -> Stars:
+    return Stars(
+        stars.directions,
+        stars.radii,
+        stars.slopes,
+        stars.blends,
+        stars.balls,
+        most,
+        stars.vertices,
+        stars.quads,
+    )
+
+
+def _assembled(
+    skeleton: Skeleton,
+    options: StrutOptions,
+    runs: Runs,
+    solved: tuple[BlendedNodes, ...],
+    no_room: Bools,
+) -> RoundStruts:
+    """Return the struts, once it is known which nodes are crowded."""
+    collar, x = np.zeros(len(runs.tails)), np.zeros((len(runs.tails), 3))
+    fillet = np.full(len(skeleton.nodes), np.nan)
+    crowded = np.zeros(len(skeleton.nodes), dtype=np.bool_)
+    for group in solved:
+        made, which = group.blends, group.blends.blend_of
+        collar[group.half_runs] = made.collar_distances[which]
+        x[group.half_runs] = made.collar_corners[which][:, :, 0]
+        fillet[group.nodes] = made.rho[which]
+        crowded[group.nodes[~made.proved[which]]] = True
+    _turn_ends(runs, x)
+    crowded[runs.edges[no_room].reshape(-1)] = True
+    crossing = crossing_runs(runs, solved, collar, options)
+    crowded[runs.edges[crossing].reshape(-1)] = True
+    crowded_runs = np.zeros(len(runs.edges), dtype=np.bool_)
+    crowded_runs[no_room] = True
+    crowded_runs[np.unique(crossing)] = True
+    crowded_runs |= crowded[runs.edges].all(axis=1)
+    return RoundStruts(
+        skeleton, options, runs, solved, collar, x, fillet, crowded, crowded_runs
+    )
+
+
+def _turn_ends(runs: Runs, x: UnitVectors) -> None:
+    """Let the rings at extremities begin where those at the other end of their run do."""
+    ends = np.flatnonzero(runs.valency[runs.tails] == 1)
+    x[ends] = x[ends ^ 1]
+    lone = ends[(x[ends] == 0).all(axis=1)]
+    first = lone[lone % 2 == 0]
+    x[first] = any_perpendicular(runs.directions[first])
+    x[first + 1] = x[first]
