@@ -1,1 +1,1 @@
-"""Round struts: exact cylinders and cones, blends at nodes, and the proof that they are sound."""
+"""Round struts: exact sections, and blends at the nodes that are solved for node by node."""
