@@ -28,7 +28,7 @@ from scaffold_cad import (
     write,
 )
 from scaffold_cad.errors import FormatError, MeshError, OptionError
-from scaffold_cad.io.writers.stl import write_stl
+from scaffold_cad.io.stl import write_stl
 from scaffold_cad.printability import (
     MATERIALS,
     PROCESSES,
