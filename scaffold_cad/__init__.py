@@ -10,7 +10,7 @@ from scaffold_cad import webpage  # noqa: F401  (it registers what notebooks sho
 from scaffold_cad.convolution import ConvolutionField, project
 from scaffold_cad.filling import fill, lattice_part
 from scaffold_cad.io import read_skeleton
-from scaffold_cad.io.export import write
+from scaffold_cad.io.write import write
 from scaffold_cad.lattice import (
     UnitCell,
     cells,

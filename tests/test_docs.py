@@ -14,7 +14,7 @@ import pytest
 import scaffold_cad
 from scaffold_cad import Skeleton, write
 from scaffold_cad.cli import main
-from scaffold_cad.io import _formats, export
+from scaffold_cad.io import register
 from scaffold_cad.lattice import registry
 
 ROOT = Path(__file__).parents[1]
@@ -50,8 +50,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     )
     write(corner, tmp_path / "bracket.json")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(_formats, "_formats", list(_formats._formats))
-    monkeypatch.setattr(export, "_writers", dict(export._writers))
+    monkeypatch.setattr(register, "_formats", list(register._formats))
     monkeypatch.setattr(registry, "_CELLS", dict(registry._CELLS))
     return tmp_path
 

@@ -152,7 +152,7 @@ def export_step(shape: Shape, path: Path, *, write_pcurves: bool = False) -> Non
     Parameters
     ----------
     shape : any build123d shape; its labels and colours are kept
-    path : of the file; `export.write` writes it whole or not at all
+    path : of the file; `write` writes it whole or not at all
     write_pcurves : whether each edge is also written in the parameters of its faces, for programs
         that ask for it; it doubles the file
 

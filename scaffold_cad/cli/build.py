@@ -13,7 +13,7 @@ from scaffold_cad.brep import BREP_SUFFIXES
 from scaffold_cad.cli import source
 from scaffold_cad.cli.progress import FILE_RATE, SCAFFOLD_RATE, SMOOTH_RATE, SOLID_RATE, Progress
 from scaffold_cad.errors import OptionError
-from scaffold_cad.io.export import check_writable, write
+from scaffold_cad.io.write import check_writable, write
 from scaffold_cad.products.breps import to_brep
 from scaffold_cad.products.overlaps import log_overlaps
 from scaffold_cad.scaffold import Scaffold, build_scaffold

@@ -12,7 +12,7 @@ from typing import Any
 from scaffold_cad.base.files import check_page
 from scaffold_cad.cli import sizes, source
 from scaffold_cad.errors import OptionError
-from scaffold_cad.io.meshfiles import read_triangles
+from scaffold_cad.io import read_triangles
 from scaffold_cad.printability import MATERIALS, PROCESSES, check_printability
 from scaffold_cad.printability.page import write_page
 from scaffold_cad.printability.processes import Process

@@ -4,14 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from scaffold_cad.io import export, known_formats
-
-NAMES = {
-    ".brep": "OCCT B-rep",
-    ".step": "STEP",
-    ".stp": "STEP",
-}
-"""Names of formats that are written only."""
+from scaffold_cad.io import known_formats, mesh_formats, written_formats
 
 
 def add_parser(
@@ -26,14 +19,15 @@ def add_parser(
 
 def run(_: argparse.Namespace) -> None:
     """Print a line a suffix: whether it is read, whether it is written, and its formats."""
+    skeletons = [(suffix, known.name) for known in known_formats() for suffix in known.suffixes]
+    meshes = [(suffix, known.name) for known in mesh_formats() for suffix in known.suffixes]
+    written = [(suffix, known.name) for known in written_formats() for suffix in known.suffixes]
     names: dict[str, list[str]] = {}
-    for known in known_formats():
-        for suffix in known.suffixes:
-            names.setdefault(suffix, []).append(known.name)
-    written = export.known_suffixes()
-    width = max(len(suffix) for suffix in [*names, *written])
-    for suffix in sorted({*names, *written}):
-        read = "read" if suffix in names else ""
-        write = "write" if suffix in written else ""
-        kinds = ", ".join(names.get(suffix) or [NAMES.get(suffix, suffix[1:].upper())])
-        print(f"{suffix:<{width}}  {read:<4}  {write:<5}  {kinds}")
+    for suffix, name in skeletons + meshes + written:
+        names.setdefault(suffix, []).append(name)
+    is_read, is_written = dict(skeletons + meshes), dict(written)
+    width = max(map(len, names))
+    for suffix in sorted(names):
+        verbs = ("read" if suffix in is_read else "", "write" if suffix in is_written else "")
+        kinds = ", ".join(dict.fromkeys(names[suffix]))
+        print(f"{suffix:<{width}}  {verbs[0]:<4}  {verbs[1]:<5}  {kinds}")

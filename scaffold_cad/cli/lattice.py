@@ -18,9 +18,8 @@ from scaffold_cad.cli.progress import SCAFFOLD_RATE, SMOOTH_RATE, SOLID_RATE, Pr
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.filling import fill
 from scaffold_cad.filling.fill import cells_around
-from scaffold_cad.io import BYTES_PER_EDGE
-from scaffold_cad.io.export import check_writable, write
-from scaffold_cad.io.meshfiles import read_triangles
+from scaffold_cad.io import BYTES_PER_EDGE, read_triangles
+from scaffold_cad.io.write import check_writable, write
 from scaffold_cad.lattice.registry import unit_cell
 from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.mesh.quadmesh import QuadMesh

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from scaffold_cad.base.files import check_page
 from scaffold_cad.cli import build, source
-from scaffold_cad.io.meshfiles import read_triangles
+from scaffold_cad.io import read_triangles
 from scaffold_cad.solid.roundstruts import ROUND_SIDES
 from scaffold_cad.solid.thicken import frame_scaffold
 from scaffold_cad.webpage import write_page

@@ -24,8 +24,9 @@ from typing import Any
 from scaffold_cad.base.arrays import as_points
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._document import member, read_document
-from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._raw import RawSkeleton
+from scaffold_cad.io.content import Content
+from scaffold_cad.io.register import register_reader, register_writer
 from scaffold_cad.skeleton import Skeleton
 
 FORMAT = "scaffold-cad skeleton"
@@ -43,6 +44,12 @@ def read_json(path: Path) -> RawSkeleton:
     document = _document(path)
     nodes = as_points(document["nodes"], "nodes")
     return RawSkeleton(nodes, document["edges"], document.get("radii"))
+
+
+@register_writer(".json", name="scaffold-cad JSON", solids=False)
+def write_json(content: Content, path: Path) -> None:
+    """Write the Skeleton that `write` is given in our JSON format."""
+    path.write_text(skeleton_to_json(content.skeleton("a JSON file")), encoding="utf-8")
 
 
 def skeleton_to_json(skeleton: Skeleton) -> str:

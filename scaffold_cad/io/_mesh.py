@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from scaffold_cad.base.arrays import Bools, Edges, Ints, Points
 from scaffold_cad.base.positions import equal_positions
 from scaffold_cad.errors import SkeletonError
 from scaffold_cad.io._raw import RawSkeleton
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 FLAT = 1e-3
 """Angle, rad, below which two triangles are one face that was cut: STL rounds to 32 bits."""
@@ -56,6 +58,33 @@ def skeleton_of_mesh(points: Points, faces: Faces) -> RawSkeleton:
     pairs = np.stack([order[at], order[at + np.minimum(uses, 2) - 1]], axis=1)
     diagonal = (uses == 2) & _are_one_face(places, corners, start, faces.sizes, pairs)
     return RawSkeleton(places, edges[~diagonal])
+
+
+def triangulated(points: Points, faces: Faces) -> TriangleMesh:
+    """Return polygons as fans of triangles around their first corners, every vertex kept.
+
+    Raises
+    ------
+    MeshError
+        If a face has a corner that isn't there, or a coordinate is not finite.
+    """
+    start = np.cumsum(faces.sizes) - faces.sizes
+    fans = faces.sizes - 2
+    first = np.repeat(start, fans)  # (t,), where the polygon of each triangle begins
+    step = np.arange(len(first)) - np.repeat(np.cumsum(fans) - fans, fans)
+    corners = np.stack([first, first + step + 1, first + step + 2], axis=1)
+    return TriangleMesh(points, faces.corners[corners])
+
+
+def joined_meshes(meshes: Sequence[TriangleMesh]) -> TriangleMesh:
+    """Return the triangles of all meshes, one after the other."""
+    if not meshes:
+        return TriangleMesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.intp))
+    first = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes])
+    return TriangleMesh(
+        np.concatenate([mesh.vertices for mesh in meshes]),
+        np.concatenate([mesh.triangles + n for mesh, n in zip(meshes, first[:-1], strict=True)]),
+    )
 
 
 def _are_one_face(points: Points, corners: Ints, start: Ints, sizes: Ints, pairs: Edges) -> Bools:

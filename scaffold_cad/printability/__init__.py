@@ -10,7 +10,7 @@ False
 ['strut_diameter']
 """
 
-from scaffold_cad.io.meshfiles import read_triangles
+from scaffold_cad.io import read_triangles
 from scaffold_cad.printability.check import assert_printable, check_printability
 from scaffold_cad.printability.processes import MATERIALS, PROCESSES, Process
 from scaffold_cad.printability.report import Finding, Report

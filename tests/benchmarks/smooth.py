@@ -33,7 +33,7 @@ from scaffold_cad.base.arrays import Floats
 from scaffold_cad.base.vectors import angle_between, any_perpendicular, length, normalize
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.io import read_skeleton
-from scaffold_cad.io.export import write
+from scaffold_cad.io.write import write
 from scaffold_cad.lattice import tile, voronoi_foam
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.scaffold.stars import Fit

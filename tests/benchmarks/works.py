@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from scaffold_cad.io.export import write
+from scaffold_cad.io.write import write
 from scaffold_cad.lattice import tile, voronoi_foam
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton

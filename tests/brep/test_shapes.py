@@ -44,7 +44,7 @@ build123d = pytest.importorskip("build123d")
 
 
 def test_importing_the_package_leaves_build123d_alone() -> None:
-    program = "import sys, scaffold_cad.io.export; print({'build123d', 'OCP'} & set(sys.modules))"
+    program = "import sys, scaffold_cad.io.write; print({'build123d', 'OCP'} & set(sys.modules))"
     run = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, check=True
     )

@@ -60,7 +60,7 @@ def test_what_is_no_curve_is_left_out_with_a_warning(
 def test_a_dxf_that_is_too_large_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("scaffold_cad.io._dxf.LARGEST_DXF", 10)
+    monkeypatch.setattr("scaffold_cad.io.dxf.LARGEST_DXF", 10)
     with pytest.raises(FormatError, match=rf"has {len(DXF_R12)} bytes; need at most 10"):
         read_raw(written(tmp_path, "large.dxf", DXF_R12))
     assert _text.LARGEST_FILE > 10

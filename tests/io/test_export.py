@@ -23,7 +23,8 @@ from scaffold_cad.errors import (
     OptionError,
 )
 from scaffold_cad.io import read_skeleton
-from scaffold_cad.io.export import check_writable, known_suffixes, write
+from scaffold_cad.io import written_suffixes as known_suffixes
+from scaffold_cad.io.write import check_writable, write
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.scaffold import build_scaffold
@@ -265,7 +266,7 @@ def test_suffixes_may_be_in_capitals_and_paths_strings(tmp_path: Path) -> None:
 def test_writing_triangles_or_a_mesh_as_step_imports_no_cad_kernel(tmp_path: Path) -> None:
     program = (
         "import sys\n"
-        "from scaffold_cad.io.export import write\n"
+        "from scaffold_cad.io.write import write\n"
         "from tests.meshes import CUBE\n"
         "for suffix in ('stl', 'obj', 'ply', 'step'):\n"
         "    write(CUBE, f'{sys.argv[1]}/cube.{suffix}')\n"

@@ -16,7 +16,8 @@ from hypothesis import strategies as st
 
 from scaffold_cad.cli import main
 from scaffold_cad.errors import FormatError
-from scaffold_cad.io import _threemf, read_raw, read_skeleton, read_with_repairs
+from scaffold_cad.io import read_raw, read_skeleton, read_with_repairs
+from scaffold_cad.io.threemf.archive import SMALL_PART
 from tests.fuzz.mutation import mutated
 from tests.fuzz.reading import outcome
 from tests.fuzz.samples import RHINO, SAMPLES
@@ -97,7 +98,7 @@ def test_an_external_entity_is_refused(tmp_path: Path) -> None:
 def test_a_zip_bomb_is_refused_before_it_is_unpacked(tmp_path: Path) -> None:
     path = tmp_path / "bomb.3mf"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("_rels/.rels", b" " * (_threemf.SMALL_PART + 1))
+        archive.writestr("_rels/.rels", b" " * (SMALL_PART + 1))
     with pytest.raises(FormatError, match=r"unpacks _rels/\.rels to \d+ times its size; need"):
         read_raw(path)
 

@@ -12,12 +12,12 @@ import pytest
 from scaffold_cad.errors import FormatError, OptionError, SkeletonError
 from scaffold_cad.io import (
     RawSkeleton,
-    _formats,
     _text,
     known_suffixes,
     read_raw,
     read_skeleton,
     read_with_repairs,
+    register,
     register_reader,
     skeleton_to_json,
 )
@@ -265,7 +265,7 @@ def test_other_line_ends_a_byte_order_mark_and_foreign_letters_do_no_harm(tmp_pa
 def test_a_registered_reader_is_used_and_named_among_the_known(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(_formats, "_formats", list(_formats._formats))
+    monkeypatch.setattr(register, "_formats", list(register._formats))
 
     @register_reader("pairs", ".Pairs", recognises=lambda head: head.startswith(b"pairs"))
     def read_pairs(path: Path) -> RawSkeleton:
@@ -294,7 +294,7 @@ def test_what_a_foreign_reader_gets_wrong_is_refused_with_the_name_of_the_file(
     edges: Any,
     radii: Any,
 ) -> None:
-    monkeypatch.setattr(_formats, "_formats", list(_formats._formats))
+    monkeypatch.setattr(register, "_formats", list(register._formats))
     register_reader("wrong", ".wrong", recognises=lambda head: True)(
         lambda path: RawSkeleton(nodes, edges, radii)
     )

@@ -6,12 +6,28 @@ import logging
 from importlib.metadata import EntryPoint
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from scaffold_cad import TriangleMesh, write
 from scaffold_cad.cli import main
-from scaffold_cad.io import _formats, known_formats, known_suffixes, read_skeleton
+from scaffold_cad.errors import FormatError, OptionError
+from scaffold_cad.io import (
+    RawSkeleton,
+    known_formats,
+    known_suffixes,
+    read_skeleton,
+    read_triangles,
+    register,
+    register_mesh_reader,
+    register_reader,
+    register_writer,
+    unregister,
+)
+from scaffold_cad.io.content import Content
 from tests.fuzz.samples import SAMPLES
 from tests.io.test_reading import written
+from tests.skeletons import STRUT
 
 MODULE = """
 import numpy
@@ -30,10 +46,10 @@ def packages(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     written(tmp_path, "pairs_of_a_test.py", MODULE)
     monkeypatch.syspath_prepend(str(tmp_path))
     names = ("no_module_of_this_name", "pairs_of_a_test")
-    found = [EntryPoint(name, name, _formats.ENTRY_POINTS) for name in names]
-    monkeypatch.setattr(_formats, "entry_points", lambda group: found)
-    monkeypatch.setattr(_formats, "_formats", list(_formats._formats))
-    _formats._load_entry_points.cache_clear()
+    found = [EntryPoint(name, name, register.ENTRY_POINTS) for name in names]
+    monkeypatch.setattr(register, "entry_points", lambda group: found)
+    monkeypatch.setattr(register, "_formats", list(register._formats))
+    register._load_entry_points.cache_clear()
 
 
 def test_a_package_adds_a_reader_by_an_entry_point(
@@ -54,7 +70,7 @@ def test_every_format_that_is_read_has_a_sample() -> None:
 
 @pytest.mark.parametrize("name", SAMPLES)
 def test_a_sample_is_recognised_by_its_own_format_only(name: str) -> None:
-    head = SAMPLES[name][: _formats.HEAD_SIZE]
+    head = SAMPLES[name][: register.HEAD_SIZE]
     found = [known for known in known_formats() if known.recognises(head)]
     assert len(found) == 1
     assert name.endswith(found[0].suffixes)
@@ -64,6 +80,37 @@ def test_formats_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["formats"]) == 0
     rows = {line.split()[0]: line.split()[1:] for line in capsys.readouterr().out.splitlines()}
     assert rows[".obj"] == ["read", "write", "OBJ"]
-    assert rows[".step"] == ["write", "STEP"]
+    assert rows[".step"] == ["read", "write", "STEP"]
     assert rows[".bvh"] == ["read", "BVH"]
     assert set(known_suffixes()) < set(rows)
+
+
+def test_an_entry_can_be_taken_out_again(tmp_path: Path) -> None:
+    @register_reader("pairs", ".pairs", recognises=lambda head: head.startswith(b"pairs"))
+    def read_pairs(path: Path) -> RawSkeleton:
+        return RawSkeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], [1, 1])
+
+    @register_mesh_reader("pairs", ".pairs")
+    def read_pairs_triangles(path: Path) -> TriangleMesh:
+        return TriangleMesh(np.eye(3), [[0, 1, 2]])
+
+    @register_writer(".pairs")
+    def write_pairs(content: Content, path: Path) -> None:
+        path.write_text(f"pairs {content.name}")
+
+    path = tmp_path / "x.pairs"
+    write(STRUT, path)
+    assert path.read_text() == "pairs x"
+    assert len(read_skeleton(path).edges) == 1
+    mesh = read_triangles(path)
+    assert mesh is not None
+    assert len(mesh.triangles) == 1
+    for function in (read_pairs, read_pairs_triangles, write_pairs):
+        unregister(function)
+    assert read_triangles(path) is None
+    with pytest.raises(FormatError, match=r"x\.pairs is of no known format"):
+        read_skeleton(path)
+    with pytest.raises(FormatError, match=r"cannot write .*x\.pairs: its suffix is '\.pairs'"):
+        write(STRUT, path)
+    with pytest.raises(OptionError, match="write_pairs is not registered; need a registered read"):
+        unregister(write_pairs)

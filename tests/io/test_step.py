@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaffold_cad.brep.beziermesh import BezierMesh
-from scaffold_cad.io.writers import step
-from scaffold_cad.io.writers.step import write_step
+from scaffold_cad.io import step
+from scaffold_cad.io.step import write_step
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from tests.meshes import CUBE, DART_PRISM, TORUS, TWISTED_TUBE, TWO_CUBES, ball, pillow, torus
 

@@ -8,9 +8,12 @@ import lib3mf
 import numpy as np
 import pytest
 
+from scaffold_cad import build_scaffold, write
 from scaffold_cad.errors import FormatError
-from scaffold_cad.io import _threemf, read_raw, read_skeleton
+from scaffold_cad.io import read_raw, read_skeleton, read_triangles
+from scaffold_cad.io.threemf import archive
 from tests.io.test_reading import written
+from tests.skeletons import STICK_FIGURE
 
 CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 RELATIONSHIPS = """<?xml version="1.0" encoding="utf-8"?>
@@ -23,6 +26,13 @@ VERTICES = (
     '<vertex x="10" y="1e1" z="0"/><vertex x="99" y="99" z="99"/></vertices>'
 )
 TWO_BEAMS = '<b:beam v1="0" v2="1" r1="1" r2="2"/><b:beam v1="1" v2="2 "/>'
+SOLID = (
+    '<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="9 " y="0" z="0"/>'
+    '<vertex x="0" y="9" z="0"/><vertex x="0" y="0" z="9"/></vertices><triangles>'
+    '<triangle v1="0" v2="2" v3="1 "/><triangle v1="0" v2="1" v3="3"/>'
+    '<triangle v1="1" v2="2" v3="3"/><triangle v1="2" v2="0" v3="3"/></triangles></mesh>'
+)
+"""A closed tetrahedron of 121.5 mm³."""
 ITEM = '<item objectid="1"/>'
 
 
@@ -161,10 +171,10 @@ def test_clipping_is_left_undone_and_logged(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     lattice = 'radius="1" minlength="1" clippingmode="inside" clippingmesh="2"'
-    read_raw(packed(tmp_path, model([mesh(lattice=lattice)])))
+    assert len(read_raw(packed(tmp_path, model([mesh(lattice=lattice), SOLID]))).edges) == 2
     messages = [r.getMessage() for r in caplog.records if r.levelno == logging.WARNING]
     assert len(messages) == 1
-    assert "the lattice of object 1 is to be clipped (inside); it is read whole" in messages[0]
+    assert "beams are to be clipped (inside); they are read whole" in messages[0]
 
 
 def test_what_another_library_writes_is_read(tmp_path: Path) -> None:
@@ -272,8 +282,10 @@ def test_components_that_multiply_beyond_measure_are_refused(
 ) -> None:
     objects = [mesh(), *(doubled(k) for k in range(1, 40))]
     path = packed(tmp_path, model(objects, '<item objectid="40"/>'))
-    monkeypatch.setattr(_threemf, "MOST_BEAMS", 1000)
-    with pytest.raises(FormatError, match=r"lattice\.3mf builds 1024 beams; need at most 1000"):
+    monkeypatch.setattr(archive, "MOST_PARTS", 1000)
+    with pytest.raises(
+        FormatError, match=r"lattice\.3mf builds 1099511627776 beams and .*; need at most 1000"
+    ):
         read_raw(path)
 
 
@@ -298,7 +310,7 @@ def test_a_part_that_unpacks_beyond_measure_is_refused(
 ) -> None:
     path = packed(tmp_path, model([mesh()]) + " " * 100_000)
     assert path.stat().st_size < 5000
-    monkeypatch.setattr(_threemf, "LARGEST_FILE", 5000)
+    monkeypatch.setattr(archive, "LARGEST_FILE", 5000)
     with pytest.raises(FormatError, match=r"has 10\d+ bytes in /3D/3dmodel\.model; need at most"):
         read_raw(path)
 
@@ -348,3 +360,63 @@ def test_a_locked_archive_is_refused(tmp_path: Path) -> None:
             at = data.find(signature, at + 4)
     with pytest.raises(FormatError, match=r"cannot be unpacked: .* encrypted"):
         read_raw(written(tmp_path, "locked.3mf", bytes(data)))
+
+
+def test_meshes_are_read_as_beams_are_components_in_other_parts_and_sloppy_numbers_included(
+    tmp_path: Path,
+) -> None:
+    moved = "1 0 0 0 1 0 0 0 1 0 0 100"
+    placed = component(1, moved, "/3D/Objects/one.model") + component(2)
+    root = model([f"<components>{placed}</components>", SOLID])
+    others = {"3D/objects/One.model": model([SOLID], items="", unit='unit="centimeter"')}
+    mesh = read_triangles(packed(tmp_path, root, others))
+    assert mesh is not None
+    assert len(mesh.triangles) == 8
+    assert mesh.signed_volume == pytest.approx(121.5 * 1001)
+    np.testing.assert_allclose([mesh.vertices[0], mesh.vertices[4]], [[0, 0, 100], [0, 0, 0]])
+
+
+def test_a_mirrored_mesh_stays_outward(tmp_path: Path) -> None:
+    item = '<item objectid="1" transform="-1 0 0 0 1 0 0 0 1 0 0 0"/>'
+    mesh = read_triangles(packed(tmp_path, model([SOLID], item)))
+    assert mesh is not None
+    assert mesh.signed_volume == pytest.approx(121.5)
+
+
+def test_what_lib3mf_writes_is_read_as_lib3mf_reads_it(tmp_path: Path) -> None:
+    write(build_scaffold(STICK_FIGURE), tmp_path / "figure.3mf")
+    mesh = read_triangles(tmp_path / "figure.3mf")
+    assert mesh is not None
+    found = lib3mf.get_wrapper().CreateModel()
+    found.QueryReader("3mf").ReadFromFile(str(tmp_path / "figure.3mf"))
+    bodies = found.GetMeshObjects()
+    assert bodies.MoveNext()
+    body = bodies.GetCurrentMeshObject()
+    places = [list(vertex.Coordinates) for vertex in body.GetVertices()]
+    np.testing.assert_array_equal(mesh.vertices.astype(np.float32), np.float32(places))
+    rows = [list(row.Indices) for row in body.GetTriangleIndices()]
+    np.testing.assert_array_equal(mesh.triangles, rows)
+
+
+def test_beams_clipped_to_what_is_not_there_are_refused(tmp_path: Path) -> None:
+    lattice = 'radius="1" minlength="1" clippingmode="inside" clippingmesh="2"'
+    with pytest.raises(FormatError, match="clips beams to object '2', which is not a mesh in /3D"):
+        read_raw(packed(tmp_path, model([mesh(lattice=lattice)])))
+    lattice = 'radius="1" minlength="1" clippingmode="inside"'
+    with pytest.raises(FormatError, match="clippingmode is 'inside'; need the attribute clippingm"):
+        read_raw(packed(tmp_path, model([mesh(lattice=lattice)])))
+
+
+def test_a_long_chain_of_components_is_read_in_any_order(tmp_path: Path) -> None:
+    chain = [f"<components>{component(k)}</components>" for k in range(1, 60)]
+    path = packed(tmp_path, model([mesh(), *chain], '<item objectid="60"/><item objectid="1"/>'))
+    assert len(read_raw(path).edges) == 4
+
+
+def test_objects_that_multiply_beyond_measure_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(archive, "MOST_PIECES", 3)
+    path = packed(tmp_path, model([mesh(), doubled(1), doubled(2)], '<item objectid="3"/>'))
+    with pytest.raises(FormatError, match=r"lattice\.3mf builds 4 objects; need at most 3"):
+        read_raw(path)

@@ -28,7 +28,7 @@ from scaffold_cad import (
     write,
 )
 from scaffold_cad.errors import FormatError, MeshError, OptionError
-from scaffold_cad.io.writers.stl import write_stl
+from scaffold_cad.io.stl import write_stl
 from scaffold_cad.printability import (
     MATERIALS,
     PROCESSES,
@@ -610,7 +610,7 @@ def test_bad_mesh_files_are_refused_by_name(tmp_path: Path) -> None:
     with pytest.raises(FormatError, match=r"absent.stl cannot be read"):
         read_triangles(tmp_path / "absent.stl")
     (tmp_path / "bad.3mf").write_bytes(b"no archive")
-    with pytest.raises(FormatError, match=r"bad.3mf cannot be read"):
+    with pytest.raises(FormatError, match=r"bad.3mf cannot be unpacked"):
         read_triangles(tmp_path / "bad.3mf")
     (tmp_path / "bad.stl").write_bytes(b"solid nothing\nendsolid\n")
     with pytest.raises(FormatError, match=r"bad.stl"):

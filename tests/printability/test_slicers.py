@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from scaffold_cad import TriangleMesh, build_scaffold, tile, to_solid
-from scaffold_cad.io.writers.stl import write_stl
+from scaffold_cad.io.stl import write_stl
 from scaffold_cad.printability import check_printability
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid.manifolds import manifold_triangles

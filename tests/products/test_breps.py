@@ -9,7 +9,7 @@ import pytest
 
 from scaffold_cad.errors import OptionError
 from scaffold_cad.io import read_skeleton
-from scaffold_cad.io.export import write
+from scaffold_cad.io.write import write
 from scaffold_cad.products.breps import to_brep
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.smooth import smooth_mesh, smooth_patches

@@ -11,7 +11,7 @@ import pytest
 
 from scaffold_cad import solidified
 from scaffold_cad.errors import OptionError
-from scaffold_cad.io.export import write
+from scaffold_cad.io.write import write
 from scaffold_cad.printability import read_triangles
 from scaffold_cad.products.surfaces import surface_of, triangles_of
 from scaffold_cad.scaffold import build_scaffold

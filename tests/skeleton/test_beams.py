@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings
 
 from scaffold_cad.errors import FormatError, MeshError, SkeletonError
 from scaffold_cad.io import read_skeleton
-from scaffold_cad.io.export import write
+from scaffold_cad.io.write import write
 from scaffold_cad.lattice import tile
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton

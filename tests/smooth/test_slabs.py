@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 from scaffold_cad.errors import FormatError, OptionError
-from scaffold_cad.io.export import write
+from scaffold_cad.io.write import write
 from scaffold_cad.lattice import tile
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
@@ -104,7 +104,7 @@ def test_surfaces_that_formats_cannot_count_are_refused_before_a_byte(
         write(surface, tmp_path / "fine.stl")
     with pytest.raises(FormatError, match=rf"has {surface.vertex_count} vertices; a PLY file"):
         write(surface, tmp_path / "fine.ply")
-    monkeypatch.setattr("scaffold_cad.io.writers.ply.MOST_VERTICES", 10)
+    monkeypatch.setattr("scaffold_cad.io.ply.MOST_VERTICES", 10)
     with pytest.raises(FormatError, match=r"a PLY file holds 10 at most"):
         write(SCAFFOLDS["cell"], tmp_path / "scaffold.ply")
     assert not list(tmp_path.iterdir())

@@ -22,7 +22,7 @@ import numpy as np
 
 from scaffold_cad import TriangleMesh, build_scaffold, read_skeleton, tile, to_solid
 from scaffold_cad.errors import ScaffoldCadError
-from scaffold_cad.io.writers.stl import write_stl
+from scaffold_cad.io.stl import write_stl
 from scaffold_cad.printability import PROCESSES, Report, check_printability, read_triangles
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 from scaffold_cad.solid.manifolds import manifold_triangles

@@ -14,10 +14,16 @@ from typing import TextIO, TypeAlias
 
 import numpy as np
 
+from scaffold_cad import brep
 from scaffold_cad.base.arrays import Bools, Floats, Ints
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.brep.beziermesh import BezierMesh, side_indices
-from scaffold_cad.mesh.shells import quads_of_shells
+from scaffold_cad.io.content import Content
+from scaffold_cad.io.register import register_mesh_reader, register_writer
+from scaffold_cad.mesh.shells import check_solid, quads_of_shells
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+
+STEP_SUFFIXES = (".step", ".stp")
 
 CHUNK = 8192
 """Rows of a table that are formatted at once: bounds the memory that their texts take."""
@@ -59,6 +65,24 @@ PRODUCT_SHAPE, CONTEXT, PLACEMENT = 9, 14, 18  # entities of the header that oth
 
 POINT = "CARTESIAN_POINT('',(%s,%s,%s))"
 DIRECTION = "DIRECTION('',(%s,%s,%s))"
+
+
+@register_writer(*STEP_SUFFIXES, name="STEP")
+def write_step_content(content: Content, path: Path) -> None:
+    """Write a build123d shape by OCCT, and meshes of quads straight from their arrays."""
+    patches = content.patches()
+    if patches is None or content.write_pcurves:
+        brep.export_step(content.shape(), path, write_pcurves=content.write_pcurves)
+        return
+    check_solid(patches.mesh)
+    brep.check_sizes(patches)
+    write_step(patches, path, name=content.name, face_names=content.face_names())
+
+
+@register_mesh_reader("STEP", *STEP_SUFFIXES)
+def read_step_triangles(path: Path) -> TriangleMesh:
+    """Read the solids of a STEP file as triangles within 0.01 mm."""
+    return brep.tessellated(brep.read_brep(path))
 
 
 def write_step(

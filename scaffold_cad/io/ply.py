@@ -4,16 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._binary import as_doubles
-from scaffold_cad.io._formats import register_reader
-from scaffold_cad.io._mesh import Faces, skeleton_of_mesh
+from scaffold_cad.io._mesh import Faces, skeleton_of_mesh, triangulated
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import LARGEST_FILE, as_indices, check_size
+from scaffold_cad.io.content import Content
+from scaffold_cad.io.register import register_mesh_reader, register_reader, register_writer
+from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.smooth import FineSurface
 
 _TYPES = {
     "char": "i1",
@@ -63,6 +68,9 @@ class _Table:
     sizes: dict[str, Ints]
 
 
+_NOTHING = _Table({}, {})
+
+
 def _recognises(head: bytes) -> bool:
     return head[:3] == b"ply" and head[3:4].isspace()
 
@@ -74,24 +82,47 @@ def read_ply(path: Path) -> RawSkeleton:
     Of faces, edges between triangles in a plane are left out. A property ``radius`` of vertices
     is their radius in mm.
     """
-    check_size(path, LARGEST_FILE)
-    data = path.read_bytes()
-    order, elements, at = _header(path, data)
-    body = data[at:]
-    tables = _text_tables(path, body, elements) if not order else {}
-    if order:
-        tables = _binary_tables(path, body, elements, order)
-    vertex = _table(path, tables, "vertex", ("x", "y", "z"))
-    points = np.stack([vertex.columns[axis] for axis in "xyz"], axis=1)
+    tables = _tables(path)
+    points, vertex = _points(path, tables)
     if "edge" in tables:
         edge = _table(path, tables, "edge", ("vertex1", "vertex2"))
         ends = [as_indices(path, edge.columns[name]) for name in ("vertex1", "vertex2")]
         return RawSkeleton(points, np.stack(ends, axis=1), vertex.columns.get("radius"))
+    return skeleton_of_mesh(points, _faces(path, tables))
+
+
+@register_mesh_reader("PLY", ".ply")
+def read_ply_triangles(path: Path) -> TriangleMesh:
+    """Read the faces of a PLY file as triangles; none if it has edges and no faces."""
+    tables = _tables(path)
+    points, _ = _points(path, tables)
+    if "edge" in tables and not any(map(len, tables.get("face", _NOTHING).sizes.values())):
+        return TriangleMesh(points, np.zeros((0, 3), dtype=np.intp))
+    return triangulated(points, _faces(path, tables))
+
+
+def _tables(path: Path) -> dict[str, _Table]:
+    """Return the values of each element of a file."""
+    check_size(path, LARGEST_FILE)
+    data = path.read_bytes()
+    order, elements, at = _header(path, data)
+    if not order:
+        return _text_tables(path, data[at:], elements)
+    return _binary_tables(path, data[at:], elements, order)
+
+
+def _points(path: Path, tables: dict[str, _Table]) -> tuple[Floats, _Table]:
+    """Return the positions of the vertices, shape (v, 3), and all that is said of them."""
+    vertex = _table(path, tables, "vertex", ("x", "y", "z"))
+    return np.stack([vertex.columns[axis] for axis in "xyz"], axis=1), vertex
+
+
+def _faces(path: Path, tables: dict[str, _Table]) -> Faces:
     face = _table(path, tables, "face", ())
     name = next((name for name in _INDICES if name in face.sizes), None)
     if name is None or not len(face.sizes[name]) or face.sizes[name].min() < 3:
         raise FormatError(f"{path} has no faces of 3 vertices or more; need edges or such faces")
-    return skeleton_of_mesh(points, Faces(as_indices(path, face.columns[name]), face.sizes[name]))
+    return Faces(as_indices(path, face.columns[name]), face.sizes[name])
 
 
 def _header(path: Path, data: bytes) -> tuple[str, list[_Element], int]:
@@ -247,3 +278,84 @@ def _size(path: Path, value: float, element: _Element) -> int:
 def _refuse_end(path: Path, stop: int, total: int, element: _Element) -> None:
     if stop > total:
         raise FormatError(f"{path} ends within {element.count} elements {element.name!r}; need all")
+
+
+HEADER = """\
+ply
+format binary_little_endian 1.0
+comment scaffold_cad
+comment unit: mm
+element vertex {vertices}
+property double x
+property double y
+property double z
+element face {faces}
+property list uchar int vertex_indices
+end_header
+"""
+
+MOST_VERTICES = 2**31
+"""Vertices that a PLY index can tell apart."""
+
+
+@register_writer(".ply", name="PLY")
+def write_ply_content(content: Content, path: Path) -> None:
+    """Write a FineSurface slab by slab, and the faces of anything else."""
+    if isinstance(content.what, FineSurface):
+        write_ply_slabs(content.what, content.slabs, path)
+    else:
+        write_ply(content.mesh(), path)
+
+
+def write_ply(mesh: QuadMesh | TriangleMesh, path: Path) -> None:
+    """Write the vertices and the faces of `mesh`.
+
+    Raises
+    ------
+    FormatError
+        If it has more vertices than PLY indices can tell apart.
+    """
+    _check_count(len(mesh.vertices))
+    faces = mesh.quads if isinstance(mesh, QuadMesh) else mesh.triangles
+    with path.open("wb") as file:
+        _write_header(file, len(mesh.vertices), len(faces))
+        file.write(mesh.vertices.astype("<f8").tobytes())
+        _write_faces(file, faces)
+
+
+def write_ply_slabs(surface: FineSurface, slabs: int | None, path: Path) -> None:
+    """Write the vertices and the quads of `surface` slab by slab.
+
+    Raises
+    ------
+    FormatError
+        If it has more vertices than PLY indices can tell apart.
+    """
+    _check_count(surface.vertex_count)
+    runs = surface.cut(slabs)
+    with path.open("wb") as file:
+        _write_header(file, surface.vertex_count, surface.quad_count)
+        for rows in runs:
+            file.write(surface.vertices(rows).astype("<f8").tobytes())
+        for rows in runs:
+            _write_faces(file, surface.quads(rows))
+
+
+def _check_count(vertices: int) -> None:
+    if vertices > MOST_VERTICES:
+        raise FormatError(
+            f"the surface has {vertices} vertices; a PLY file holds {MOST_VERTICES} at most "
+            "(lower the levels)"
+        )
+
+
+def _write_header(file: BinaryIO, vertices: int, faces: int) -> None:
+    file.write(HEADER.format(vertices=vertices, faces=faces).encode("ascii"))
+
+
+def _write_faces(file: BinaryIO, faces: Ints) -> None:
+    corners = faces.shape[1]
+    rows = np.empty(len(faces), dtype=[("count", "u1"), ("corners", "<i4", corners)])
+    rows["count"] = corners
+    rows["corners"] = faces
+    file.write(rows.tobytes())

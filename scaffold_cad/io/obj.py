@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from itertools import pairwise
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 
 from scaffold_cad.errors import FormatError
-from scaffold_cad.io._formats import register_reader
+from scaffold_cad.io._mesh import joined_meshes
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import (
     Row,
@@ -18,6 +19,12 @@ from scaffold_cad.io._text import (
     read_rows,
     short_row,
 )
+from scaffold_cad.io.content import Content
+from scaffold_cad.io.register import register_mesh_reader, register_reader, register_writer
+from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.solid.manifolds import meshes_in
 
 _KEYWORDS = frozenset(
     ["v", "vt", "vn", "vp", "p", "l", "f", "o", "g", "s", "mtllib", "usemtl", "cstype", "deg"]
@@ -32,6 +39,12 @@ _ELEMENTS = {
 
 def _recognises(head: bytes) -> bool:
     return not _KEYWORDS.isdisjoint(first_words(head)[:1])
+
+
+@register_mesh_reader("OBJ", ".obj")
+def read_obj_triangles(path: Path) -> TriangleMesh:
+    """Read the faces of an OBJ file as triangles, through trimesh."""
+    return joined_meshes(meshes_in(path))
 
 
 @register_reader("OBJ", ".obj", ".wire", recognises=_recognises)
@@ -98,3 +111,39 @@ def _vertices(path: Path, line: int, words: list[str], seen: int, total: int) ->
         if not -seen <= number <= total:
             raise line_error(path, line, f"vertex {number}", f"1 to {total}, or -1 to -{seen}")
     return [number - 1 if number > 0 else seen + number for number in numbers]
+
+
+CHUNK = 1 << 15
+"""Rows that are formatted at once: bounds the memory that their texts take."""
+
+
+@register_writer(".obj", name="OBJ")
+def write_obj_content(content: Content, path: Path) -> None:
+    """Write a Skeleton as lines, and anything else that has a surface as its faces."""
+    if isinstance(content.what, Skeleton):
+        write_obj_lines(content.what, path)
+    else:
+        write_obj(content.mesh(), path)
+
+
+def write_obj(mesh: QuadMesh | TriangleMesh, path: Path) -> None:
+    """Write the vertices, exact to the last bit, and the faces of `mesh`."""
+    faces = mesh.quads if isinstance(mesh, QuadMesh) else mesh.triangles
+    with path.open("w", encoding="ascii", newline="\n") as file:
+        file.write("# scaffold_cad\n# unit: mm\n")
+        _write_rows(file, "v %r %r %r\n", mesh.vertices)
+        _write_rows(file, "f" + " %d" * faces.shape[1] + "\n", faces + 1)
+
+
+def write_obj_lines(skeleton: Skeleton, path: Path) -> None:
+    """Write the nodes, exact to the last bit, and the edges; OBJ has no place for radii."""
+    with path.open("w", encoding="ascii", newline="\n") as file:
+        file.write("# scaffold_cad\n# unit: mm\n")
+        _write_rows(file, "v %r %r %r\n", skeleton.nodes)
+        _write_rows(file, "l %d %d\n", skeleton.edges + 1)
+
+
+def _write_rows(file: TextIO, template: str, rows: np.ndarray) -> None:
+    for start in range(0, len(rows), CHUNK):
+        chunk = rows[start : start + CHUNK]
+        file.write(template * len(chunk) % tuple(chunk.reshape(-1).tolist()))

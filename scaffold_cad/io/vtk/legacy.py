@@ -11,10 +11,10 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Ints
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._binary import as_doubles
-from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import LARGEST_FILE, as_indices, check_size
-from scaffold_cad.io._vtk import Lines, checked, is_radii, line_cells, skeleton_of
+from scaffold_cad.io.register import register_reader
+from scaffold_cad.io.vtk.lines import Lines, checked, is_radii, line_cells, skeleton_of
 
 _TYPES = {
     "unsigned_char": "u1",

@@ -8,11 +8,11 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from scaffold_cad.errors import FormatError
-from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._nodes import largest_at_nodes
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import read_text
 from scaffold_cad.io._xml import xml_root
+from scaffold_cad.io.register import register_reader
 
 
 def _recognises(head: bytes) -> bool:

@@ -1,7 +1,4 @@
-"""VTK: lines of poly data and unstructured grids, in legacy files (.vtk) and XML (.vtp, .vtu).
-
-Both are read here, not by VTK: its readers end the process on files that are damaged.
-"""
+"""Polylines of VTK files, as both of its kinds of files hold them."""
 
 from __future__ import annotations
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.errors import FormatError
-from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import Row, first_words, float_columns, line_error, read_rows
+from scaffold_cad.io.register import register_reader
 
 _OFFSET = "an offset: OFFSET x y z"
 

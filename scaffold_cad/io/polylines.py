@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 
-from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._raw import RawSkeleton, joined_polylines
 from scaffold_cad.io._text import (
     first_words,
@@ -16,6 +15,7 @@ from scaffold_cad.io._text import (
     read_rows,
     whole_number,
 )
+from scaffold_cad.io.register import register_reader
 
 _NEED = "a polyline: N x y z x y z ..., with N points"
 

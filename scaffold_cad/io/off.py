@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 
 from scaffold_cad.errors import FormatError
-from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._mesh import Faces, skeleton_of_mesh
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import (
@@ -18,6 +17,7 @@ from scaffold_cad.io._text import (
     read_rows,
     whole_number,
 )
+from scaffold_cad.io.register import register_reader
 
 _KINDS = ("OFF", "COFF", "NOFF", "STOFF", "CNOFF")
 """Headers: vertices may have colours, normals and texture after their coordinates."""

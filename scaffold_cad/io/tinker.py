@@ -1,7 +1,4 @@
-"""Molecules: Chemical JSON, and XYZ with bonds as Tinker writes it. Atoms are nodes, bonds edges.
-
-Neither holds radii for a frame, and lengths, which are in Å, are taken as mm.
-"""
+"""XYZ with bonds as Tinker writes it: atoms are nodes, bonds edges, without radii."""
 
 from __future__ import annotations
 
@@ -10,8 +7,6 @@ from pathlib import Path
 import numpy as np
 
 from scaffold_cad.errors import FormatError
-from scaffold_cad.io._document import member, read_document
-from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import (
     float_columns,
@@ -20,35 +15,12 @@ from scaffold_cad.io._text import (
     read_rows,
     whole_number,
 )
+from scaffold_cad.io.register import register_reader
 
 _ATOM = "an atom: number, element, x, y, z, type, numbers of its neighbours"
 
 
-def _recognises_cjson(head: bytes) -> bool:
-    return b'"chemicalJson"' in head or b'"chemical json"' in head
-
-
-@register_reader("Chemical JSON", ".cjson", recognises=_recognises_cjson)
-def read_cjson(path: Path) -> RawSkeleton:
-    """Read atoms and bonds of Avogadro's Chemical JSON; the order of bonds is ignored."""
-    document = read_document(path)
-    atoms = member(path, document, "atoms", dict)
-    places = member(path, member(path, atoms, "coords", dict), "3d", list)
-    bonds = member(path, document, "bonds", dict)
-    ends = member(path, member(path, bonds, "connections", dict), "index", list)
-    return RawSkeleton(_rows(path, places, 3, "3d"), _rows(path, ends, 2, "index"))
-
-
-def _rows(path: Path, values: list[object], width: int, name: str) -> np.ndarray:
-    """Return a flat list as rows of `width`."""
-    if len(values) % width:
-        raise FormatError(f'{path} has {len(values)} numbers in "{name}"; need {width} a row')
-    if not all(isinstance(value, int | float) for value in values):
-        raise FormatError(f'{path} has something else than numbers in "{name}"; need numbers')
-    return np.asarray(values).reshape(-1, width)
-
-
-def _recognises_xyz(head: bytes) -> bool:
+def _recognises(head: bytes) -> bool:
     if b"\0" in head:
         return False
     lines = [line.split() for line in head.decode("utf-8", errors="replace").splitlines()[:2]]
@@ -63,7 +35,7 @@ def _recognises_xyz(head: bytes) -> bool:
     )
 
 
-@register_reader("Tinker XYZ", ".xyz", ".txyz", recognises=_recognises_xyz)
+@register_reader("Tinker XYZ", ".xyz", ".txyz", recognises=_recognises)
 def read_xyz(path: Path) -> RawSkeleton:
     """Read atoms and bonds of a Tinker XYZ file; atoms are numbered from 1.
 

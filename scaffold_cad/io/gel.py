@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import first_words, float_columns, index_columns, line_error, read_rows
+from scaffold_cad.io.register import register_reader
 
 _NODE = "a node: n x y z"
 _EDGE = "an edge: c i j"

@@ -12,9 +12,9 @@ import numpy as np
 from scaffold_cad.base.arrays import LARGEST_COORDINATE, Points
 from scaffold_cad.base.backends import need
 from scaffold_cad.errors import FormatError
-from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._raw import RawSkeleton, joined_polylines
 from scaffold_cad.io._text import check_size
+from scaffold_cad.io.register import register_reader
 
 CURVES = ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE")
 """Entities that become edges."""

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from scaffold_cad.errors import FormatError
-from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import Row, is_number, line_error, read_text
+from scaffold_cad.io.register import register_reader
 
 _NODE = "a node: name, x, y, z, and its radius if it has one"
 _PUNCTUATION = str.maketrans("()[]{},;", "        ")

@@ -11,9 +11,9 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._document import member, number, read_document
-from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._nodes import largest_at_nodes
 from scaffold_cad.io._raw import RawSkeleton
+from scaffold_cad.io.register import register_reader
 
 _UNITS = {
     "millimeter": 1.0,

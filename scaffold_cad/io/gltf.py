@@ -1,4 +1,4 @@
-"""glTF: the bones of its skins, in the pose that the file holds."""
+"""glTF: the bones of skins are read, meshes are written as GLB (binary glTF 2.0)."""
 
 from __future__ import annotations
 
@@ -11,9 +11,12 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Ints
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._document import member, number, parsed_document, read_document
-from scaffold_cad.io._formats import register_reader
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import LARGEST_FILE, check_size
+from scaffold_cad.io.content import Content
+from scaffold_cad.io.register import register_reader, register_writer
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.solid.manifolds import to_trimesh
 
 _MM = 1000.0
 """mm in a metre, glTF's unit."""
@@ -145,3 +148,15 @@ def _index(path: Path, value: Any, count: int, where: str) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < count:
         raise FormatError(f"{path} has {str(value)[:80]} as {where}; need 0 to {count - 1}")
     return value
+
+
+@register_writer(".glb", name="GLB")
+def write_glb_content(content: Content, path: Path) -> None:
+    """Write the triangles of what `write` is given."""
+    write_glb(content.triangles(), path)
+
+
+def write_glb(mesh: TriangleMesh, path: Path) -> None:
+    """Write `mesh` as glTF has it: in metres, y up, so (x, y, z) mm is at (x, z, -y) / 1000."""
+    turned = mesh.vertices[:, [0, 2, 1]] / (_MM, _MM, -_MM)
+    path.write_bytes(to_trimesh(TriangleMesh(turned, mesh.triangles)).export(file_type="glb"))

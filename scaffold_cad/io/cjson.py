@@ -1,0 +1,36 @@
+"""Chemical JSON, as Avogadro writes it: atoms are nodes, bonds edges, without radii."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from scaffold_cad.errors import FormatError
+from scaffold_cad.io._document import member, read_document
+from scaffold_cad.io._raw import RawSkeleton
+from scaffold_cad.io.register import register_reader
+
+
+def _recognises(head: bytes) -> bool:
+    return b'"chemicalJson"' in head or b'"chemical json"' in head
+
+
+@register_reader("Chemical JSON", ".cjson", recognises=_recognises)
+def read_cjson(path: Path) -> RawSkeleton:
+    """Read atoms and bonds; the order of bonds is ignored, and lengths, in Å, are taken as mm."""
+    document = read_document(path)
+    atoms = member(path, document, "atoms", dict)
+    places = member(path, member(path, atoms, "coords", dict), "3d", list)
+    bonds = member(path, document, "bonds", dict)
+    ends = member(path, member(path, bonds, "connections", dict), "index", list)
+    return RawSkeleton(_rows(path, places, 3, "3d"), _rows(path, ends, 2, "index"))
+
+
+def _rows(path: Path, values: list[object], width: int, name: str) -> np.ndarray:
+    """Return a flat list as rows of `width`."""
+    if len(values) % width:
+        raise FormatError(f'{path} has {len(values)} numbers in "{name}"; need {width} a row')
+    if not all(isinstance(value, int | float) for value in values):
+        raise FormatError(f'{path} has something else than numbers in "{name}"; need numbers')
+    return np.asarray(values).reshape(-1, width)

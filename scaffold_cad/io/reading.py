@@ -1,0 +1,150 @@
+"""read_skeleton(): the skeleton that a file holds, repaired so that it can be scaffolded."""
+
+from __future__ import annotations
+
+import logging
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+
+from scaffold_cad.base.arguments import as_count, as_number, as_path
+from scaffold_cad.base.arrays import Floats
+from scaffold_cad.errors import FormatError, OptionError, SkeletonError
+from scaffold_cad.io._raw import RawSkeleton
+from scaffold_cad.io.register import HEAD_SIZE, known_suffixes, reader_of
+from scaffold_cad.skeleton import Cleaning, Skeleton, check_skeleton
+from scaffold_cad.skeleton.repair import repaired
+
+BYTES_PER_EDGE = 9000
+"""Memory that an edge takes at the peak of a build with collars, measured on lattices."""
+
+_log = logging.getLogger("scaffold_cad.io")
+
+
+def read_skeleton(
+    path: str | PathLike[str],
+    radius: float | None = None,
+    strict: bool = False,
+    *,
+    weld_distance: float | None = None,
+    split_contacts: bool = False,
+    max_nodes: int | None = None,
+) -> Skeleton:
+    """Return the skeleton that a file holds, repaired so that it can be scaffolded.
+
+    What was repaired is logged as a warning by the logger ``scaffold_cad.io``.
+
+    Parameters
+    ----------
+    path : a file of a format in `known_suffixes`
+    radius : mm, > 0; the radius of every node, instead of what the file holds; needed for
+        formats without radii
+    strict : whether to refuse what needs repair; then no option of repair may be given
+    weld_distance, split_contacts : options of `Skeleton.cleaned`
+    max_nodes : most nodes that are taken, as a guard of memory; any number if None
+
+    Raises
+    ------
+    FormatError
+        If the file cannot be read, or holds no edge, or no radii and none is given, or more
+        nodes than `max_nodes`.
+    SkeletonError
+        If it cannot be repaired, or with `strict` if it needs repair; nodes and edges are
+        numbered from 0 in order of the file.
+    OptionError
+        If an option is out of range.
+    """
+    if not strict:
+        cleaning = read_with_repairs(
+            path,
+            radius,
+            weld_distance=weld_distance,
+            split_contacts=split_contacts,
+            max_nodes=max_nodes,
+        )
+        if cleaning.repairs.total:
+            _log.warning("%s was repaired: %s", path, cleaning.repairs)
+        return cleaning.skeleton
+    if weld_distance is not None or split_contacts:
+        raise OptionError("strict reading repairs nothing; need no weld_distance, split_contacts")
+    raw = read_raw(path, max_nodes)
+    radii = _radii(Path(path), raw, radius)
+    try:
+        skeleton = Skeleton(raw.nodes, raw.edges, radii)
+        check_skeleton(skeleton)
+    except SkeletonError as error:
+        raise SkeletonError(f"{path}: {error}") from None
+    return skeleton
+
+
+def read_with_repairs(
+    path: str | PathLike[str],
+    radius: float | None = None,
+    *,
+    weld_distance: float | None = None,
+    split_contacts: bool = False,
+    max_nodes: int | None = None,
+) -> Cleaning:
+    """Return the skeleton that a file holds as `read_skeleton` does, and what was repaired."""
+    raw = read_raw(path, max_nodes)
+    radii = _radii(Path(path), raw, radius)
+    try:
+        graph = repaired(
+            raw.nodes,
+            raw.edges,
+            radii,
+            weld_distance=weld_distance,
+            split_contacts=split_contacts,
+        )
+    except SkeletonError as error:
+        raise SkeletonError(f"{path}: {error}") from None
+    return Cleaning(Skeleton(graph.nodes, graph.edges, graph.radii), graph.repairs)
+
+
+def read_raw(path: str | PathLike[str], max_nodes: int | None = None) -> RawSkeleton:
+    """Return the graph in a file as it is, faults included.
+
+    Raises
+    ------
+    FormatError
+        If the file cannot be read, or holds no edge, or more nodes than `max_nodes`.
+    """
+    path = as_path(path)
+    try:
+        raw = reader_of(path, _head(path))(path)
+    except SkeletonError as error:
+        raise FormatError(f"{path}: {error}") from None
+    except OSError as error:
+        raise FormatError(f"{path} cannot be read: {error.strerror or error}") from None
+    if len(raw.edges) == 0:
+        raise FormatError(f"{path} has {len(raw.nodes)} nodes but no edges; need at least one")
+    if max_nodes is not None and len(raw.nodes) > as_count(max_nodes, "max_nodes"):
+        size = len(raw.edges) * BYTES_PER_EDGE / 1e9
+        found = f"{path} has {len(raw.nodes)} nodes and {len(raw.edges)} edges"
+        raise FormatError(
+            f"{found}; need at most {max_nodes} nodes: to build it takes about {size:.2g} GB of "
+            "memory, and max_nodes (--max-nodes) allows it"
+        )
+    _log.info("%s: %d nodes and %d edges read", path, len(raw.nodes), len(raw.edges))
+    return raw
+
+
+def _head(path: Path) -> bytes:
+    """Return the first bytes of a file, which must not be empty."""
+    if path.is_dir():
+        raise FormatError(f"{path} is a folder; need a file")
+    with path.open("rb") as stream:
+        head = stream.read(HEAD_SIZE)
+    if not head:
+        raise FormatError(f"{path} is empty; need {', '.join(known_suffixes())}")
+    return head
+
+
+def _radii(path: Path, raw: RawSkeleton, radius: float | None) -> Floats:
+    """Return the radius of each node: the one given, or what the file holds."""
+    if radius is not None:
+        return np.full(len(raw.nodes), as_number(radius, "radius"))
+    if raw.radii is None:
+        raise FormatError(f"{path} has no radii; need radius=, the radius of every node in mm")
+    return raw.radii

@@ -1,0 +1,189 @@
+"""STL, text or binary: triangles, of which the edges are read."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Points
+from scaffold_cad.errors import FormatError
+from scaffold_cad.io._binary import as_doubles
+from scaffold_cad.io._mesh import Faces, skeleton_of_mesh
+from scaffold_cad.io._raw import RawSkeleton
+from scaffold_cad.io._text import LARGEST_FILE, check_size
+from scaffold_cad.io.content import Content
+from scaffold_cad.io.register import (
+    HEAD_SIZE,
+    register_mesh_reader,
+    register_reader,
+    register_writer,
+)
+from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.smooth import FineSurface
+
+_HEADER = 84
+"""Bytes before the facets of a binary file."""
+
+_FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+_VERTEX = re.compile(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)", re.IGNORECASE)
+
+
+def _is_text(head: bytes) -> bool:
+    # Some binary files begin with "solid" too.
+    return head.lstrip()[:5].lower() == b"solid" and b"facet" in head.lower()
+
+
+def _recognises(head: bytes) -> bool:
+    count = int.from_bytes(head[80:84], "little")
+    return _is_text(head) or (
+        count > 0 and len(head) < HEAD_SIZE and len(head) == _HEADER + count * _FACET.itemsize
+    )
+
+
+@register_reader("STL", ".stl", recognises=_recognises)
+def read_stl(path: Path) -> RawSkeleton:
+    """Read the edges of an STL file, without those that cut a flat face in triangles.
+
+    A text file may hold several solids. Corners that are not exactly equal stay apart until
+    they are welded.
+    """
+    points = _corners(path)
+    count = len(points) // 3
+    return skeleton_of_mesh(points, Faces(np.arange(3 * count), np.full(count, 3)))
+
+
+@register_mesh_reader("STL", ".stl")
+def read_stl_triangles(path: Path) -> TriangleMesh:
+    """Read the triangles of an STL file, each with three vertices of its own."""
+    points = _corners(path)
+    return TriangleMesh(points, np.arange(len(points)).reshape(-1, 3))
+
+
+def _corners(path: Path) -> Points:
+    """Return the corners of the facets of a file, shape (3 t, 3)."""
+    check_size(path, LARGEST_FILE)
+    data = path.read_bytes()
+    return _of_text(path, data) if _is_text(data[:HEAD_SIZE]) else _of_binary(path, data)
+
+
+def _of_binary(path: Path, data: bytes) -> Points:
+    """Return the corners of the facets, shape (3 t, 3)."""
+    count = int.from_bytes(data[80:84], "little")
+    size = _HEADER + count * _FACET.itemsize
+    if len(data) != size or not count:
+        raise FormatError(f"{path} has {len(data)} bytes; need {size}, as its header says")
+    corners = np.frombuffer(data, dtype=_FACET, offset=_HEADER)["corners"]
+    return as_doubles(corners).reshape(-1, 3)
+
+
+def _of_text(path: Path, data: bytes) -> Points:
+    """Return the corners of the facets, shape (3 t, 3)."""
+    if not data.lower().rstrip().rpartition(b"\n")[2].lstrip().startswith(b"endsolid"):
+        raise FormatError(f"{path} does not end with 'endsolid': need the whole file")
+    rows = _VERTEX.findall(data)
+    facets = len(re.findall(rb"\bendfacet\b", data, re.IGNORECASE))
+    if len(rows) != 3 * facets or not facets:
+        raise FormatError(f"{path} has {len(rows)} vertices of {facets} facets; need 3 a facet")
+    try:
+        return np.array(rows, dtype=np.float64)
+    except ValueError as error:
+        raise FormatError(f"{path}: {error}; need a vertex: vertex x y z") from None
+
+
+HEADER = b"scaffold_cad binary STL, unit: mm"  # a header that starts with "solid" means text
+
+CHUNK = 1 << 16
+"""Triangles at a time: what is worked on stays in the processor's cache."""
+
+
+MOST_TRIANGLES = 2**32 - 1
+"""Triangles that the 32-bit number in the header can count."""
+
+
+@register_writer(".stl", name="STL")
+def write_stl_content(content: Content, path: Path) -> None:
+    """Write a FineSurface slab by slab, and the triangles of anything else."""
+    if isinstance(content.what, FineSurface):
+        write_stl_slabs(content.what, content.slabs, path)
+    else:
+        write_stl(content.triangles(), path)
+
+
+def write_stl(mesh: TriangleMesh, path: Path) -> None:
+    """Write `mesh` with 32-bit coordinates; a triangle without area has the normal 0.
+
+    Raises
+    ------
+    FormatError
+        If it has more triangles than the header can count.
+    """
+    _check_count(len(mesh.triangles))
+    _write(_chunks(mesh), path)
+
+
+def write_stl_slabs(surface: FineSurface, slabs: int | None, path: Path) -> None:
+    """Write `surface` slab by slab, with 32-bit coordinates.
+
+    Triangles two of whose corners fall on one place are left out, as in
+    `TriangleMesh.single_precision`.
+
+    Raises
+    ------
+    FormatError
+        If it has more triangles than the header can count.
+    """
+    _check_count(2 * surface.quad_count)
+    _write(_slab_chunks(surface, slabs), path)
+
+
+def _check_count(triangles: int) -> None:
+    if triangles > MOST_TRIANGLES:
+        raise FormatError(
+            f"the surface has {triangles} triangles; an STL file holds {MOST_TRIANGLES} at most "
+            "(lower the levels)"
+        )
+
+
+def _write(blocks: Iterable[np.ndarray], path: Path) -> None:
+    """Write triangles given by blocks of their corners (t, 3, 3), 32-bit."""
+    count = 0
+    with path.open("wb") as file:
+        file.write(HEADER.ljust(80) + bytes(4))
+        for corners in blocks:
+            facets = np.zeros(len(corners), dtype=_FACET)
+            facets["corners"] = corners
+            facets["normal"] = _normals(corners)
+            file.write(facets.tobytes())
+            count += len(corners)
+        file.seek(80)
+        file.write(np.uint32(count).astype("<u4").tobytes())
+
+
+def _chunks(mesh: TriangleMesh) -> Iterator[np.ndarray]:
+    vertices = mesh.vertices.astype("<f4")
+    for start in range(0, len(mesh.triangles), CHUNK):
+        yield vertices[mesh.triangles[start : start + CHUNK]]
+
+
+def _slab_chunks(surface: FineSurface, slabs: int | None) -> Iterator[np.ndarray]:
+    for rows in surface.cut(slabs):
+        corners = surface.corners(rows)
+        quads = np.arange(4 * len(corners)).reshape(-1, 4)
+        slab = QuadMesh(corners.reshape(-1, 3), quads)
+        for chunk in _chunks(TriangleMesh(slab.vertices, slab.triangles)):
+            yield chunk[(chunk != np.roll(chunk, 1, axis=1)).any(axis=2).all(axis=1)]
+
+
+def _normals(corners: np.ndarray) -> np.ndarray:
+    """Return the unit normals (t, 3) of the triangles with `corners` (t, 3, 3)."""
+    first = corners[:, 1] - corners[:, 0]
+    second = corners[:, 2] - corners[:, 0]
+    normals = np.cross(first, second)
+    lengths = np.sqrt(np.einsum("ti,ti->t", normals, normals))[:, None]
+    np.divide(normals, lengths, out=normals, where=lengths > 0)
+    return normals

@@ -1,0 +1,102 @@
+"""write(): what the package makes, as a file whose suffix names the format.
+
+======================  ====================================================================
+.step .stp              solids, mm; a face named after its skeleton edge; build123d shapes too
+.brep                   OCCT's own format, mm
+.stl                    binary, 32-bit coordinates, mm
+.3mf                    one mesh object, 32-bit coordinates, mm; a skeleton as a beam lattice
+.obj .ply               quads stay quads, 64-bit coordinates, mm; OBJ also a skeleton, as lines
+.glb                    metres and y up, as glTF asks
+.json                   a skeleton, as `read_skeleton` reads it
+.swc                    a skeleton without loops, as `read_skeleton` reads it
+======================  ====================================================================
+"""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from scaffold_cad.base.arguments import as_path
+from scaffold_cad.base.builders import built
+from scaffold_cad.base.files import check_target, replacing
+from scaffold_cad.errors import OptionError
+from scaffold_cad.io.content import Content
+from scaffold_cad.io.register import writer_of
+from scaffold_cad.io.step import STEP_SUFFIXES
+from scaffold_cad.smooth import FineSurface
+
+
+def write(
+    what: Any,
+    path: str | PathLike[str],
+    *,
+    write_pcurves: bool = False,
+    slabs: int | None = None,
+) -> None:
+    """Write `what` to the file at `path`, whole or not at all.
+
+    Parameters
+    ----------
+    what : a Scaffold, a QuadMesh, smooth patches, a subdivision or a BezierMesh for any format
+        that holds solids, the overlapping struts of a Scaffold united in mesh formats (`to_solid`);
+        a Solidified, a TriangleMesh, a manifold3d Manifold or a trimesh Trimesh for mesh formats; a
+        build123d shape, or a builder, which mesh formats get within 0.01 mm; a Skeleton for JSON,
+        3MF (as a beam lattice), OBJ (as lines, without radii) and SWC (without loops); a
+        BeamLattice for 3MF; a FineSurface for STL and PLY
+    path : of the file; its suffix names the format
+    write_pcurves : whether a STEP file also holds each edge in the parameters of its faces, for
+        programs that ask for it: twice the size, and OCCT takes longer to write and to read it
+    slabs : ≥ 1; in how many slabs a FineSurface is made and written, which bounds the memory
+        needed beyond the scaffold's; by default as many as keep it under some 500 MB
+
+    Raises
+    ------
+    FormatError
+        If the suffix is unknown, the format cannot hold `what`, or the file cannot be written.
+    MeshError, BrepError
+        If a B-rep is asked for and the mesh does not bound a solid, or a mesh of a BeamLattice is
+        not closed.
+    OptionError
+        If `write_pcurves` is asked of another format than STEP, or `slabs` for anything but a
+        FineSurface, or there are fewer than 1; or `what` is a builder that holds no shape yet, or
+        `path` is none.
+    MissingBackendError
+        If the package that writes the format is not installed.
+    """
+    path, what = _target(path, what), built(what)
+    writer = writer_of(path)
+    if write_pcurves and path.suffix.lower() not in STEP_SUFFIXES:
+        raise OptionError(f"write_pcurves is for STEP files only; {path.name} is none")
+    if slabs is not None and not isinstance(what, FineSurface):
+        kind = type(what).__name__
+        raise OptionError(f"slabs is for a FineSurface only; {path.name} gets a {kind}")
+    with replacing(path) as fresh:
+        writer(Content(what, path.stem, write_pcurves, slabs), fresh)
+
+
+def check_writable(path: str | PathLike[str], *, solid: bool = False) -> None:
+    """Raise unless `write` knows the suffix of `path` and can write a file there.
+
+    Parameters
+    ----------
+    solid : whether the format must be able to hold solids
+
+    Raises
+    ------
+    FormatError
+        If the suffix is unknown, or the folder is missing or read-only.
+    """
+    path = as_path(path)
+    writer_of(path, solid)
+    check_target(path)
+
+
+def _target(path: str | PathLike[str], what: Any) -> Path:
+    if isinstance(what, str | PathLike) and not isinstance(path, str | PathLike):
+        raise OptionError(
+            f"path is of type {type(path).__name__}: the object comes first, "
+            f"as in write(what, {what!r})"
+        )
+    return as_path(path)
