@@ -87,7 +87,7 @@ def make_shape(
     closed : whether each shell is closed
     kind : "solid" or "shell"
     """
-    with _collector_paused():
+    with collector_paused():
         faces = _faces(patches)
     shapes = []
     for quads, is_closed in zip(shells, closed, strict=True):
@@ -319,7 +319,7 @@ def export_brep(shape: Shape, path: Path) -> bool:
 
 
 @contextmanager
-def _collector_paused() -> Iterator[None]:
+def collector_paused() -> Iterator[None]:
     """Keep Python from looking for cycles, which OCCT's objects never form, as they are made.
 
     It would look at all that exists again and again, and take a third of the time.

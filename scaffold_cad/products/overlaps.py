@@ -1,13 +1,72 @@
-"""What is said of struts that overlap, by the command line and where parts are filled."""
+"""The rule for struts that overlap: unite them, refuse them, or allow faces that cross.
+
+It is one rule for all that a skeleton's struts become: `write`, `to_brep`, the part objects, `show`
+and the command line. Meshes are united by default, for that always works; B-reps are refused, for a
+CAD program fails later on faces that cross. What is done is logged once.
+"""
 
 from __future__ import annotations
 
 import logging
+from typing import Literal, TypeAlias, get_args
 
+from scaffold_cad.base.arguments import check_choice
 from scaffold_cad.base.arrays import Ints
+from scaffold_cad.errors import BrepError
 from scaffold_cad.scaffold import Scaffold
+from scaffold_cad.skeleton import Skeleton
+
+Overlaps: TypeAlias = Literal["unite", "refuse", "allow"]
+"""What becomes of struts that overlap."""
+
+NAMED = 5
+"""Struts that a message names."""
 
 _log = logging.getLogger(__name__)
+
+
+def to_unite(overlaps: Overlaps, edges: Ints, skeleton: Skeleton) -> bool:
+    """Return whether `edges` are to be united; log what is done with them, or refuse them.
+
+    Parameters
+    ----------
+    overlaps : the rule chosen
+    edges : of `skeleton` whose struts overlap others or their nodes, ascending
+
+    Raises
+    ------
+    BrepError
+        If there are any and the rule is to refuse them; edges and a place are named.
+    OptionError
+        If there is no such rule.
+    """
+    check_choice(overlaps, "overlaps", get_args(Overlaps))
+    if len(edges) == 0:
+        return False
+    found = described(edges, skeleton)
+    if overlaps == "refuse":
+        raise BrepError(
+            f"{found}: faces would cross; need struts apart (smaller radii, larger cells, fewer "
+            "joints), or overlaps='unite' for the plane facets of their union, overlaps='allow' "
+            "for faces that cross, or a mesh format, which unites them"
+        )
+    if overlaps == "allow":
+        _log.warning("%s: faces cross there", found)
+        return False
+    _log.info("%s; they are united", found)
+    return True
+
+
+def described(edges: Ints, skeleton: Skeleton) -> str:
+    """Return how many struts overlap, which ones, and where the first of them is."""
+    place = skeleton.nodes[skeleton.edges[edges[0]]].mean(axis=0)
+    named = ", ".join(str(edge) for edge in edges[:NAMED].tolist())
+    more = "" if len(edges) <= NAMED else ", ..."
+    near = ", ".join(f"{value:.6g}" for value in place.tolist())
+    return (
+        f"{len(edges)} of {len(skeleton.edges)} struts overlap others or their nodes "
+        f"(edges {named}{more}; the first near [{near}] mm)"
+    )
 
 
 def log_overlaps(scaffold: Scaffold, edges: Ints, *, united: bool, smooth: bool = False) -> None:

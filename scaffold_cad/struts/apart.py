@@ -20,7 +20,6 @@ from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import length
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.struts.model import BlendedNodes
-from scaffold_cad.struts.options import StrutOptions
 from scaffold_cad.struts.runs import Runs
 
 PIECES = 4
@@ -45,13 +44,17 @@ class Capsules(Frozen):
     run: Ints
     """Run that each is of, shape (c,)."""
 
+    def thickened(self, factor: float) -> Capsules:
+        """Return the same segments with other radii."""
+        return Capsules(self.start, self.end, factor * self.radius, self.nodes, self.run)
 
-def meeting_runs(capsules: Capsules, gap: float) -> Edges:
-    """Return the pairs of runs whose capsules come nearer than `gap` (mm), each once, (p, 2).
 
-    Capsules that share a node are no pair.
+def meeting_runs(capsules: Capsules) -> Edges:
+    """Return the pairs of runs whose capsules meet, each once, shape (p, 2).
+
+    Capsules that share a node, or are of one run, are not compared.
     """
-    reach = capsules.radius[:, None] + 0.5 * gap
+    reach = capsules.radius[:, None]
     low = np.minimum(capsules.start, capsules.end) - reach
     high = np.maximum(capsules.start, capsules.end) + reach
     found = []
@@ -60,7 +63,7 @@ def meeting_runs(capsules: Capsules, gap: float) -> Edges:
         a, b = nearest_on_segments(
             capsules.start[i], capsules.end[i], capsules.start[j], capsules.end[j]
         )
-        near = length(a - b) < capsules.radius[i] + capsules.radius[j] + gap
+        near = length(a - b) < capsules.radius[i] + capsules.radius[j]
         found.append(np.stack([capsules.run[i[near]], capsules.run[j[near]]], axis=1))
     pairs = np.concatenate(found) if found else np.empty((0, 2), dtype=np.intp)
     pairs = np.sort(pairs, axis=1)
@@ -76,9 +79,15 @@ def _without_neighbors(capsules: Capsules, i: Ints, j: Ints) -> tuple[Ints, Ints
 
 
 def crossing_runs(
-    runs: Runs, blended: tuple[BlendedNodes, ...], collar: Floats, options: StrutOptions
+    runs: Runs, blended: tuple[BlendedNodes, ...], collar: Floats, slack: float = 0.0
 ) -> Edges:
-    """Return the pairs of runs that are not known to keep apart, each once, shape (p, 2)."""
+    """Return the pairs of runs that are not known to keep apart, each once, shape (p, 2).
+
+    Parameters
+    ----------
+    collar : (2 k,) distance of each half-run's collar from its node, mm
+    slack : how much thicker all are taken to be, in radii: polygons reach beyond their circles
+    """
     capsules = [_struts(runs, collar), *(_node_parts(runs, group) for group in blended)]
     every = Capsules(
         *(
@@ -86,8 +95,7 @@ def crossing_runs(
             for name in ("start", "end", "radius", "nodes", "run")
         )
     )
-    del options
-    return meeting_runs(every, 0.0)
+    return meeting_runs(every.thickened(1.0 + slack))
 
 
 def _struts(runs: Runs, collar: Floats) -> Capsules:

@@ -14,7 +14,7 @@ from scaffold_cad.struts.apart import crossing_runs
 from scaffold_cad.struts.collars import LEAST_BLEND, collar_distances
 from scaffold_cad.struts.distances import Union
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
-from scaffold_cad.struts.nodes import Blends, Stars, blends
+from scaffold_cad.struts.nodes import Stars, blends
 from scaffold_cad.struts.options import BLEND, Ends, Nodes, StrutOptions
 from scaffold_cad.struts.room import allotted
 from scaffold_cad.struts.runs import Runs, straight_runs
@@ -100,9 +100,7 @@ def _partitions(directions: UnitVectors) -> tuple[UnitVectors, Ints]:
     # Two quads on the great circle between both directions, a corner toward the inner side.
     across = normalize(directions[:, 0] - directions[:, 1])
     inner = directions.sum(axis=1)
-    inner = np.where(
-        (length(inner) > 1e-6)[:, None], inner, any_perpendicular(across)
-    )
+    inner = np.where((length(inner) > 1e-6)[:, None], inner, any_perpendicular(across))
     inner = normalize(inner - dot(inner, across)[:, None] * across)
     side = np.cross(across, inner)
     vertices = np.stack([inner, side, -inner, -side], axis=1)
@@ -161,15 +159,13 @@ def _assembled(
         crowded[group.nodes[~made.proved[which]]] = True
     _turn_ends(runs, x)
     crowded[runs.edges[no_room].reshape(-1)] = True
-    crossing = crossing_runs(runs, solved, collar, options)
+    crossing = crossing_runs(runs, solved, collar)
     crowded[runs.edges[crossing].reshape(-1)] = True
     crowded_runs = np.zeros(len(runs.edges), dtype=np.bool_)
     crowded_runs[no_room] = True
     crowded_runs[np.unique(crossing)] = True
     crowded_runs |= crowded[runs.edges].all(axis=1)
-    return RoundStruts(
-        skeleton, options, runs, solved, collar, x, fillet, crowded, crowded_runs
-    )
+    return RoundStruts(skeleton, options, runs, solved, collar, x, fillet, crowded, crowded_runs)
 
 
 def _turn_ends(runs: Runs, x: UnitVectors) -> None:

@@ -50,10 +50,9 @@ def round_ends(
     spoke = points - points.mean(axis=1, keepdims=True)  # (e, s, 3), as long as the ring is wide
     wide = size[:, None] * np.cos(latitude) / radius[:, None]
     high = center[:, None] + size[:, None] * np.sin(latitude)
-    inner = (
-        (node[:, None] + high[..., None] * outward[:, None])[:, :, None]
-        + wide[..., None, None] * spoke[:, None]
-    )  # (e, levels - 1, s, 3)
+    inner = (node[:, None] + high[..., None] * outward[:, None])[:, :, None] + wide[
+        ..., None, None
+    ] * spoke[:, None]  # (e, levels - 1, s, 3)
     pole = node + (center + size)[:, None] * outward
     block = (levels - 1) * sides + 1
     first = count + block * np.arange(number)

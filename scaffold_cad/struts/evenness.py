@@ -56,7 +56,10 @@ def even(directions: UnitVectors, vertices: UnitVectors, quads: Ints) -> UnitVec
 
 
 def _wanted(
-    directions: UnitVectors, frame_x: UnitVectors, frame_y: UnitVectors, vertices: UnitVectors,
+    directions: UnitVectors,
+    frame_x: UnitVectors,
+    frame_y: UnitVectors,
+    vertices: UnitVectors,
     quads: Ints,
 ) -> UnitVectors:
     """Return where the quads around each vertex would have it, unit vectors, (M, V, 3)."""

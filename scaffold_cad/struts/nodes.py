@@ -17,7 +17,7 @@ from scaffold_cad.struts.distances import Union
 from scaffold_cad.struts.evenness import even, phases
 from scaffold_cad.struts.joins import types_of
 from scaffold_cad.struts.proof import prove
-from scaffold_cad.struts.quarter import ARC, DEGREE
+from scaffold_cad.struts.quarter import DEGREE
 from scaffold_cad.struts.rows import Rings, given_rows, rings
 from scaffold_cad.struts.system import System, sample_parameters, system_of
 
@@ -139,7 +139,12 @@ def blends(stars: Stars) -> Blends:
 def _distinct(stars: Stars) -> tuple[Ints, Ints]:
     """Return one node of each kind of equal nodes, (U,), and the kind of each node, (M,)."""
     scale = SAME * stars.radii.mean(axis=1)
-    sizes = [stars.radii, stars.blends, stars.balls, np.minimum(stars.most, 1e6 * scale[:, None] / SAME)]
+    sizes = [
+        stars.radii,
+        stars.blends,
+        stars.balls,
+        np.minimum(stars.most, 1e6 * scale[:, None] / SAME),
+    ]
     shapes = [stars.directions, stars.slopes, stars.vertices]
     rows = [np.rint(each.reshape(len(stars), -1) / scale.mean()) for each in sizes]
     rows += [np.rint(each.reshape(len(stars), -1) / SAME) for each in shapes]

@@ -116,9 +116,7 @@ def _positive(coefficients: Floats, margins: Floats) -> Bools:
         proved[lost if depth < DEPTH else owner] = False
         kept = proved[owner]
         coefficients, owner = coefficients[kept], owner[kept]
-        coefficients = np.concatenate(
-            [one @ coefficients @ two.T for one in _CUT for two in _CUT]
-        )
+        coefficients = np.concatenate([one @ coefficients @ two.T for one in _CUT for two in _CUT])
         owner = np.tile(owner, 4)
     return proved
 

@@ -94,18 +94,22 @@ def quarter_parameters(steps: int) -> Floats:
 
     They lie alike from both ends, as the curve is symmetric: so two patches meet on an arc.
     """
-    wanted = np.arange(steps) / steps * (np.pi / 2)
-    low, high = np.zeros(steps), np.ones(steps)
-    for _ in range(60):
-        middle = (low + high) / 2
-        place = bernstein(DEGREE, middle) @ ARC  # (steps, 2)
-        beyond = np.arctan2(place[:, 1], place[:, 0]) > wanted
-        low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
-    found = (low + high) / 2
+    found = parameters_at(np.arange(steps) / steps * (np.pi / 2))
     # The same numbers from both ends, to the last bit.
     found[1:] = (found[1:] + (1 - found[:0:-1])) / 2
     found[0] = 0.0
     return found
+
+
+def parameters_at(angles: Floats) -> Floats:
+    """Return the parameters at which the quarter circle is at angles (k,) in [0, π/2], rad."""
+    low, high = np.zeros(len(angles)), np.ones(len(angles))
+    for _ in range(60):
+        middle = (low + high) / 2
+        place = bernstein(DEGREE, middle) @ ARC  # (k, 2)
+        beyond = np.arctan2(place[:, 1], place[:, 0]) > angles
+        low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
+    return (low + high) / 2
 
 
 def _sampled(control: Floats, u: Floats, v: Floats) -> tuple[Floats, Floats]:

@@ -74,16 +74,15 @@ def straight_runs(skeleton: Skeleton) -> Runs:
     """Return the edges of `skeleton`, joined where a joint changes nothing."""
     through = _passed(skeleton)
     if not through.any():
-        return Runs(skeleton.nodes, skeleton.edges, skeleton.edge_radii, np.arange(len(through)))
+        every = np.arange(len(skeleton.edges))
+        return Runs(skeleton.nodes, skeleton.edges, skeleton.edge_radii, every)
     half_edges = skeleton.incidence.at_nodes(np.flatnonzero(through), 2)  # (j, 2)
     run_of_edge = component_labels(half_edges >> 1, len(skeleton.edges))
     tails = skeleton.edges.reshape(-1)
     outer = np.flatnonzero(~through[tails])
     # Two half-edges of each run leave nodes where it ends.
     ends = outer[np.argsort(run_of_edge[outer >> 1], kind="stable")].reshape(-1, 2)
-    return Runs(
-        skeleton.nodes, tails[ends], skeleton.edge_radii.reshape(-1)[ends], run_of_edge
-    )
+    return Runs(skeleton.nodes, tails[ends], skeleton.edge_radii.reshape(-1)[ends], run_of_edge)
 
 
 def _passed(skeleton: Skeleton) -> Bools:

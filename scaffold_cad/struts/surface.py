@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Triangles
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, Triangles
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.struts.bands import band_triangles, enlargement, matching, twist_of
 from scaffold_cad.struts.ends import flat_ends, round_ends
@@ -31,7 +31,19 @@ class _Sized(Frozen):
     """Radius of each half-run's circle, shape (2 k,), mm."""
 
 
-def triangulated(struts: RoundStruts, sides: int, shift: Ints | None = None) -> TriangleMesh:
+@dataclass(frozen=True, eq=False)
+class Triangulated(Frozen):
+    """Triangles of round struts, and what they stand around."""
+
+    mesh: TriangleMesh
+    """The triangles, those of nodes first."""
+    node: Ints
+    """Node that each triangle of a node stands around, shape (t',)."""
+    shift: Ints
+    """How the rings of each run are joined, see `Matching`, shape (k,)."""
+
+
+def triangulated(struts: RoundStruts, sides: int, shift: Ints | None = None) -> Triangulated:
     """Return the surface of round struts as triangles.
 
     Parameters
@@ -39,6 +51,7 @@ def triangulated(struts: RoundStruts, sides: int, shift: Ints | None = None) -> 
     sides : points of a ring, a multiple of 4
     shift : (k,) how the rings of each run are joined, see `Matching`; by default with least twist
     """
+    nodes: list[Ints] = []
     sized = _sized(struts, sides, shift)
     rings = np.empty((len(struts.collar), sides), dtype=np.intp)
     own = _own_rings(struts, sized, sides)  # (2 k, sides, 3)
@@ -49,6 +62,7 @@ def triangulated(struts: RoundStruts, sides: int, shift: Ints | None = None) -> 
         placed, triangles, last = _node_surface(struts, group, own, sized.growth, sides)
         points.append(placed)
         faces.append(triangles + count)
+        nodes.append(np.repeat(group.nodes, len(triangles) // max(len(group.nodes), 1)))
         rings[group.half_runs] = last + count
         count += len(placed)
     ends = np.flatnonzero(struts.runs.valency[struts.runs.tails] == 1)
@@ -61,7 +75,9 @@ def triangulated(struts: RoundStruts, sides: int, shift: Ints | None = None) -> 
     faces.append(triangles)
     near, far = rings[0::2], rings[1::2]
     faces.append(band_triangles(near, far, sized.shift, sized.twist))
-    return TriangleMesh(np.concatenate(points), np.concatenate(faces))
+    mesh = TriangleMesh(np.concatenate(points), np.concatenate(faces))
+    around = np.concatenate(nodes) if nodes else np.empty(0, dtype=np.intp)
+    return Triangulated(mesh, around, sized.shift)
 
 
 def _sized(struts: RoundStruts, sides: int, shift: Ints | None) -> _Sized:

@@ -109,7 +109,9 @@ def _refined(
     """Return the level of some groups, and the groups of the next finer level."""
     parts = list(
         in_order(
-            lambda some: _refine_some(union, lattice, wanted, size, groups[some], _sub(lists, some)),
+            lambda some: _refine_some(
+                union, lattice, wanted, size, groups[some], _sub(lists, some)
+            ),
             _blocks(lists),
         )
     )

@@ -57,9 +57,7 @@ def grid_of(union: FilletedUnion, lattice: Lattice, levels: list[Level]) -> Grid
         corners = (2 * level.groups * half)[:, None]
         keys.append(packed(corners + AROUND * half).reshape(-1))
         centers.append((corners + CHILDREN * half + half // 2).astype(np.int32).reshape(-1, 3))
-    unique, seen, inverse = np.unique(
-        np.concatenate(keys), return_index=True, return_inverse=True
-    )
+    unique, seen, inverse = np.unique(np.concatenate(keys), return_index=True, return_inverse=True)
     lists = joined_lists([level.lists for level in levels])
     places = _places(unique)
     field = values(union, lattice.places(places), seen // 27, lists)
@@ -110,7 +108,10 @@ RIM = np.array(
     [
         [
             [
-                sum(step * 3**axis for axis, step in zip(((a + 1) % 3, (a + 2) % 3), uv, strict=True))
+                sum(
+                    step * 3**axis
+                    for axis, step in zip(((a + 1) % 3, (a + 2) % 3), uv, strict=True)
+                )
                 for uv in ((0, 0), (1, 0), (1, 1), (0, 1))
             ]
         ]
@@ -142,9 +143,7 @@ class TetrahedraBuilder:
             order = np.argsort(keys, kind="stable")
             self.order.append(order)
             self.sorted_keys.append(keys[order])
-        self.finest = min(
-            (k for k, level in enumerate(grid.levels) if level.leaf.any()), default=0
-        )
+        self.finest = min((k for k, level in enumerate(grid.levels) if level.leaf.any()), default=0)
 
     def find(self, k: int, cells: Ints) -> Ints:
         """Return which group of level k stands at each cell (n, 3), or -1."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from scaffold_cad.base.arrays import Floats, Ints
 from scaffold_cad.solid.field.grid import Grid, Tetrahedra
@@ -61,9 +60,7 @@ def surface(
         owners.append(np.repeat(tetrahedra.owners[rows], len(sides)))
         faces.append(count + np.arange(keys[-1].size).reshape(-1, len(sides)))
         count += keys[-1].size
-    unique, seen, inverse = np.unique(
-        np.concatenate(keys), return_index=True, return_inverse=True
-    )
+    unique, seen, inverse = np.unique(np.concatenate(keys), return_index=True, return_inverse=True)
     start, end = np.divmod(unique, total)
     owner = np.concatenate(owners)[seen]
     vertices = _vertices(union, grid, tetrahedra, start, end, owner, rounds)
@@ -150,9 +147,7 @@ def _secant(low: Floats, high: Floats, f_low: Floats, f_high: Floats) -> Floats:
     return low + (high - low) * np.where(rise > 0, -f_low / np.where(rise > 0, rise, 1.0), 0.5)
 
 
-def _parabola(
-    x0: Floats, x1: Floats, x2: Floats, f0: Floats, f1: Floats, f2: Floats
-) -> Floats:
+def _parabola(x0: Floats, x1: Floats, x2: Floats, f0: Floats, f1: Floats, f2: Floats) -> Floats:
     """Return the root nearest x1 of the parabolas through three points each, nan where none."""
     with np.errstate(all="ignore"):
         d01, d12 = (f1 - f0) / (x1 - x0), (f2 - f1) / (x2 - x1)
@@ -160,5 +155,3 @@ def _parabola(
         slope = d01 + bend * (x1 - x0)
         root = np.sqrt(slope * slope - 4.0 * bend * f1)
         return x1 - 2.0 * f1 / (slope + np.copysign(root, slope))
-
-

@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
-import numpy as np
-
-from scaffold_cad.base.arrays import Floats, Frozen, Ints
-from scaffold_cad.errors import OptionError
+from scaffold_cad.base.arrays import Frozen
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.field.cells import levels_of
 from scaffold_cad.solid.field.grid import grid_of, tetrahedra_of
@@ -26,7 +22,9 @@ class FieldSolid(Frozen):
     cell: float
 
 
-def field_solid(struts: FieldStruts, *, fraction=DEFAULT_FRACTION, size=None, rounds=1) -> FieldSolid:
+def field_solid(
+    struts: FieldStruts, *, fraction=DEFAULT_FRACTION, size=None, rounds=1
+) -> FieldSolid:
     least = fraction * struts.radii.min()
     low, high = struts.box()
     lattice = lattice_over(low, high, least)

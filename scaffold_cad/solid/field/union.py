@@ -16,7 +16,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points
 from scaffold_cad.base.threads import in_order
-from scaffold_cad.base.vectors import dot, length
+from scaffold_cad.base.vectors import length
 from scaffold_cad.solid.field.struts import FieldStruts
 
 POINTS_AT_ONCE = 1 << 14
@@ -51,9 +51,7 @@ class FilletedUnion(Frozen):
         The distance is that to the balls along the strut's axis that touch its side: exact for
         round ends, and for flat ends the larger of that and the distance to the end's plane.
         """
-        px, py, pz, ax, ay, az, low, high, radius, sine, slope = (
-            row[struts] for row in self.rows
-        )
+        px, py, pz, ax, ay, az, low, high, radius, sine, slope = (row[struts] for row in self.rows)
         px, py, pz = x[:, 0] - px, x[:, 1] - py, x[:, 2] - pz
         along = px * ax + py * ay + pz * az
         square = px * px + py * py + pz * pz
@@ -82,7 +80,9 @@ def filleted_union(struts: FieldStruts, origin: Floats, swell: Floats) -> Fillet
     start, end = struts.ends[:, 0] - origin, struts.ends[:, 1] - origin
     extent = length(end - start)
     ball = extent <= 1e-12 * struts.radii.max(axis=1)
-    axis = np.where(ball[:, None], [1.0, 0.0, 0.0], (end - start) / np.where(ball, 1, extent)[:, None])
+    axis = np.where(
+        ball[:, None], [1.0, 0.0, 0.0], (end - start) / np.where(ball, 1, extent)[:, None]
+    )
     extent = np.where(ball, 0.0, extent)
     radii = np.where(ball[:, None], struts.radii.max(axis=1)[:, None], struts.radii)
     slope = np.where(ball, 0.0, (radii[:, 1] - radii[:, 0]) / np.where(ball, 1, extent))

@@ -1,0 +1,148 @@
+"""AnalyticBrep: a B-rep in arrays, with planes, cylinders, cones, spheres, tori and Bézier patches.
+
+It knows nothing of OCCT: `occtanalytic` makes shapes of it, and the writer of STEP files writes it
+straight from its arrays. Edges are shared: a closed shell uses each of them twice, in opposite
+directions, and the seam of a cylinder is used twice by the cylinder itself.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points, UnitVectors
+from scaffold_cad.errors import BrepError
+
+
+class Curve(IntEnum):
+    """Kinds of edges."""
+
+    LINE = 0
+    CIRCLE = 1
+    BEZIER = 2
+
+
+class Surface(IntEnum):
+    """Kinds of faces."""
+
+    PLANE = 0
+    CYLINDER = 1
+    CONE = 2
+    SPHERE = 3
+    TORUS = 4
+    BEZIER = 5
+
+
+@dataclass(frozen=True, eq=False)
+class Axes(Frozen):
+    """Right-handed placements: an origin, an axis z and a direction x across it."""
+
+    origin: Points
+    """Shape (a, 3), mm."""
+    z: UnitVectors
+    """Shape (a, 3)."""
+    x: UnitVectors
+    """Shape (a, 3)."""
+
+
+@dataclass(frozen=True, eq=False)
+class BrepEdges(Frozen):
+    """Edges, by kind: first the lines, then the circles, then the Bézier curves."""
+
+    ends: Edges
+    """First and last vertex, shape (e, 2); the same twice for a full circle."""
+    circles: Axes
+    """Of the circles; their parameter is the angle about z from x, rad."""
+    radii: Floats
+    """Of the circles, shape (c,), mm."""
+    angles: Floats
+    """First and last angle of the circles, the first in [0, 2π), ascending, shape (c, 2), rad."""
+    control: Floats
+    """Control points of the Bézier curves, shape (b, d + 1, 3), mm."""
+
+    @property
+    def kinds(self) -> Ints:
+        """The `Curve` of each edge, shape (e,)."""
+        circles, curves = len(self.radii), len(self.control)
+        lines = len(self.ends) - circles - curves
+        return np.repeat(np.arange(3), [lines, circles, curves])
+
+
+@dataclass(frozen=True, eq=False)
+class BrepFaces(Frozen):
+    """Faces, in the order of their kinds in `Surface`."""
+
+    kinds: Ints
+    """The `Surface` of each face, ascending, shape (f,)."""
+    axes: Axes
+    """Of all faces but the Bézier patches, in their order."""
+    sizes: Floats
+    """Of these, shape (a, 2): the radius of a cylinder or a sphere and 0; the radius of a cone at
+    its origin, mm, and its half angle, rad; both radii of a torus; 0 and 0 for a plane."""
+    control: Floats
+    """Control points of the Bézier patches, shape (p, d + 1, d + 1, 3), mm."""
+    outward: Bools
+    """Whether the surface's own normal points out of the solid, shape (f,)."""
+    loops: Ints
+    """Face f has the loops loops[f] to loops[f + 1], its outer one first, shape (f + 1,)."""
+    uses: Ints
+    """Loop l has the edge uses uses[l] to uses[l + 1], shape (l + 1,)."""
+    edge: Ints
+    """Edge of each use, counter-clockwise seen from where the surface's own normal points to,
+    shape (u,)."""
+    forward: Bools
+    """Whether each use runs along its edge, shape (u,)."""
+    parameters: Floats
+    """Parameters on the surface at the start and at the end of the edge of each use, shape
+    (u, 2, 2); nan on planes. Between them they change evenly with the edge's own parameter, but
+    for circles at the side of Bézier patches."""
+    shell: Ints
+    """Shell of each face, shape (f,)."""
+    name: Ints
+    """Place of each face's name in `AnalyticBrep.names`, shape (f,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class AnalyticBrep(Frozen):
+    """Closed shells of analytic faces and Bézier patches."""
+
+    vertices: Points
+    """Shape (v, 3), mm."""
+    edges: BrepEdges
+    """Its edges."""
+    faces: BrepFaces
+    """Its faces."""
+    solid: Ints
+    """Solid that each shell bounds, the outer shell of a solid before its voids, shape (s,)."""
+    names: tuple[str, ...]
+    """Names of faces."""
+
+    @property
+    def face_names(self) -> list[str]:
+        """The name of each face."""
+        return [self.names[name] for name in self.faces.name.tolist()]
+
+    def check_closed(self) -> None:
+        """Raise unless each edge is used twice, once in each direction, by faces of one shell.
+
+        Raises
+        ------
+        BrepError
+            If an edge is not; it is named, and where it begins.
+        """
+        faces = self.faces
+        loop = np.repeat(np.arange(len(faces.uses) - 1), np.diff(faces.uses))
+        face = np.repeat(np.arange(len(faces.kinds)), np.diff(faces.loops))[loop]
+        # A face that is seen from inside runs along its edges the other way round.
+        along = faces.forward == faces.outward[face]
+        count = len(self.edges.ends)
+        ahead, back = (np.bincount(faces.edge[along == way], minlength=count) for way in (1, 0))
+        bad = np.flatnonzero((ahead != 1) | (back != 1))
+        if len(bad):
+            place = self.vertices[self.edges.ends[bad[0], 0]].tolist()
+            raise BrepError(
+                f"edge {bad[0]} from {place} mm is used {ahead[bad[0]]} times forward and "
+                f"{back[bad[0]]} backward; need once each in a closed shell"
+            )

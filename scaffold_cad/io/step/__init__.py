@@ -1,0 +1,36 @@
+"""STEP files (ISO 10303-21, AP214): written straight from arrays, read by OCCT."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from scaffold_cad import brep
+from scaffold_cad.io.content import Content
+from scaffold_cad.io.register import register_mesh_reader, register_writer
+from scaffold_cad.io.step.analytic import write_analytic
+from scaffold_cad.io.step.patches import write_step
+from scaffold_cad.mesh.shells import check_solid
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+
+STEP_SUFFIXES = (".step", ".stp")
+
+
+@register_writer(*STEP_SUFFIXES, name="STEP")
+def write_step_content(content: Content, path: Path) -> None:
+    """Write a build123d shape by OCCT, and meshes of quads straight from their arrays."""
+    patches = content.patches()
+    if patches is None or content.write_pcurves:
+        brep.export_step(content.shape(), path, write_pcurves=content.write_pcurves)
+        return
+    check_solid(patches.mesh)
+    brep.check_sizes(patches)
+    write_step(patches, path, name=content.name, face_names=content.face_names())
+
+
+@register_mesh_reader("STEP", *STEP_SUFFIXES)
+def read_step_triangles(path: Path) -> TriangleMesh:
+    """Read the solids of a STEP file as triangles within 0.01 mm."""
+    return brep.tessellated(brep.read_brep(path))
+
+
+__all__ = ["STEP_SUFFIXES", "write_analytic", "write_step"]
