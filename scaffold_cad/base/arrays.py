@@ -149,6 +149,29 @@ def as_radii(values: ArrayLike, name: str, count: int) -> Radii:
     return read_only(radii)
 
 
+def as_edge_radii(values: ArrayLike, name: str, count: int) -> Floats:
+    """Return a read-only copy of `values` as (count, 2) float64, all finite and > 0.
+
+    One number stands for all of them, and one a row, (count,), for both ends of an edge.
+
+    Raises
+    ------
+    SkeletonError
+        If the shape is wrong or a radius is not a finite number > 0; the edge is named.
+    """
+    radii = as_floats(values, name)
+    if radii.ndim == 0:
+        radii = np.full((count, 2), float(radii))
+    elif radii.shape == (count,):
+        radii = np.stack([radii, radii], axis=1)
+    if radii.shape != (count, 2):
+        raise SkeletonError(f"{name} has shape {radii.shape}; need ({count}, 2), two an edge")
+    bad = np.flatnonzero(~(np.isfinite(radii) & (radii > 0)).all(axis=1))
+    if len(bad):
+        raise SkeletonError(f"edge {bad[0]} has radii {radii[bad[0]].tolist()} mm; need > 0")
+    return read_only(radii)
+
+
 def check_believable(values: Floats, what: str) -> None:
     """Raise if a coordinate or a radius of a node is beyond `LARGEST_COORDINATE`.
 

@@ -4,15 +4,18 @@
 
     {
       "format": "scaffold-cad skeleton",
-      "version": 1,
+      "version": 2,
       "units": "mm",
       "nodes": [[0.0, 0.0, 0.0], [10.0, 0.0, 0.0]],
       "edges": [[0, 1]],
-      "radii": [1.0, 1.5]
+      "radii": [1.0, 1.5],
+      "edge_radii": [[1.0, 1.5]]
     }
 
 Edges count nodes from 0. ``radii`` may be left out, and then whoever reads the file must give a
-radius; further keys are ignored. A change that old readers would misread raises ``version``.
+radius; further keys are ignored. ``edge_radii`` are those of each edge at both ends, by default
+those of its nodes. A change that old readers would misread raises ``version``: version 1 has no
+``edge_radii``, and is written where there are none to say.
 """
 
 from __future__ import annotations
@@ -30,7 +33,7 @@ from scaffold_cad.io.register import register_reader, register_writer
 from scaffold_cad.skeleton import Skeleton
 
 FORMAT = "scaffold-cad skeleton"
-VERSION = 1
+VERSIONS = (1, 2)
 UNITS = "mm"
 
 
@@ -43,7 +46,8 @@ def read_json(path: Path) -> RawSkeleton:
     """Read a skeleton from our JSON format, which this module documents."""
     document = _document(path)
     nodes = as_points(document["nodes"], "nodes")
-    return RawSkeleton(nodes, document["edges"], document.get("radii"))
+    of_edges = document.get("edge_radii") if document["version"] > 1 else None
+    return RawSkeleton(nodes, document["edges"], document.get("radii"), of_edges)
 
 
 @register_writer(".json", name="scaffold-cad JSON", solids=False)
@@ -57,9 +61,12 @@ def skeleton_to_json(skeleton: Skeleton) -> str:
 
     Numbers are written so that reading them gives the same float64.
     """
-    fields: dict[str, Any] = {"format": FORMAT, "version": VERSION, "units": UNITS}
+    own = skeleton.has_member_radii
+    fields: dict[str, Any] = {"format": FORMAT, "version": VERSIONS[own], "units": UNITS}
     lines = [f"  {json.dumps(key)}: {json.dumps(value)}" for key, value in fields.items()]
     rows = {"nodes": skeleton.nodes, "edges": skeleton.edges, "radii": skeleton.radii}
+    if own:
+        rows["edge_radii"] = skeleton.edge_radii
     lines += [f'  "{key}": [{_block(values.tolist())}]' for key, values in rows.items()]
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
@@ -76,10 +83,11 @@ def _document(path: Path) -> dict[str, Any]:
     document = read_document(path)
     if document.get("format") != FORMAT:
         raise FormatError(f'{path} is JSON of another kind; need "format": "{FORMAT}"')
-    for key, known in (("version", VERSION), ("units", UNITS)):
-        if document.get(key) != known:
+    for key, known in (("version", VERSIONS), ("units", (UNITS,))):
+        if document.get(key) not in known:
             found = json.dumps(document.get(key))
-            raise FormatError(f'{path} has "{key}": {found}; need {json.dumps(known)}')
+            need = " or ".join(map(json.dumps, known))
+            raise FormatError(f'{path} has "{key}": {found}; need {need}')
     for key in ("nodes", "edges"):
         member(path, document, key, list)
     return document

@@ -19,7 +19,8 @@ def skeleton_from_networkx(
 ) -> Skeleton:
     """Return a networkx graph as a skeleton, not repaired; nodes and edges keep their order.
 
-    Directions, keys and weights of edges are ignored; parallel edges become one.
+    Directions, keys and weights of edges are ignored; parallel edges become one. Edges may have
+    radii of their own: ``radius``, or ``radii`` (at the edge's first and second node, mm).
 
     Parameters
     ----------
@@ -47,15 +48,25 @@ def skeleton_from_networkx(
         if lost is not None:
             raise SkeletonError(f"node {lost!r} has no {radii!r}; need one, or radius= for all")
     of_nodes = radius if radius is not None else [d[radii] for d in graph.nodes.values()]
-    pairs = dict.fromkeys(_ordered(number[a], number[b]) for a, b, *_ in graph.edges)
+    pairs: dict[tuple[int, int], list[float]] = {}
+    for a, b, data in graph.edges(data=True):
+        pair = number[a], number[b]
+        pairs.setdefault(_ordered(*pair), _edge_radii(a, b, data, pair[0] > pair[1]))
     edges = np.reshape(np.asarray([*pairs], dtype=np.intp), (-1, 2))
-    return Skeleton(np.reshape(points, (-1, 3)), edges, as_floats(of_nodes, "radii"))
+    sizes = np.broadcast_to(as_floats(of_nodes, "radii"), len(points))
+    struts = np.reshape([*pairs.values()], (-1, 2))
+    if radius is not None:
+        struts = np.full_like(struts, np.nan)
+    struts = np.where(np.isnan(struts), sizes[edges], struts)
+    return Skeleton(np.reshape(points, (-1, 3)), edges, sizes, struts)
 
 
 def skeleton_to_networkx(
     skeleton: Skeleton, *, position: str = "pos", radii: str = "radius"
 ) -> Any:
     """Return a skeleton as a networkx Graph; nodes are numbered, edges have a ``length``, mm.
+
+    Where struts have radii of their own, edges have them as ``radii``, lower node first.
 
     Raises
     ------
@@ -74,7 +85,24 @@ def skeleton_to_networkx(
     )
     for (a, b), length in zip(skeleton.edges.tolist(), skeleton.lengths.tolist(), strict=True):
         graph.add_edge(a, b, length=length)
+    if skeleton.has_member_radii:
+        for (a, b), (near, far) in zip(
+            skeleton.edges.tolist(), skeleton.edge_radii.tolist(), strict=True
+        ):
+            graph.edges[a, b]["radii"] = (near, far) if a < b else (far, near)
     return graph
+
+
+def _edge_radii(a: Any, b: Any, data: Mapping[str, Any], swapped: bool) -> list[float]:
+    """Return the radii of an edge at its lower and its higher node, nan where it has none."""
+    given = data.get("radii", data.get("radius", np.nan))
+    try:
+        near, far = np.broadcast_to(np.asarray(given, dtype=np.float64), 2).tolist()
+    except (TypeError, ValueError):
+        raise SkeletonError(
+            f"edge {a!r} to {b!r} has radii {given!r}; need one number or two, mm"
+        ) from None
+    return [far, near] if swapped else [near, far]
 
 
 def _position(node: Any, value: Any, name: str) -> list[float]:

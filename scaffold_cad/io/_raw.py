@@ -34,18 +34,44 @@ class RawSkeleton(Frozen):
     edges: Edges
     """Node pairs, shape (m, 2), all in 0..n-1."""
     radii: Floats | None
-    """Radius of each node, shape (n,), mm, or None if the file holds no radii."""
+    """Radius of each node, shape (n,), mm, or None if the file holds no radii of nodes."""
+    edge_radii: Floats | None
+    """Radius of each edge at both ends, shape (m, 2), mm, nan where the file gives none; None if
+    the file holds no radii of edges."""
 
-    def __init__(self, nodes: ArrayLike, edges: ArrayLike, radii: ArrayLike | None = None) -> None:
+    def __init__(
+        self,
+        nodes: ArrayLike,
+        edges: ArrayLike,
+        radii: ArrayLike | None = None,
+        edge_radii: ArrayLike | None = None,
+    ) -> None:
         points = as_floats(nodes, "nodes")
         if points.ndim != 2 or points.shape[1] != 3:
             raise SkeletonError(f"nodes have shape {points.shape}; need (n, 3)")
         check_believable(points, "is at")
+        pairs = as_edges(edges, "edges", count=len(points))
         self._keep(
             nodes=points,
-            edges=as_edges(edges, "edges", count=len(points)),
+            edges=pairs,
             radii=None if radii is None else _as_raw_radii(radii, count=len(points)),
+            edge_radii=None if edge_radii is None else _as_raw_edge_radii(edge_radii, len(pairs)),
         )
+
+    @property
+    def has_radii(self) -> bool:
+        """Whether the file holds radii, of nodes or of edges."""
+        return self.radii is not None or self.edge_radii is not None
+
+
+def _as_raw_edge_radii(values: ArrayLike, count: int) -> Floats:
+    radii = as_floats(values, "edge_radii")
+    if radii.shape == (count,):
+        radii = np.stack([radii, radii], axis=1)
+    if radii.shape != (count, 2):
+        raise SkeletonError(f"edge_radii have shape {radii.shape}; need ({count}, 2), two an edge")
+    check_believable(radii, "of an edge has radii")
+    return radii
 
 
 def _as_raw_radii(values: ArrayLike, count: int) -> Floats:

@@ -38,8 +38,8 @@ def read_skeleton(
     Parameters
     ----------
     path : a file of a format in `known_suffixes`
-    radius : mm, > 0; the radius of every node, instead of what the file holds; needed for
-        formats without radii
+    radius : mm, > 0; the radius of every node and strut, instead of what the file holds; needed
+        for formats without radii
     strict : whether to refuse what needs repair; then no option of repair may be given
     weld_distance, split_contacts : options of `Skeleton.cleaned`
     max_nodes : most nodes that are taken, as a guard of memory; any number if None
@@ -69,9 +69,9 @@ def read_skeleton(
     if weld_distance is not None or split_contacts:
         raise OptionError("strict reading repairs nothing; need no weld_distance, split_contacts")
     raw = read_raw(path, max_nodes)
-    radii = _radii(Path(path), raw, radius)
+    radii, edge_radii = _radii(Path(path), raw, radius)
     try:
-        skeleton = Skeleton(raw.nodes, raw.edges, radii)
+        skeleton = Skeleton(raw.nodes, raw.edges, radii, edge_radii)
         check_skeleton(skeleton)
     except SkeletonError as error:
         raise SkeletonError(f"{path}: {error}") from None
@@ -88,18 +88,20 @@ def read_with_repairs(
 ) -> Cleaning:
     """Return the skeleton that a file holds as `read_skeleton` does, and what was repaired."""
     raw = read_raw(path, max_nodes)
-    radii = _radii(Path(path), raw, radius)
+    radii, edge_radii = _radii(Path(path), raw, radius)
     try:
         graph = repaired(
             raw.nodes,
             raw.edges,
             radii,
+            edge_radii,
             weld_distance=weld_distance,
             split_contacts=split_contacts,
         )
     except SkeletonError as error:
         raise SkeletonError(f"{path}: {error}") from None
-    return Cleaning(Skeleton(graph.nodes, graph.edges, graph.radii), graph.repairs)
+    skeleton = Skeleton(graph.nodes, graph.edges, graph.radii, graph.edge_radii)
+    return Cleaning(skeleton, graph.repairs)
 
 
 def read_raw(path: str | PathLike[str], max_nodes: int | None = None) -> RawSkeleton:
@@ -141,10 +143,12 @@ def _head(path: Path) -> bytes:
     return head
 
 
-def _radii(path: Path, raw: RawSkeleton, radius: float | None) -> Floats:
-    """Return the radius of each node: the one given, or what the file holds."""
+def _radii(
+    path: Path, raw: RawSkeleton, radius: float | None
+) -> tuple[Floats | None, Floats | None]:
+    """Return the radii of nodes and of edges: the one given for all, or what the file holds."""
     if radius is not None:
-        return np.full(len(raw.nodes), as_number(radius, "radius"))
-    if raw.radii is None:
+        return np.full(len(raw.nodes), as_number(radius, "radius")), None
+    if not raw.has_radii:
         raise FormatError(f"{path} has no radii; need radius=, the radius of every node in mm")
-    return raw.radii
+    return raw.radii, raw.edge_radii

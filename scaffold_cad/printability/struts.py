@@ -27,7 +27,7 @@ def strut_findings(skeleton: Skeleton, process: Process, apothem: float = 1.0) -
     ----------
     apothem : what the radii asked for were multiplied by
     """
-    thinnest = 2.0 * skeleton.radii[skeleton.edges].min(axis=1)
+    thinnest = 2.0 * skeleton.edge_radii.min(axis=1)
     yield _diameter(skeleton, thinnest, process, apothem)
     yield _slenderness(skeleton, thinnest, process)
     yield _gap(skeleton, process)
@@ -105,7 +105,7 @@ def narrow_gaps(skeleton: Skeleton, limit: float) -> Gaps:
     A strut's radius goes evenly from that of its one node to that of its other.
     """
     start, end = np.moveaxis(skeleton.nodes[skeleton.edges], 1, 0)
-    reach = skeleton.radii[skeleton.edges].max(axis=1)[:, None] + limit / 2
+    reach = skeleton.edge_radii.max(axis=1)[:, None] + limit / 2
     blocks = [
         _gaps_of(skeleton, i, j, limit)
         for i, j in overlapping_boxes(
@@ -140,7 +140,7 @@ def _radius_at(skeleton: Skeleton, edges: Ints, points: Points) -> Floats:
     """Return the radius of each of `edges` at a point on it, shape (k,), mm."""
     ends = skeleton.edges[edges]
     share = length(points - skeleton.nodes[ends[:, 0]]) / skeleton.lengths[edges]
-    near, far = skeleton.radii[ends].T
+    near, far = skeleton.edge_radii[edges].T
     radii: Floats = near + np.clip(share, 0.0, 1.0) * (far - near)
     return radii
 

@@ -81,7 +81,8 @@ def with_collars(
     share = fractions[edge, slot][:, None]
     start, end = ends[edge, 0], ends[edge, 1]
     nodes = (1.0 - share) * skeleton.nodes[start] + share * skeleton.nodes[end]
-    radii = (1.0 - share[:, 0]) * skeleton.radii[start] + share[:, 0] * skeleton.radii[end]
+    near_radius, far_radius = skeleton.edge_radii[edge].T
+    radii = (1.0 - share[:, 0]) * near_radius + share[:, 0] * far_radius
 
     # The stops of each edge in order: start, collars, end.
     stops = np.full((len(ends), 4), -1, dtype=np.intp)
@@ -118,7 +119,7 @@ def collar_distances(
     extent = np.zeros(at_branch.shape)
     extent[at_branch] = dot(corner, axis).max(axis=1)
     extents = extent.reshape(-1, 2)
-    radii = skeleton.radii[skeleton.edges]
+    radii = skeleton.edge_radii
     # A wider clearance than a right angle leaves room at once.
     slope = np.tan(np.clip(stars.clearance, 1e-6, 1.5)).reshape(-1, 2)
     wide_enough = WIDER * corner_distance * radii.max(axis=1)[:, None] / slope

@@ -22,6 +22,9 @@ from scaffold_cad.base.topology import component_labels, incidence
 from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.errors import SkeletonError
 
+LEAST_RADIUS = 1e-9
+"""Least radius, in largest coordinates: a solid is made of differences of these."""
+
 WELD_FRACTION = 1e-7
 """Distance within which nodes are welded, as a fraction of the bounding box diagonal."""
 
@@ -49,7 +52,8 @@ class Repairs:
     edges_without_position: int = 0
     """Edges dropped because they reach such a node."""
     radii_replaced: int = 0
-    """Radii that were not finite numbers > 0, taken from the nearest node along the graph."""
+    """Radii of nodes that were not finite numbers > 0, or too small beside the coordinates, taken
+    from their struts or else from the nearest node along the graph."""
     nodes_welded: int = 0
     """Nodes merged into another one at the same place."""
     zero_length_edges: int = 0
@@ -80,6 +84,8 @@ class RepairedGraph:
     nodes: Points
     edges: Edges
     radii: Radii
+    edge_radii: Floats
+    """Radius of each edge at both ends, shape (m, 2), mm."""
     repairs: Repairs
 
 
@@ -93,7 +99,8 @@ def default_weld_distance(nodes: Points) -> float:
 def repaired(
     nodes: Points,
     edges: Edges,
-    radii: Floats,
+    radii: Floats | None,
+    edge_radii: Floats | None = None,
     *,
     weld_distance: float | None = None,
     split_contacts: bool = False,
@@ -104,8 +111,11 @@ def repaired(
     ----------
     nodes : (n, 3) float64, mm; rows that are not finite are dropped
     edges : (m, 2) intp, all in 0..n-1
-    radii : (n,) float64, mm; what is not finite and > 0 is taken from the nearest node that
-        has a radius, by the way along the edges
+    radii : (n,) float64, mm; what is not finite and > 0, or too small to be told from rounding, is
+        the largest of the node's struts, or else taken from the nearest node that has a radius, by
+        the way along the edges; None for none
+    edge_radii : (m, 2) float64, mm; what is not finite and > 0, or is not given, follows the nodes.
+        Of edges between the same nodes the largest radii stay
     weld_distance : mm; nodes closer than this become one, with the largest of their radii; by
         default 1e-7 of the diagonal
     split_contacts : whether an edge is split at the nodes that lie on it
@@ -121,7 +131,8 @@ def repaired(
         weld_distance = as_number(weld_distance, "weld distance", or_zero=True)
     located: Bools = np.asarray(np.isfinite(nodes).all(axis=1))
     counts = {"nodes_without_position": int(np.sum(~located))}
-    placed = edges[located[edges].all(axis=1)]
+    kept = located[edges].all(axis=1)
+    placed, sizes = edges[kept], _known_sizes(edge_radii, len(edges))[kept]
     counts["edges_without_position"] = len(edges) - len(placed)
     if weld_distance is None:
         weld_distance = default_weld_distance(nodes[located])
@@ -129,42 +140,71 @@ def repaired(
     target = _weld(nodes, located, max(weld_distance, LEAST_LENGTH))
     merged_away = target != np.arange(len(nodes))
     counts["nodes_welded"] = int(np.sum(merged_away))
-    edges, counts["zero_length_edges"], counts["duplicate_edges"] = _distinct(
-        target[placed], len(nodes)
+    edges, sizes, counts["zero_length_edges"], counts["duplicate_edges"] = _distinct(
+        target[placed], sizes, len(nodes)
     )
     if len(edges) == 0:
         raise SkeletonError("the skeleton has no edge of length > 0; need at least one")
     if split_contacts:
-        edges, counts["contacts_split"], repeated = _split_at_contacts(nodes, edges, weld_distance)
+        edges, sizes, counts["contacts_split"], repeated = _split_at_contacts(
+            nodes, edges, sizes, weld_distance
+        )
         counts["duplicate_edges"] += repeated
-    edges, counts["overlapping_edges"], repeated = _without_overlaps(nodes, edges)
+    edges, sizes, counts["overlapping_edges"], repeated = _without_overlaps(nodes, edges, sizes)
     counts["duplicate_edges"] += repeated
 
     used = np.zeros(len(nodes), dtype=np.bool_)
     used[edges] = True
     counts["isolated_nodes"] = int(np.sum(located & ~used & ~merged_away))
-    radii, counts["radii_replaced"] = _with_radii_filled(
-        nodes, edges, _largest_of_welded(radii, target), used
+    given = np.zeros(len(nodes)) if radii is None else radii
+    sized, counts["radii_replaced"] = _with_radii_filled(
+        nodes, edges, sizes, _largest_of_welded(given, target, _least_radius(nodes[used])), used
     )
+    if radii is None:  # nothing was there to be replaced
+        counts["radii_replaced"] = 0
+    struts = np.where(np.isnan(sizes), sized[edges], sizes)
     rank = np.cumsum(used) - 1
-    return RepairedGraph(nodes[used], rank[edges], radii[used], Repairs(**counts))
+    return RepairedGraph(nodes[used], rank[edges], sized[used], struts, Repairs(**counts))
 
 
-def _largest_of_welded(radii: Floats, target: Ints) -> Floats:
-    """Return for each node the largest radius of those welded into it; 0 where none is > 0."""
-    known = np.where(np.isfinite(radii) & (radii > 0), radii, 0.0)
+def largest_at_nodes(edges: Edges, edge_radii: Floats, count: int) -> Floats:
+    """Return the largest radius of the edges at each node, nan not counted, 0 for none, (n,)."""
+    largest = np.zeros(count)
+    known = np.nan_to_num(edge_radii, nan=0.0, posinf=0.0, neginf=0.0)
+    np.maximum.at(largest, edges.reshape(-1), known.reshape(-1))
+    return largest
+
+
+def _known_sizes(edge_radii: Floats | None, count: int) -> Floats:
+    """Return the radii of edges at both ends, (m, 2), nan where they follow the nodes."""
+    if edge_radii is None:
+        return np.full((count, 2), np.nan)
+    return np.where(np.isfinite(edge_radii) & (edge_radii > 0), edge_radii, np.nan)
+
+
+def _least_radius(nodes: Points) -> float:
+    return LEAST_RADIUS * float(np.abs(nodes).max(initial=0.0))
+
+
+def _largest_of_welded(radii: Floats, target: Ints, least: float) -> Floats:
+    """Return for each node the largest radius of those welded into it; 0 where none will do."""
+    known = np.where(np.isfinite(radii) & (radii > 0) & (radii >= least), radii, 0.0)
     largest = known.copy()
     np.maximum.at(largest, target, known)
     return largest
 
 
 def _with_radii_filled(
-    nodes: Points, edges: Edges, radii: Floats, used: Bools
+    nodes: Points, edges: Edges, sizes: Floats, radii: Floats, used: Bools
 ) -> tuple[Floats, int]:
-    """Give nodes of radius 0 that of the nearest node with one along the graph; count them."""
+    """Give nodes of radius 0 that of their struts, or that of the nearest node; count them."""
+    lacking = used & (radii == 0)
+    if not lacking.any():
+        return radii, 0
+    radii = np.where(lacking, largest_at_nodes(edges, sizes, len(nodes)), radii)
     missing = np.flatnonzero(used & (radii == 0))
     if len(missing) == 0:
-        return radii, 0
+        return radii, int(lacking.sum())
     known = np.flatnonzero(used & (radii > 0))
     lengths = length(nodes[edges[:, 1]] - nodes[edges[:, 0]])
     roads = coo_array((lengths, (edges[:, 0], edges[:, 1])), shape=(len(nodes), len(nodes)))
@@ -178,7 +218,7 @@ def _with_radii_filled(
         )
     filled = radii.copy()
     filled[missing] = radii[nearest[missing]]
-    return filled, len(missing)
+    return filled, int(lacking.sum())
 
 
 def _weld(nodes: Points, located: Bools, distance: float) -> Ints:
@@ -196,16 +236,26 @@ def _weld(nodes: Points, located: Bools, distance: float) -> Ints:
     return target
 
 
-def _distinct(edges: Edges, count: int) -> tuple[Edges, int, int]:
-    """Return the edges without self-loops and repeats, in order, and how many of each went."""
-    proper = edges[edges[:, 0] != edges[:, 1]]
-    keys = proper.min(axis=1) * count + proper.max(axis=1)
-    _, first = np.unique(keys, return_index=True)
-    kept = proper[np.sort(first)]
-    return kept, len(edges) - len(proper), len(proper) - len(kept)
+def _distinct(edges: Edges, sizes: Floats, count: int) -> tuple[Edges, Floats, int, int]:
+    """Return the edges without self-loops and repeats, in order, and how many of each went.
+
+    Of repeated edges the largest radii at either end stay, (m, 2).
+    """
+    proper = edges[:, 0] != edges[:, 1]
+    loops = len(edges) - int(proper.sum())
+    edges, sizes = edges[proper], sizes[proper]
+    keys = edges.min(axis=1) * count + edges.max(axis=1)
+    _, first, which = np.unique(keys, return_index=True, return_inverse=True)
+    same_way = edges[:, 0] == edges[first[which], 0]
+    merged = np.full((len(first), 2), np.nan)
+    np.fmax.at(merged, which, np.where(same_way[:, None], sizes, sizes[:, ::-1]))
+    order = np.argsort(first)
+    return edges[first[order]], merged[order], loops, len(edges) - len(first)
 
 
-def _split_at_contacts(nodes: Points, edges: Edges, distance: float) -> tuple[Edges, int, int]:
+def _split_at_contacts(
+    nodes: Points, edges: Edges, sizes: Floats, distance: float
+) -> tuple[Edges, Floats, int, int]:
     """Split each edge at the nodes within `distance` of its inside; count those and repeats."""
     contacts = [
         _contacts(nodes, edges, edge, node, distance)
@@ -219,8 +269,18 @@ def _split_at_contacts(nodes: Points, edges: Edges, distance: float) -> tuple[Ed
     stops, owner = stops[sequence], owner[sequence]
     consecutive = owner[:-1] == owner[1:]
     pieces = np.stack([stops[:-1], stops[1:]], axis=1)[consecutive]
-    distinct, _, repeated = _distinct(pieces, len(nodes))
-    return distinct, len(node), repeated
+    at_stop = _interpolated(nodes, edges, sizes, owner, stops)
+    widths = np.stack([at_stop[:-1], at_stop[1:]], axis=1)[consecutive]
+    distinct, widths, _, repeated = _distinct(pieces, widths, len(nodes))
+    return distinct, widths, len(node), repeated
+
+
+def _interpolated(nodes: Points, edges: Edges, sizes: Floats, edge: Ints, node: Ints) -> Floats:
+    """Return the radius of each of some edges beside a node on it, shape (k,)."""
+    start, end = nodes[edges[edge, 0]], nodes[edges[edge, 1]]
+    along = length(nodes[node] - start) / length(end - start)
+    radii: Floats = sizes[edge, 0] + along * (sizes[edge, 1] - sizes[edge, 0])
+    return radii
 
 
 def _nodes_near_edges(nodes: Points, edges: Edges, distance: float) -> Iterator[tuple[Ints, Ints]]:
@@ -252,7 +312,7 @@ def _contacts(
     return edge[order], node[order]
 
 
-def _without_overlaps(nodes: Points, edges: Edges) -> tuple[Edges, int, int]:
+def _without_overlaps(nodes: Points, edges: Edges, sizes: Floats) -> tuple[Edges, Floats, int, int]:
     """Let an edge that leaves a node along a shorter one go on from the shorter one's end.
 
     Counts how often that was done and the edges that repeated another one then.
@@ -261,15 +321,19 @@ def _without_overlaps(nodes: Points, edges: Edges) -> tuple[Edges, int, int]:
     while True:
         longer, shorter = _next_shorter(nodes, edges)
         if len(longer) == 0:
-            return edges, rerouted, repeated
+            return edges, sizes, rerouted, repeated
         # Every change makes an edge shorter, so that this comes to an end.
         rerouted += len(longer)
         tails = edges.reshape(-1)
+        widths = sizes.copy()
+        widths.reshape(-1)[longer] = _interpolated(
+            nodes, edges, sizes, longer >> 1, tails[shorter ^ 1]
+        )
         edges = edges.copy()
         ends = edges.reshape(-1)
         # The longer half-edge leaves the shorter one's head from now on.
         ends[longer] = tails[shorter ^ 1]
-        edges, _, dropped = _distinct(edges, len(nodes))
+        edges, sizes, _, dropped = _distinct(edges, widths, len(nodes))
         repeated += dropped
 
 

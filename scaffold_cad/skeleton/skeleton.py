@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,6 +20,7 @@ from scaffold_cad.base.arrays import (
     Radii,
     UnitVectors,
     as_chosen,
+    as_edge_radii,
     as_edges,
     as_points,
     as_radii,
@@ -37,7 +38,14 @@ from scaffold_cad.base.topology import (
 )
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import SkeletonError
-from scaffold_cad.skeleton.repair import LEAST_LENGTH, Repairs, overlapping_half_edges, repaired
+from scaffold_cad.skeleton.repair import (
+    LEAST_LENGTH,
+    LEAST_RADIUS,
+    Repairs,
+    largest_at_nodes,
+    overlapping_half_edges,
+    repaired,
+)
 from scaffold_cad.skeleton.thinning import farthest_sample, kept_samples
 
 if TYPE_CHECKING:
@@ -46,13 +54,10 @@ if TYPE_CHECKING:
     from scaffold_cad.base.radii import Radius
     from scaffold_cad.brep.wires import Curves
 
-LEAST_RADIUS = 1e-9
-"""Least radius of a node, in largest coordinates: a solid is made of differences of these."""
-
 
 @dataclass(frozen=True, eq=False)
 class Skeleton(Frozen, Shown):
-    """A skeleton (G, p, r): nodes joined by straight edges, with a radius at each node.
+    """A skeleton (G, p, r): nodes joined by straight edges, with radii of nodes and of struts.
 
     The constructor refuses what no graph may hold: wrong shapes, numbers that are not finite or
     beyond 1e12 mm, radii ≤ 0, indices out of range. `check_skeleton` refuses what cannot be
@@ -66,15 +71,39 @@ class Skeleton(Frozen, Shown):
     edges: Edges
     """Node pairs, shape (m, 2), each edge once."""
     radii: Radii
-    """Sphere radius of each node, shape (n,), mm, all > 0; one number stands for all."""
+    """Sphere radius of each node, shape (n,), mm, all > 0; one number stands for all. By default
+    the largest of the struts' radii there."""
+    edge_radii: Floats
+    """Radius of each strut at its first and its second node, shape (m, 2), mm, all > 0; in between
+    it changes evenly. By default those of the nodes."""
 
-    def __init__(self, nodes: ArrayLike, edges: ArrayLike, radii: ArrayLike) -> None:
+    def __init__(
+        self,
+        nodes: ArrayLike,
+        edges: ArrayLike,
+        radii: ArrayLike | None = None,
+        edge_radii: ArrayLike | None = None,
+    ) -> None:
         points = as_points(nodes, "nodes")
         pairs = as_edges(edges, "edges", count=len(points))
-        sizes = as_radii(radii, "radii", count=len(points))
+        if edge_radii is None:
+            if radii is None:
+                raise SkeletonError("radii and edge_radii are both None; need one of them, mm")
+            sizes = as_radii(radii, "radii", count=len(points))
+            struts = sizes[pairs]
+        else:
+            struts = as_edge_radii(edge_radii, "edge_radii", count=len(pairs))
+            given = largest_at_nodes(pairs, struts, len(points)) if radii is None else radii
+            sizes = as_radii(given, "radii", count=len(points))
         check_believable(points, "is at")
         check_believable(sizes, "has radius")
-        self._keep(nodes=points, edges=pairs, radii=sizes)
+        check_believable(struts, "of edge has radii")
+        self._keep(nodes=points, edges=pairs, radii=sizes, edge_radii=struts)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        if "edge_radii" not in state:  # of an earlier version
+            state = {**state, "edge_radii": state["radii"][state["edges"]]}
+        super().__setstate__(state)
 
     @classmethod
     def from_edges(
@@ -127,6 +156,11 @@ class Skeleton(Frozen, Shown):
         from scaffold_cad.brep import wires
 
         return wires.wire_compound(self)
+
+    @cached_property
+    def has_member_radii(self) -> bool:
+        """Whether the radius of a strut differs from that of its node."""
+        return bool((self.edge_radii != self.radii[self.edges]).any())
 
     @cached_property
     def valency(self) -> Ints:
@@ -192,24 +226,46 @@ class Skeleton(Frozen, Shown):
 
     def moved(self, nodes: ArrayLike) -> Skeleton:
         """Return the same graph and radii at other positions, shape (n, 3), mm."""
-        return Skeleton(nodes, self.edges, self.radii)
+        return Skeleton(nodes, self.edges, self.radii, self.edge_radii)
 
     def with_radii(self, radii: ArrayLike) -> Skeleton:
-        """Return the same graph with other radii, shape (n,) or one number, mm."""
+        """Return the same graph with other radii of nodes, (n,) or one number, mm.
+
+        Struts get those of their nodes: see `with_edge_radii` for radii of their own.
+        """
         return Skeleton(self.nodes, self.edges, radii)
+
+    def with_edge_radii(self, edge_radii: ArrayLike, radii: ArrayLike | None = None) -> Skeleton:
+        """Return the same graph with other radii of struts.
+
+        Parameters
+        ----------
+        edge_radii : (m, 2) at both ends of each edge, (m,) one an edge, or one number, mm
+        radii : (n,) or one number, of the nodes, mm; by default the largest of their struts'
+
+        Examples
+        --------
+        >>> path = Skeleton([[0, 0, 0], [9, 0, 0], [9, 9, 0]], [[0, 1], [1, 2]], 1.0)
+        >>> path.with_edge_radii([1.0, 0.5]).radii.tolist()
+        [1.0, 1.0, 0.5]
+        """
+        return Skeleton(self.nodes, self.edges, radii, edge_radii)
 
     def with_edges(self, edges: ArrayLike) -> Skeleton:
         """Return some of the edges, by number or by mark, and their nodes, numbered anew."""
         chosen = as_chosen(edges, "edges", len(self.edges))
         nodes, ends = np.unique(self.edges[chosen], return_inverse=True)
-        return Skeleton(self.nodes[nodes], ends.reshape(-1, 2), self.radii[nodes])
+        return Skeleton(
+            self.nodes[nodes], ends.reshape(-1, 2), self.radii[nodes], self.edge_radii[chosen]
+        )
 
     def scaled(self, factor: float) -> Skeleton:
         """Return the skeleton with positions and radii multiplied by `factor` > 0."""
         factor = as_number(factor, "scale factor", unit="")
         with np.errstate(over="ignore"):  # what overflows is refused by name
             nodes, radii = self.nodes * factor, self.radii * factor
-        return Skeleton(nodes, self.edges, radii)
+            struts = self.edge_radii * factor
+        return Skeleton(nodes, self.edges, radii, struts)
 
     def cleaned(
         self, *, weld_distance: float | None = None, split_contacts: bool = False
@@ -233,10 +289,13 @@ class Skeleton(Frozen, Shown):
             self.nodes,
             self.edges,
             self.radii,
+            self.edge_radii,
             weld_distance=weld_distance,
             split_contacts=split_contacts,
         )
-        return Cleaning(Skeleton(graph.nodes, graph.edges, graph.radii), graph.repairs)
+        return Cleaning(
+            Skeleton(graph.nodes, graph.edges, graph.radii, graph.edge_radii), graph.repairs
+        )
 
     def simplified(self, tolerance: float) -> Skeleton:
         """Return the skeleton without the joints that its shape does not need.
@@ -251,10 +310,11 @@ class Skeleton(Frozen, Shown):
         """
         tolerance = as_number(tolerance, "simplification tolerance", or_zero=True)
         lone, walks = self._walks()
-        kept = [self._kept(stops, tolerance) for stops in walks]
-        ends = np.asarray([(row[0], row[-1]) for row in kept], dtype=np.intp).reshape(-1, 2)
+        kept = [self._kept(walk, tolerance) for walk in walks]
+        both = [(walk.stops[0], walk.stops[-1]) for walk in walks]
+        ends = np.asarray(both, dtype=np.intp).reshape(-1, 2)
         _, pair, uses = np.unique(
-            np.sort(np.concatenate([ends, lone]), axis=1),
+            np.sort(np.concatenate([ends, self.edges[lone]]), axis=1),
             axis=0,
             return_inverse=True,
             return_counts=True,
@@ -262,39 +322,63 @@ class Skeleton(Frozen, Shown):
         # Branches between the same two nodes must not become the same edge.
         for branch in np.flatnonzero(uses[pair.reshape(-1)[: len(kept)]] > 1).tolist():
             if len(kept[branch]) == 2:
-                stops = walks[branch]
-                kept[branch] = stops[[0, farthest_sample(self.nodes[stops]), -1]]
-        links = [np.stack([row[:-1], row[1:]], axis=1) for row in kept]
-        edges = np.concatenate([lone, *links])
+                stops = walks[branch].stops
+                kept[branch] = np.array([0, farthest_sample(self.nodes[stops]), len(stops) - 1])
+        links, sizes = [self.edges[lone]], [self.edge_radii[lone]]
+        for walk, row in zip(walks, kept, strict=True):
+            links.append(np.stack([walk.stops[row[:-1]], walk.stops[row[1:]]], axis=1))
+            sizes.append(np.stack([walk.radii[row[:-1], 0], walk.radii[row[1:] - 1, 1]], axis=1))
+        edges = np.concatenate(links)
         used = np.unique(edges)
-        thin = Skeleton(self.nodes[used], np.searchsorted(used, edges), self.radii[used])
+        thin = Skeleton(
+            self.nodes[used],
+            np.searchsorted(used, edges),
+            self.radii[used],
+            np.concatenate(sizes),
+        )
         return thin.cleaned(weld_distance=0.0).skeleton
 
-    def _walks(self) -> tuple[Edges, list[Ints]]:
-        """Return the edges that are a branch of their own, and the nodes that each other passes.
+    def _walks(self) -> tuple[Ints, list[_Walk]]:
+        """Return the edges that are a branch of their own, and all other branches.
 
         A ring has its first node at both ends.
         """
         half_edges, offsets = self.chains.half_edges, self.chains.offsets
         tails = self.edges.reshape(-1)
         counts = np.diff(offsets)
-        lone = self.edges[half_edges[offsets[:-1][counts == 1]] >> 1]
+        lone = half_edges[offsets[:-1][counts == 1]] >> 1
+        radii = self.edge_radii.reshape(-1)
         walks = []
         for branch in np.flatnonzero(counts > 1).tolist():
             row = half_edges[offsets[branch] : offsets[branch + 1]]
-            walks.append(np.append(tails[row], tails[row[-1] ^ 1]))
+            stops = np.append(tails[row], tails[row[-1] ^ 1])
+            walks.append(_Walk(stops, np.stack([radii[row], radii[row ^ 1]], axis=1)))
         return lone, walks
 
-    def _kept(self, stops: Ints, tolerance: float) -> Ints:
-        """Return the nodes of a walk to keep; a walk that ends where it began keeps two inside."""
-        last = len(stops) - 1
+    def _kept(self, walk: _Walk, tolerance: float) -> Ints:
+        """Return the stops of a walk to keep; a walk that ends where it began keeps two inside."""
+        stops, last = walk.stops, len(walk.stops) - 1
         third = (last + 1) // 3
         cuts = [0, last] if stops[0] != stops[-1] else [0, third, 2 * third, last]
+        # A step from one member to the next is no matter of sampling.
+        steps = np.abs(walk.radii[1:, 0] - walk.radii[:-1, 1]) > tolerance
+        cuts = sorted({*cuts, *(1 + np.flatnonzero(steps)).tolist()})
         keep = np.zeros(len(stops), dtype=np.bool_)
         for start, stop in pairwise(cuts):
-            part = slice(start, stop + 1)
-            keep[part] |= kept_samples(self.nodes[stops[part]], self.radii[stops[part]], tolerance)
-        return stops[keep]
+            radii = np.append(walk.radii[start:stop, 0], walk.radii[stop - 1, 1])
+            places = self.nodes[stops[start : stop + 1]]
+            keep[start : stop + 1] |= kept_samples(places, radii, tolerance)
+        return np.flatnonzero(keep)
+
+
+@dataclass(frozen=True, eq=False)
+class _Walk:
+    """The nodes that a branch passes, and the radii of its edges."""
+
+    stops: Ints
+    """Shape (k + 1,)."""
+    radii: Floats
+    """Of each edge where it is entered and where it is left, shape (k, 2), mm."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -346,12 +430,13 @@ def check_skeleton(skeleton: Skeleton) -> None:
             f"edges {first} and {second} both join nodes {pair}; need each edge once ({hint})"
         )
     least = LEAST_RADIUS * float(np.abs(nodes).max())
-    thin = np.flatnonzero(skeleton.radii < least)
-    if len(thin):
-        raise SkeletonError(
-            f"node {thin[0]} has radius {skeleton.radii[thin[0]]:g} mm; need {least:g} mm or more "
-            "this far from the origin, for rounding"
-        )
+    for what, sizes in (("node", skeleton.radii), ("edge", skeleton.edge_radii.min(axis=1))):
+        thin = np.flatnonzero(sizes < least)
+        if len(thin):
+            raise SkeletonError(
+                f"{what} {thin[0]} has radius {sizes[thin[0]]:g} mm; need {least:g} mm or more "
+                "this far from the origin, for rounding"
+            )
     overlaps = overlapping_half_edges(nodes, edges)
     if len(overlaps):
         node = edges.reshape(-1)[overlaps[0, 0]]

@@ -64,6 +64,7 @@ def write_3mf_beams(lattice: BeamLattice, path: Path) -> None:
     skeleton, mesh = lattice.skeleton, lattice.mesh
     balls = np.flatnonzero(lattice.balls)
     _check_sizes(skeleton.radii, "has radius")
+    _check_sizes(skeleton.edge_radii.min(axis=1), "is of an edge of radius")
     _check_sizes(np.where(lattice.balls > 0, lattice.balls, np.inf), "has a ball of radius")
 
     package = _Package()
@@ -78,7 +79,7 @@ def write_3mf_beams(lattice: BeamLattice, path: Path) -> None:
     body = package.add_mesh(points, faces)
     beams = np.zeros(len(skeleton.edges), dtype=BEAM)  # all ends are spheres
     beams["ends"] = skeleton.edges
-    beams["radii"] = skeleton.radii[skeleton.edges]
+    beams["radii"] = skeleton.edge_radii
     package.add_beams(body, beams, clip)
     if len(balls):
         rows = np.zeros(len(balls), dtype=BALL)
