@@ -8,13 +8,21 @@
 
 from scaffold_cad import webpage  # noqa: F401  (it registers what notebooks show)
 from scaffold_cad.convolution import ConvolutionField, project
-from scaffold_cad.filling import fill, lattice_part
+from scaffold_cad.filling import between_faces, face_map, fill, lattice_part, mesh_map
 from scaffold_cad.io import read_skeleton
 from scaffold_cad.io.write import write
 from scaffold_cad.lattice import (
+    BoxMap,
+    CellMap,
+    CylinderMap,
+    FunctionMap,
+    MappedLattice,
+    QuadMap,
+    SphereMap,
     UnitCell,
     cells,
     delaunay_foam,
+    lattice_on,
     mapped,
     register_cell,
     relative_density,
@@ -51,21 +59,29 @@ from scaffold_cad.viewers import show
 
 __all__ = [
     "BeamLattice",
+    "BoxMap",
+    "CellMap",
     "ConvolutionField",
+    "CylinderMap",
     "Deviation",
     "Embedding",
     "FineSurface",
+    "FunctionMap",
+    "MappedLattice",
     "Partition",
     "Patches",
+    "QuadMap",
     "QuadMesh",
     "Report",
     "Scaffold",
     "Skeleton",
     "Solidified",
+    "SphereMap",
     "Subdivision",
     "TriangleMesh",
     "UnitCell",
     "assert_printable",
+    "between_faces",
     "build_scaffold",
     "catmull_clark",
     "cells",
@@ -73,11 +89,14 @@ __all__ = [
     "check_skeleton",
     "delaunay_foam",
     "deviation",
+    "face_map",
     "fill",
     "fine_surface",
     "frame_scaffold",
+    "lattice_on",
     "lattice_part",
     "mapped",
+    "mesh_map",
     "partition_sphere",
     "partition_spheres",
     "project",
