@@ -86,9 +86,10 @@ def check_sides(mapping: CellMap, cell: UnitCell, counts: tuple[int, int, int]) 
         a, b = patterns[one // 2], patterns[other // 2]
         if mirrored:
             b = np.column_stack([-b[:, 0] % 1.0, b[:, 1]])
-        same = len(a) == len(b) and bool(
-            (cKDTree(_on_torus(a)).query(_on_torus(b))[0] < 1e-6).all()
-        )
+        same = len(a) == len(b)
+        if same and len(a):
+            gaps = np.asarray(cKDTree(_on_torus(a)).query(_on_torus(b))[0])
+            same = float(gaps.max()) < SAME_NODE
         if not same or (one // 2 != other // 2 and counts[0] != counts[1]):
             raise SkeletonError(
                 f"cells of {cell.name!r} do not meet at {np.round(place, 3).tolist()} mm, where "
