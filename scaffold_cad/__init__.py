@@ -7,6 +7,7 @@
 """
 
 from scaffold_cad import webpage  # noqa: F401  (it registers what notebooks show)
+from scaffold_cad.base.fields import Field, PointField
 from scaffold_cad.convolution import ConvolutionField, project
 from scaffold_cad.filling import between_faces, face_map, fill, lattice_part, mesh_map
 from scaffold_cad.io import read_skeleton
@@ -65,11 +66,13 @@ __all__ = [
     "CylinderMap",
     "Deviation",
     "Embedding",
+    "Field",
     "FineSurface",
     "FunctionMap",
     "MappedLattice",
     "Partition",
     "Patches",
+    "PointField",
     "QuadMap",
     "QuadMesh",
     "Report",

@@ -52,8 +52,10 @@ def tile(
     """
     if on is not None:
         return lattice_on(on, cell, radius=radius, size=size, counts=counts).skeleton
-    if size is None or counts is None or callable(size):
-        raise OptionError("need the size of a cell, in numbers, and counts; on a map either")
+    if size is None or callable(size):
+        raise OptionError(
+            f"cell size in mm is not an array of numbers: it is {size}; need them where no map is"
+        )
     cell = as_cell(cell)
     struts = repeated(cell, cell_size(cell, size), as_counts(cell, three_counts(counts)))
     return struts.skeleton(radius)

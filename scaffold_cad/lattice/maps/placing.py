@@ -173,7 +173,7 @@ def _sizes(mapping: CellMap, cell: UnitCell, size: CellSize) -> Floats:
     return as_three(sizes, "cell size in mm")
 
 
-def three_counts(counts: Counts) -> Ints:
+def three_counts(counts: Counts | None) -> Ints:
     """Return `counts` as three whole numbers, shape (3,).
 
     Raises

@@ -190,7 +190,8 @@ def test_tile_takes_a_map() -> None:
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: tile("bcc", 4.0, radius=0.3), "need the size of a cell, in numbers, and counts"),
+        (lambda: tile("bcc", 4.0, radius=0.3), "counts are None; need three whole numbers"),
+        (lambda: tile("bcc", counts=2, radius=0.3), "cell size in mm is not an array of numbers"),
         (lambda: lattice_on(BoxMap([1, 1, 1]), "bcc", radius=0.1), "either the size of a cell or"),
         (
             lambda: lattice_on(CylinderMap(5, 5, 1), "bcc", radius=0.1, counts=2),
