@@ -9,7 +9,15 @@
 from scaffold_cad import webpage  # noqa: F401  (it registers what notebooks show)
 from scaffold_cad.base.fields import Field, PointField
 from scaffold_cad.convolution import ConvolutionField, project
-from scaffold_cad.filling import between_faces, face_map, fill, lattice_part, mesh_map
+from scaffold_cad.filling import (
+    between_faces,
+    delaunay_foam,
+    face_map,
+    fill,
+    lattice_part,
+    mesh_map,
+    voronoi_foam,
+)
 from scaffold_cad.io import read_skeleton
 from scaffold_cad.io.write import write
 from scaffold_cad.lattice import (
@@ -22,14 +30,12 @@ from scaffold_cad.lattice import (
     SphereMap,
     UnitCell,
     cells,
-    delaunay_foam,
     lattice_on,
     mapped,
     register_cell,
     relative_density,
     solve_radius,
     tile,
-    voronoi_foam,
 )
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.quadmesh import QuadMesh
