@@ -7,20 +7,35 @@
 """
 
 from scaffold_cad import webpage  # noqa: F401  (it registers what notebooks show)
+from scaffold_cad.base.fields import Field, PointField
 from scaffold_cad.convolution import ConvolutionField, project
-from scaffold_cad.filling import fill, lattice_part
+from scaffold_cad.filling import (
+    between_faces,
+    delaunay_foam,
+    face_map,
+    fill,
+    lattice_part,
+    mesh_map,
+    voronoi_foam,
+)
 from scaffold_cad.io import read_skeleton
 from scaffold_cad.io.write import write
 from scaffold_cad.lattice import (
+    BoxMap,
+    CellMap,
+    CylinderMap,
+    FunctionMap,
+    MappedLattice,
+    QuadMap,
+    SphereMap,
     UnitCell,
     cells,
-    delaunay_foam,
+    lattice_on,
     mapped,
     register_cell,
     relative_density,
     solve_radius,
     tile,
-    voronoi_foam,
 )
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.quadmesh import QuadMesh
@@ -51,21 +66,31 @@ from scaffold_cad.viewers import show
 
 __all__ = [
     "BeamLattice",
+    "BoxMap",
+    "CellMap",
     "ConvolutionField",
+    "CylinderMap",
     "Deviation",
     "Embedding",
+    "Field",
     "FineSurface",
+    "FunctionMap",
+    "MappedLattice",
     "Partition",
     "Patches",
+    "PointField",
+    "QuadMap",
     "QuadMesh",
     "Report",
     "Scaffold",
     "Skeleton",
     "Solidified",
+    "SphereMap",
     "Subdivision",
     "TriangleMesh",
     "UnitCell",
     "assert_printable",
+    "between_faces",
     "build_scaffold",
     "catmull_clark",
     "cells",
@@ -73,11 +98,14 @@ __all__ = [
     "check_skeleton",
     "delaunay_foam",
     "deviation",
+    "face_map",
     "fill",
     "fine_surface",
     "frame_scaffold",
+    "lattice_on",
     "lattice_part",
     "mapped",
+    "mesh_map",
     "partition_sphere",
     "partition_spheres",
     "project",

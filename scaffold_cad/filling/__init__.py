@@ -1,6 +1,16 @@
 """Parts of other people filled with struts."""
 
 from scaffold_cad.filling.fill import fill
+from scaffold_cad.filling.foams import delaunay_foam, voronoi_foam
+from scaffold_cad.filling.maps import between_faces, face_map, mesh_map
 from scaffold_cad.filling.parts import lattice_part
 
-__all__ = ["fill", "lattice_part"]
+__all__ = [
+    "between_faces",
+    "delaunay_foam",
+    "face_map",
+    "fill",
+    "lattice_part",
+    "mesh_map",
+    "voronoi_foam",
+]

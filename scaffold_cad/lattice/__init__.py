@@ -2,16 +2,38 @@
 
 from scaffold_cad.lattice.density import measured_density, relative_density, solve_radius
 from scaffold_cad.lattice.foams import delaunay_foam, voronoi_foam
+from scaffold_cad.lattice.maps import (
+    BetweenMap,
+    BoxMap,
+    CellMap,
+    CylinderMap,
+    FunctionMap,
+    MappedLattice,
+    QuadMap,
+    SphereMap,
+    SurfaceMap,
+    lattice_on,
+)
 from scaffold_cad.lattice.registry import cells, register_cell, unit_cell
 from scaffold_cad.lattice.tiling import mapped, tile
 from scaffold_cad.lattice.unitcell import UnitCell, cell_picture, check_periodic
 
 __all__ = [
+    "BetweenMap",
+    "BoxMap",
+    "CellMap",
+    "CylinderMap",
+    "FunctionMap",
+    "MappedLattice",
+    "QuadMap",
+    "SphereMap",
+    "SurfaceMap",
     "UnitCell",
     "cell_picture",
     "cells",
     "check_periodic",
     "delaunay_foam",
+    "lattice_on",
     "mapped",
     "measured_density",
     "register_cell",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,6 +22,7 @@ PROBES = 6
 """How often a strut is halved in search of crossings that its ends do not tell of."""
 
 
+@runtime_checkable
 class Region(Protocol):
     """A part of space, its surface included."""
 

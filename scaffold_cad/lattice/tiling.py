@@ -8,9 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import check_kind
-from scaffold_cad.base.arrays import Floats, Ints, Points, as_floats
+from scaffold_cad.base.arrays import Floats, Points, as_floats
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.errors import OptionError
+from scaffold_cad.lattice.maps.cellmap import CellMap
+from scaffold_cad.lattice.maps.grading import CellSize
+from scaffold_cad.lattice.maps.placing import Counts, lattice_on, three_counts
 from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.repetition import as_counts, repeated
 from scaffold_cad.lattice.unitcell import UnitCell, as_three
@@ -18,9 +21,14 @@ from scaffold_cad.skeleton import Skeleton
 
 
 def tile(
-    cell: str | UnitCell, size: ArrayLike, counts: int | tuple[int, int, int], *, radius: Radius
+    cell: str | UnitCell,
+    size: CellSize | None = None,
+    counts: Counts | None = None,
+    *,
+    radius: Radius,
+    on: CellMap | None = None,
 ) -> Skeleton:
-    """Return the lattice of `counts` cells along x, y and z from the origin.
+    """Return the lattice of `counts` cells along x, y and z from the origin, or cells on a map.
 
     Nodes and struts that cells share appear once.
 
@@ -30,15 +38,26 @@ def tile(
     size : of one cell, mm: three numbers, or one for a cell that is not distorted
     counts : cells along x, y and z, or one number for all three
     radius : mm; one number, or a function of positions (n, 3) that returns radii (n,)
+    on : a map of cells, such as `CylinderMap` or `face_map` of a build123d face; it needs either
+        the size of a cell, which may then be a function of positions, or counts along u, v and w.
+        `lattice_on` returns the same with its stretch
 
     Raises
     ------
     OptionError
         If the cell is not known, a size, a count or a radius is not > 0, or there are more than
         1e8 struts.
+    SkeletonError
+        If a map folds cells, or they do not meet between its patches.
     """
+    if on is not None:
+        return lattice_on(on, cell, radius=radius, size=size, counts=counts).skeleton
+    if size is None or callable(size):
+        raise OptionError(
+            f"cell size in mm is not an array of numbers: it is {size}; need them where no map is"
+        )
     cell = as_cell(cell)
-    struts = repeated(cell, cell_size(cell, size), as_counts(cell, _three(counts)))
+    struts = repeated(cell, cell_size(cell, size), as_counts(cell, three_counts(counts)))
     return struts.skeleton(radius)
 
 
@@ -83,11 +102,3 @@ def cell_size(cell: UnitCell, size: ArrayLike) -> Floats:
     if sizes.ndim == 0:
         sizes = sizes * cell.proportions / cell.proportions[0]
     return as_three(sizes, "cell size in mm")
-
-
-def _three(counts: int | tuple[int, int, int]) -> Ints:
-    """Return `counts` as three whole numbers, shape (3,)."""
-    values = np.asarray(counts)
-    if values.shape not in {(), (3,)} or values.dtype.kind not in "iu" or (values < 1).any():
-        raise OptionError(f"counts are {counts}; need three whole numbers >= 1")
-    return np.broadcast_to(values, 3)

@@ -9,14 +9,22 @@ from scaffold_cad.base.vectors import length
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 
 
-def without_short_edges(mesh: TriangleMesh, shortest: float) -> TriangleMesh:
+def without_short_edges(
+    mesh: TriangleMesh, shortest: float, *, is_open: bool = False
+) -> TriangleMesh:
     """Return a closed mesh with its edges shorter than `shortest` (mm) drawn together.
 
     An edge stays where drawing it together would pinch the surface: where a vertex beside both of
     its ends belongs to neither of its two triangles. The lower end of an edge keeps its place.
+
+    Parameters
+    ----------
+    is_open : whether the mesh has a border, whose vertices keep their places
     """
     while True:
         edges = _short_edges(mesh, shortest)
+        if is_open:
+            edges = _beside_border(mesh, edges)
         chosen = _independent(mesh.triangles, edges)
         if len(chosen) == 0:
             return mesh
@@ -34,6 +42,15 @@ def _short_edges(mesh: TriangleMesh, shortest: float) -> Edges:
     spans = length(mesh.vertices[ends[:, 1]] - mesh.vertices[ends[:, 0]])
     short = np.flatnonzero(spans < shortest)
     return ends[short[np.argsort(spans[short], kind="stable")]]
+
+
+def _beside_border(mesh: TriangleMesh, edges: Edges) -> Edges:
+    """Return those of `edges` that have no more than one end on the border, that end first."""
+    on_border = np.zeros(len(mesh.vertices), dtype=np.bool_)
+    on_border[mesh.faulty_sides()[1]] = True
+    ends = on_border[edges]  # (k, 2)
+    edges, ends = edges[~ends.all(axis=1)], ends[~ends.all(axis=1)]
+    return np.where(ends[:, 1:], edges[:, ::-1], edges)
 
 
 def _independent(triangles: Triangles, edges: Edges) -> Edges:

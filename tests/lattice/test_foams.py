@@ -15,6 +15,8 @@ from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice import delaunay_foam, voronoi_foam
 from scaffold_cad.lattice.clipping import Keep
 from scaffold_cad.lattice.foams import random_points
+from scaffold_cad.lattice.powercells import cell_edges
+from scaffold_cad.lattice.regions import ImplicitRegion
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 
 Foam: TypeAlias = Callable[..., Skeleton]
@@ -152,7 +154,7 @@ def test_a_truss_has_the_nodes_that_a_foam_has_cells() -> None:
         ({"count": 10**20}, "count is 100000000000000000000; need at most 10000000"),
         ({"regularity": 0.8}, r"regularity is 0\.8; need 0 to 0\.7"),
         ({"regularity": -0.1}, r"regularity is -0\.1; need 0 to 0\.7"),
-        ({"box": BOX[::-1]}, "need the first below the second"),
+        ({"region": BOX[::-1]}, "need the first below the second"),
         ({"shortest": -1.0}, "shortest length is -1 mm; need >= 0"),
         ({"radius": 0.0}, "radius is 0 mm; need > 0"),
     ],
@@ -162,7 +164,7 @@ def test_arguments_out_of_range_are_refused(
     foam: Foam, arguments: dict[str, object], message: str
 ) -> None:
     with pytest.raises(OptionError, match=message):
-        foam(**{"count": 50, "box": BOX, "radius": 0.5, **arguments})
+        foam(**{"count": 50, "region": BOX, "radius": 0.5, **arguments})
 
 
 def test_an_unknown_way_to_keep_struts_is_refused() -> None:
@@ -193,3 +195,105 @@ def test_foams_are_in_one_piece(seed: int, keep: Keep, caplog: pytest.LogCapture
 @pytest.mark.parametrize("seed", range(5))
 def test_trusses_are_in_one_piece(seed: int) -> None:
     assert delaunay_foam(60, BOX, 0.3, seed).component_count == 1
+
+
+def test_a_periodic_foam_meets_itself_on_opposite_faces() -> None:
+    foam = voronoi_foam(60, BOX, 0.5, seed=3, periodic=True, shortest=0.0)
+    check_skeleton(foam)
+    for axis in range(3):
+        low, high = (
+            np.delete(foam.nodes[np.abs(foam.nodes[:, axis] - side) < 1e-6], axis, axis=1)
+            for side in BOX[:, axis]
+        )
+        assert len(low) == len(high) > 10
+        assert cKDTree(low).query(high)[0].max() < 1e-6
+    with pytest.raises(OptionError, match="a periodic foam in a region that is no box"):
+        voronoi_foam(60, ImplicitRegion(lambda p: p[:, 0] - 50, BOX), 0.5, periodic=True)
+
+
+def test_equal_weights_give_voronoi_cells() -> None:
+    points = random_points(200, BOX, 5)
+    one = cell_edges(points, BOX)
+    other = cell_edges(points, BOX, np.full(len(points), 7.0))
+    # The four far points have no weight: cells at the border may differ.
+    inside = ((one.middles > BOX[0]) & (one.middles < BOX[1])).all(axis=1)
+    gaps = cKDTree(other.middles).query(one.middles[inside])[0]
+    assert np.median(gaps) < 1e-6
+    assert (gaps < 1e-6).mean() > 0.95
+
+
+def test_the_corners_of_laguerre_cells_have_one_power_to_their_four_points() -> None:
+    random = np.random.default_rng(1)
+    points, weights = random_points(300, BOX, 6), random.uniform(0, 60, 300)
+    struts = cell_edges(points, BOX, weights)
+    nodes = struts.nodes[np.unique(struts.edges)]
+    inside = nodes[((nodes > BOX[0] + 15) & (nodes < BOX[1] - 15)).all(axis=1)]
+    assert len(inside) > 50
+    powers = ((inside[:, None] - points) ** 2).sum(axis=2) - weights
+    least = np.sort(powers, axis=1)
+    assert (least[:, 3] - least[:, 0]).max() < 1e-6
+    assert np.median(least[:, 4] - least[:, 0]) > 1
+
+
+def test_cells_are_as_large_as_a_function_asks() -> None:
+    foam = voronoi_foam(None, BOX, 0.2, size=lambda p: 6 + 10 * p[:, 0] / 100, regularity=0.5)
+    check_skeleton(foam)
+    middles = foam.nodes[foam.edges].mean(axis=1)[:, 0]
+    small, large = foam.lengths[middles < 20], foam.lengths[middles > 80]
+    assert large.mean() / small.mean() == pytest.approx(15 / 7, rel=0.2)
+
+
+def test_a_size_gives_as_many_cells_as_fit() -> None:
+    volume = float((BOX[1] - BOX[0]).prod())
+    by_size = voronoi_foam(None, BOX, 0.5, seed=1, size=10.0)
+    by_count = voronoi_foam(round(volume / 1000), BOX, 0.5, seed=1)
+    np.testing.assert_array_equal(by_size.nodes, by_count.nodes)
+
+
+def test_stretched_cells_are_longer_along_one_axis() -> None:
+    foam = voronoi_foam(300, BOX, 0.3, seed=2, regularity=0.5, stretch=(1, 1, 3))
+    spans = np.abs(np.diff(foam.nodes[foam.edges], axis=1)[:, 0]).mean(axis=0)
+    assert spans[2] / spans[:2].mean() == pytest.approx(3, rel=0.3)
+
+
+def test_points_of_ones_own_are_taken() -> None:
+    points = random_points(80, BOX, 7)
+    one, other = voronoi_foam(points, BOX, 0.5), voronoi_foam(80, BOX, 0.5, seed=7)
+    np.testing.assert_array_equal(one.nodes, other.nodes)
+    with pytest.raises(OptionError, match="points are given with a size"):
+        voronoi_foam(points, BOX, 0.5, size=3.0)
+
+
+@pytest.mark.parametrize("foam", [voronoi_foam, delaunay_foam])
+def test_foams_stay_in_any_region_as_one_piece(foam: Foam) -> None:
+    ring = ImplicitRegion(
+        lambda p: np.hypot(np.hypot(p[:, 0] - 50, p[:, 1] - 40) - 25, p[:, 2] - 30) - 10, BOX
+    )
+    skeleton = foam(300, ring, 0.3, seed=1)
+    check_skeleton(skeleton)
+    assert ring.values(skeleton.nodes).max() < 1e-6
+    ends = skeleton.nodes[skeleton.edges]
+    along = np.linspace(0, 1, 9)[:, None, None]
+    between = ends[:, 0] + along * (ends[:, 1] - ends[:, 0])
+    assert (ring.values(between.reshape(-1, 3)) < 0.4).all()  # sampled: slivers may pass
+    assert skeleton.component_count == 1
+    assert skeleton.loop_count > 50
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"count": None}, "need either a count of cells or their size"),
+        ({"size": 3.0}, "need either a count of cells or their size"),
+        ({"count": None, "size": -1.0}, "size of a cell is -1 mm"),
+        ({"count": None, "size": lambda p: -p[:, 0]}, "the cell size is -.* mm at"),
+        ({"stretch": (1, 0, 1)}, "need three numbers > 0"),
+        (
+            {"region": ImplicitRegion(lambda p: p[:, 0] + 1, BOX)},
+            "takes less than 1/20000 of its bounds",
+        ),
+    ],
+)
+def test_arguments_that_contradict_are_refused(arguments: dict[str, object], message: str) -> None:
+    with pytest.raises(OptionError, match=message):
+        voronoi_foam(**{"count": 50, "region": BOX, "radius": 0.5, **arguments})  # type: ignore[arg-type]

@@ -1,0 +1,107 @@
+"""Maps of cells on build123d faces and on meshes of any library."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from scaffold_cad.base.arguments import as_number
+from scaffold_cad.base.backends import need
+from scaffold_cad.filling.fill import HasTriangles
+from scaffold_cad.lattice.maps import BetweenMap, QuadMap, SurfaceMap
+from scaffold_cad.lattice.maps.surfaces import Height
+from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.remeshing import quadrangulated
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.welding import welded, without_repeated_corners
+from scaffold_cad.products.surfaces import triangles_of
+
+if TYPE_CHECKING:
+    from build123d import Face, Shape
+
+
+def face_map(face: Face, thickness: Height, offset: Height = 0.0) -> SurfaceMap:
+    """Return the map of cells on a build123d face: u and v along it, w along its normal.
+
+    Cells follow the face's own parameters and are trimmed to its borders; where it closes, as
+    around a pipe, they close.
+
+    Parameters
+    ----------
+    face : trimmed or not
+    thickness : of the layer, mm, a number or a function of positions on the face (n, 3) that
+        returns (n,), such as a height field; negative for a layer at the back
+    offset : height at which the layer begins, likewise
+
+    Raises
+    ------
+    OptionError
+        If `face` is none, or the thickness is 0.
+    BrepError
+        If the face has no area in its parameters.
+    MissingBackendError
+        If build123d is not installed.
+
+    Examples
+    --------
+    >>> from build123d import Cylinder, GeomType
+    >>> from scaffold_cad import face_map, tile
+    >>> pipe = Cylinder(10, 30).faces().filter_by(GeomType.CYLINDER)[0]
+    >>> sleeve = tile("kelvin", 3.0, radius=0.3, on=face_map(pipe, 3.0))
+    >>> sleeve.component_count
+    1
+    """
+    need("build123d", "a map of cells on its face")
+    from scaffold_cad.brep.facesurfaces import FaceSurface
+
+    return SurfaceMap(FaceSurface.of(face), thickness, offset)
+
+
+def between_faces(lower: Face, upper: Face) -> BetweenMap:
+    """Return the map of cells between two build123d faces: w runs straight from one to the other.
+
+    Parameters of one face are matched with those of the other so that they are near each other.
+
+    Raises
+    ------
+    OptionError
+        If one is no face, or only one of them closes.
+    BrepError
+        If a face has no area in its parameters.
+    MissingBackendError
+        If build123d is not installed.
+    """
+    need("build123d", "a map of cells between its faces")
+    from scaffold_cad.brep.facesurfaces import FaceSurface
+
+    return BetweenMap(FaceSurface.of(lower), FaceSurface.of(upper))
+
+
+def mesh_map(
+    mesh: QuadMesh | TriangleMesh | HasTriangles | Shape,
+    thickness: Height,
+    offset: Height = 0.0,
+    *,
+    size: float | None = None,
+) -> QuadMap:
+    """Return the map of cells on the quads of a mesh.
+
+    Parameters
+    ----------
+    mesh : a quad mesh, whose quads are taken as they are; or a triangle mesh of any library or a
+        build123d shape, which is made anew in quads of about `size`, one a cell (`counts=(1, 1,
+        k)`); its sharp edges are rounded
+    thickness, offset : of the layer, see `face_map`
+    size : of the quads, mm; for triangles only
+
+    Raises
+    ------
+    OptionError
+        If triangles come without a size, or quads with one.
+    MeshError
+        If the mesh is no surface.
+    """
+    if isinstance(mesh, QuadMesh) and size is None:
+        return QuadMap(mesh, thickness, offset)
+    side = as_number(size, "size of the quads that the surface is made anew with")
+    surface = without_repeated_corners(welded(triangles_of(mesh)))
+    return QuadMap(quadrangulated(surface, side), thickness, offset)

@@ -1,0 +1,154 @@
+"""Cells of sizes that vary: the places of a map moved so that cells are as large as asked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import RegularGridInterpolator
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.linalg import spsolve
+
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points, as_floats
+from scaffold_cad.base.vectors import length
+from scaffold_cad.errors import OptionError
+from scaffold_cad.lattice.maps.cellmap import CellMap
+
+CellSize: TypeAlias = "ArrayLike | Callable[[Points], ArrayLike]"
+"""One size of a cell, three along u, v and w, or a function of positions (n, 3), mm."""
+
+GRID = 13
+"""Places along each axis of the grid on which sizes are graded."""
+
+ROUNDS = 12
+"""How often sizes are looked up again where the places have moved to."""
+
+
+@dataclass(frozen=True, eq=False)
+class Grading(Frozen):
+    """Places of the unit cube moved within it, its sides kept, so that cell sizes vary."""
+
+    grid: Floats
+    """Where the places of a regular grid go, shape (k, k, k, 3)."""
+
+    def moved(self, places: Points) -> Points:
+        """Return where places (n, 3) go, between the grid's by threes."""
+        steps = np.linspace(0.0, 1.0, len(self.grid))
+        between = RegularGridInterpolator((steps, steps, steps), self.grid)
+        moved: Points = between(np.clip(places, 0.0, 1.0))
+        return moved
+
+
+def graded(mapping: CellMap, size: Callable[[Points], ArrayLike]) -> Grading:
+    """Return the grading under which cells on a map are as large as a function asks.
+
+    Neighbouring places of a grid are joined by springs that are as soft as cells are to be large
+    there; each coordinate is at rest on its own. Along one axis that is exact; where sizes vary
+    along several, it is a compromise, as cells must go on as cells.
+
+    Raises
+    ------
+    OptionError
+        If the map has several patches, or a size is not > 0.
+    """
+    if mapping.patches > 1:
+        raise OptionError(
+            f"the map has {mapping.patches} patches; need one for cells of varied size"
+        )
+    steps = np.linspace(0.0, 1.0, GRID)
+    rest = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), axis=-1).reshape(-1, 3)
+    edges, axis = _grid_edges()
+    same = [_seams(mapping, axis) for axis in range(3)]
+    places = rest.copy()
+    for _ in range(ROUNDS):
+        points = mapping.positions(places, np.zeros(len(places), dtype=np.intp))
+        wanted = sizes_at(size, points)
+        spans = length(points[edges[:, 1]] - points[edges[:, 0]])
+        moves = np.abs(places[edges[:, 1]] - places[edges[:, 0]])[np.arange(len(edges)), axis]
+        speed = spans / np.maximum(moves, 1e-12)
+        # A chain of springs of these stiffnesses has steps in mm as the wanted sizes.
+        stiffness = speed / wanted[edges].mean(axis=1)
+        places = np.stack(
+            [_at_rest(edges, stiffness, rest[:, k], same[k]) for k in range(3)], axis=1
+        )
+    return Grading(places.reshape(GRID, GRID, GRID, 3))
+
+
+def mean_size(mapping: CellMap, size: Callable[[Points], ArrayLike]) -> Floats:
+    """Return the harmonic mean of a size over a map, as counts of cells ask, three times."""
+    steps = np.linspace(0.0, 1.0, GRID)
+    places = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), axis=-1).reshape(-1, 3)
+    points = mapping.positions(places, np.zeros(len(places), dtype=np.intp))
+    return np.full(3, 1.0 / float((1.0 / sizes_at(size, points)).mean()))
+
+
+def sizes_at(size: Callable[[Points], ArrayLike], points: Points) -> Floats:
+    """Return the wanted size at positions (n, 3), shape (n,), mm.
+
+    Raises
+    ------
+    OptionError
+        If the function returns another shape, or a number that is not > 0; the place is named.
+    """
+    values = as_floats(size(points), "what the function size returned", OptionError)
+    if values.shape not in {(), (len(points),)}:
+        raise OptionError(
+            f"size returned shape {values.shape} for points ({len(points)}, 3); "
+            f"need ({len(points)},)"
+        )
+    values = np.broadcast_to(values, (len(points),))
+    bad = np.flatnonzero(~(np.isfinite(values) & (values > 0)))
+    if len(bad):
+        raise OptionError(
+            f"the cell size is {values[bad[0]]:g} mm at {points[bad[0]].tolist()} mm; need > 0"
+        )
+    return values
+
+
+def _grid_edges() -> tuple[Edges, Ints]:
+    """Return the neighbours in the grid (e, 2), and the axis along which each pair lies (e,)."""
+    number = np.arange(GRID**3).reshape(GRID, GRID, GRID)
+    pairs = [
+        np.stack([np.delete(number, -1, axis).ravel(), np.delete(number, 0, axis).ravel()], axis=1)
+        for axis in range(3)
+    ]
+    return np.concatenate(pairs), np.repeat(np.arange(3), [len(one) for one in pairs])
+
+
+def _seams(mapping: CellMap, coordinate: int) -> Ints:
+    """Return the place of the grid that each place must share a coordinate with, (n,)."""
+    number = np.arange(GRID**3).reshape(GRID, GRID, GRID)
+    for axis in range(3):
+        if mapping.wraps[axis] and axis != coordinate:
+            ends = np.moveaxis(number, axis, 0)  # a view
+            ends[-1] = ends[0]
+    return number.reshape(-1)
+
+
+def _at_rest(edges: Edges, stiffness: Floats, rest: Floats, same: Ints) -> Floats:
+    """Return one coordinate of all places where springs are at rest, its two sides held.
+
+    Parameters
+    ----------
+    edges, stiffness : springs, (e, 2) and (e,)
+    rest : (n,) the coordinate before
+    same : (n,) the place that each place moves with
+    """
+    count = len(rest)
+    pairs = same[edges]
+    ends = np.concatenate([pairs, pairs[:, ::-1]])
+    weights = np.concatenate([stiffness, stiffness])
+    joined = csr_array(coo_array((weights, (ends[:, 0], ends[:, 1])), shape=(count, count)))
+    held: Bools = (rest == 0.0) | (rest == 1.0)
+    free = np.flatnonzero(~held & (same == np.arange(count)))
+    rows = joined[free]
+    total = np.asarray(rows.sum(axis=1)).reshape(-1)
+    diagonal = coo_array((total, (np.arange(len(free)),) * 2), shape=(len(free),) * 2)
+    moved = rest.copy()
+    moved[free] = spsolve(
+        (diagonal - rows[:, free]).tocsc(), rows[:, np.flatnonzero(held)] @ rest[held]
+    )
+    return moved[same]

@@ -1,0 +1,222 @@
+"""A unit cell repeated in the places of a map: the struts, and how much the map stretches them."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, as_floats
+from scaffold_cad.base.radii import Radius, radii_at
+from scaffold_cad.base.vectors import length
+from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.lattice.clipping import clipped
+from scaffold_cad.lattice.maps.cellmap import CellMap, extents
+from scaffold_cad.lattice.maps.grading import CellSize, graded, mean_size
+from scaffold_cad.lattice.maps.seams import Placed, check_folds, check_sides, grid_corners, seams
+from scaffold_cad.lattice.maps.trimming import PolygonRegion
+from scaffold_cad.lattice.registry import as_cell
+from scaffold_cad.lattice.repetition import as_counts, repeated
+from scaffold_cad.lattice.struts import Struts
+from scaffold_cad.lattice.unitcell import UnitCell, as_three
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.skeleton.repair import overlapping_half_edges
+
+SHORTEST_FRACTION = 1e-3
+"""Length below which the rest of a strut cut at a border is given up, in cells."""
+
+LEAST_AROUND = 3
+"""Least cells around a map that closes: with two, struts would join the same nodes twice."""
+
+_log = logging.getLogger(__name__)
+
+Counts: TypeAlias = "int | tuple[int, int, int]"
+"""Cells along u, v and w, or one number for all three."""
+
+
+@dataclass(frozen=True, eq=False)
+class MappedLattice(Frozen):
+    """A lattice on a map, and how much its struts are stretched."""
+
+    skeleton: Skeleton
+    """The lattice."""
+    stretch: Floats
+    """Length of each strut over that in a cell of the mean size, about 1, shape (s,)."""
+    counts: tuple[int, int, int]
+    """Cells along u, v and w, in each patch."""
+
+    @property
+    def largest_stretch(self) -> float:
+        """The stretch of the strut that is longest for what it is."""
+        return float(self.stretch.max())
+
+    @property
+    def least_stretch(self) -> float:
+        """The stretch of the strut that is shortest for what it is."""
+        return float(self.stretch.min())
+
+
+def lattice_on(
+    mapping: CellMap,
+    cell: str | UnitCell,
+    *,
+    radius: Radius,
+    size: CellSize | None = None,
+    counts: Counts | None = None,
+) -> MappedLattice:
+    """Return the lattice of a cell on a map, and its stretch.
+
+    Where the map closes, cells share the nodes at its seam; where it is trimmed, struts are cut
+    at the border.
+
+    Parameters
+    ----------
+    mapping : where cells go
+    cell : a unit cell or its name
+    radius : mm; one number, or a function of positions (n, 3) that returns radii (n,)
+    size : of a cell, mm: one number, three (along u, v and w), or a function of positions (n, 3)
+        that returns (n,) numbers, as a `Field` is. The number of cells that fits best is taken
+    counts : cells along u, v and w (of each patch) in place of a size
+
+    Raises
+    ------
+    OptionError
+        If an argument is out of its range, not one of size and counts is given, or there are
+        less than three cells around a map that closes.
+    SkeletonError
+        If the map folds cells, or a cell does not meet itself between two patches; the place is
+        named.
+    """
+    check_kind(mapping, CellMap)
+    cell = as_cell(cell)
+    whole = extents(mapping)  # (3,)
+    grading = None if size is None or not callable(size) else graded(mapping, size)
+    numbers = _counts(mapping, cell, whole, size, counts)
+    if mapping.patches > 1:
+        check_sides(mapping, cell, numbers)
+    struts, patch = _struts(mapping, cell, numbers)
+    corners = np.tile(grid_corners(numbers), (mapping.patches, 1))
+    of_corner = np.repeat(np.arange(mapping.patches), len(corners) // mapping.patches)
+    places = np.concatenate([struts.nodes / numbers, corners])
+    if grading is not None:
+        places = grading.moved(places)
+    # Both at once: a surface is asked for each place only once.
+    positions = mapping.positions(places, np.concatenate([patch, of_corner]))
+    nodes = positions[: len(patch)]
+    check_folds(positions[len(patch) :], numbers, mapping.patches)
+    mean = whole / numbers
+    placed = Placed(mapping, struts.nodes, patch, nodes, numbers, float(mean.min()))
+    target, drawn_together = seams(placed)
+    kept, edges = _each_once(target, struts)
+    stretch = length(nodes[struts.edges[:, 1]] - nodes[struts.edges[:, 0]]) / length(
+        (struts.ends - struts.starts) * mean
+    )
+    used, ends = np.unique(edges, return_inverse=True)
+    skeleton = Skeleton(nodes[used], ends.reshape(-1, 2), 1.0)
+    if drawn_together and len(overlapping_half_edges(skeleton.nodes, skeleton.edges)):
+        skeleton = skeleton.cleaned(weld_distance=0.0).skeleton
+    skeleton = skeleton.with_radii(radii_at(skeleton.nodes, radius))
+    lattice = MappedLattice(skeleton, stretch[kept], numbers)
+    _log.info(
+        "%d x %d x %d cells of %r: struts are %.3g to %.3g times as long as in a cell of %s mm",
+        *numbers,
+        cell.name,
+        lattice.least_stretch,
+        lattice.largest_stretch,
+        " x ".join(f"{one:.3g}" for one in mean),
+    )
+    return lattice
+
+
+def _counts(
+    mapping: CellMap,
+    cell: UnitCell,
+    whole: Floats,
+    size: CellSize | None,
+    counts: Counts | None,
+) -> tuple[int, int, int]:
+    """Return the cells along u, v and w."""
+    if (size is None) == (counts is None):
+        raise OptionError("need either the size of a cell or counts of cells on the map")
+    if counts is not None:
+        numbers = three_counts(counts)
+    elif size is not None:
+        sizes = _sizes(mapping, cell, size)
+        numbers = np.maximum(np.rint(whole / sizes), np.where(mapping.wraps, LEAST_AROUND, 1))
+        if (whole / sizes < 0.5 - 1e-6).any():
+            _log.warning(
+                "a cell of %s mm is more than twice as large as the map, %s mm",
+                " x ".join(f"{one:.3g}" for one in sizes),
+                " x ".join(f"{one:.3g}" for one in whole),
+            )
+    few = np.flatnonzero((numbers < LEAST_AROUND) & mapping.wraps)
+    if len(few):
+        raise OptionError(
+            f"{int(numbers[few[0]])} cells along {'uvw'[few[0]]}, where the map closes; "
+            f"need {LEAST_AROUND} or more"
+        )
+    as_counts(cell, numbers * (mapping.patches, 1, 1))  # not too many
+    return as_counts(cell, numbers)
+
+
+def _sizes(mapping: CellMap, cell: UnitCell, size: CellSize) -> Floats:
+    """Return the size of a cell along u, v and w (3,), mm; of a field the mean one."""
+    if callable(size):
+        mean: Floats = mean_size(mapping, size) * cell.proportions / cell.proportions[0]
+        return mean
+    sizes = as_floats(size, "cell size in mm", OptionError)
+    if sizes.ndim == 0:
+        sizes = sizes * cell.proportions / cell.proportions[0]
+    return as_three(sizes, "cell size in mm")
+
+
+def three_counts(counts: Counts | None) -> Ints:
+    """Return `counts` as three whole numbers, shape (3,).
+
+    Raises
+    ------
+    OptionError
+        If they are not one or three whole numbers ≥ 1.
+    """
+    values = np.asarray(counts)
+    if values.shape not in {(), (3,)} or values.dtype.kind not in "iu" or (values < 1).any():
+        raise OptionError(f"counts are {counts}; need three whole numbers >= 1")
+    return np.broadcast_to(values, 3)
+
+
+def _struts(mapping: CellMap, cell: UnitCell, counts: tuple[int, int, int]) -> tuple[Struts, Ints]:
+    """Return the struts of all patches in cells, trimmed, and the patch of each node (n,)."""
+    one = repeated(cell, np.ones(3), counts)
+    if mapping.loops:
+        loops = tuple(loop * counts[:2] for loop in mapping.loops)
+        one = clipped(one, PolygonRegion(loops), SHORTEST_FRACTION)
+        if len(one.edges) == 0:
+            raise SkeletonError(
+                f"no strut of unit cell {cell.name!r} is within the borders of the face; "
+                "need one (smaller cells?)"
+            )
+    used, ends = np.unique(one.edges, return_inverse=True)
+    nodes, edges = one.nodes[used], ends.reshape(-1, 2)
+    patch = np.repeat(np.arange(mapping.patches), len(nodes))
+    first = np.arange(mapping.patches) * len(nodes)
+    return (
+        Struts(
+            np.tile(nodes, (mapping.patches, 1)),
+            (first[:, None, None] + edges).reshape(-1, 2),
+        ),
+        patch,
+    )
+
+
+def _each_once(target: Ints, struts: Struts) -> tuple[Ints, Ints]:
+    """Return which struts stay, (m,), and their nodes, (m, 2), when nodes become their targets."""
+    ends = target[struts.edges]
+    ends.sort(axis=1)
+    proper = np.flatnonzero(ends[:, 0] != ends[:, 1])
+    key = ends[proper, 0] * len(target) + ends[proper, 1]
+    _, first = np.unique(key, return_index=True)
+    kept: Ints = proper[np.sort(first)]
+    return kept, target[struts.edges[kept]]

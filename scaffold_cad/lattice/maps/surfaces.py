@@ -1,0 +1,189 @@
+"""Cells along a surface's normals, and between two surfaces."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import product
+from typing import Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scaffold_cad.base.arguments import as_real
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, UnitVectors, as_floats
+from scaffold_cad.errors import OptionError
+from scaffold_cad.lattice.maps.cellmap import CellMap
+
+Height: TypeAlias = float | Callable[[Points], ArrayLike]
+"""One height above a surface, mm, or a function of positions on it (n, 3) that returns (n,)."""
+
+MATCHING = 5
+"""Places along each side of the unit square at which two surfaces are compared."""
+
+
+class Surface(Protocol):
+    """A surface over one unit square or several, with its normals."""
+
+    @property
+    def wraps(self) -> tuple[bool, bool]:
+        """Whether the end along u and along v is the beginning again."""
+
+    @property
+    def patches(self) -> int:
+        """Number of unit squares."""
+
+    @property
+    def loops(self) -> tuple[Floats, ...]:
+        """Closed polygons (k, 2) in the unit square that trim it, see `CellMap`."""
+
+    def at(self, places: Floats, patch: Ints) -> tuple[Points, UnitVectors]:
+        """Return positions (n, 3) and unit normals (n, 3) at places (n, 2) in patches (n,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceMap(Frozen, CellMap):
+    """Cells that stand on a surface: u and v run along it, w along its normal.
+
+    The layer begins at height `offset` and is `thickness` high; both are numbers or functions of
+    positions on the surface, such as a height field. A negative thickness goes to the back.
+    """
+
+    surface: Surface
+    thickness: Height
+    offset: Height
+
+    def __init__(self, surface: Surface, thickness: Height, offset: Height = 0.0) -> None:
+        self._keep(
+            surface=surface,
+            thickness=_as_height(thickness, "thickness"),
+            offset=_as_height(offset, "offset"),
+            wraps=(*surface.wraps, False),
+            patches=surface.patches,
+            loops=surface.loops,
+        )
+        if not callable(self.thickness) and self.thickness == 0:
+            raise OptionError("thickness is 0 mm; need another")
+
+    def positions(self, places: Points, patch: Ints) -> Points:
+        """Return where places are; see `CellMap`."""
+        foot, normals, of_place = _each_once(self.surface, places, patch)
+        low = heights_at(self.offset, foot, "offset")
+        high = low + heights_at(self.thickness, foot, "thickness")
+        w = places[:, 2]
+        height = (1 - w) * low[of_place] + w * high[of_place]
+        moved: Points = foot[of_place] + height[:, None] * normals[of_place]
+        return moved
+
+
+@dataclass(frozen=True, eq=False)
+class BetweenMap(Frozen, CellMap):
+    """Cells between two surfaces: w runs straight from a place of one to that of the other.
+
+    Which side of the second square goes to which of the first is chosen so that the straight
+    lines are short.
+    """
+
+    lower: Surface
+    upper: Surface
+    turn: tuple[bool, bool, bool]
+    """Whether u and v of the upper surface are exchanged, and then which of them run backwards."""
+
+    def __init__(self, lower: Surface, upper: Surface) -> None:
+        """Match two surfaces.
+
+        Raises
+        ------
+        OptionError
+            If one has several patches, or only one of them closes.
+        """
+        if lower.patches != 1 or upper.patches != 1:
+            raise OptionError("a surface has several patches; need one unit square a surface")
+        turn = _best_turn(lower, upper)
+        closes = upper.wraps[::-1] if turn[0] else upper.wraps
+        if closes != lower.wraps:
+            raise OptionError(
+                f"one surface closes along u and v: {lower.wraps}, the other: {closes}; "
+                "need both to close, or none"
+            )
+        self._keep(
+            lower=lower, upper=upper, turn=turn, wraps=(*lower.wraps, False), loops=lower.loops
+        )
+
+    def positions(self, places: Points, patch: Ints) -> Points:
+        """Return where places are; see `CellMap`."""
+        low, _, of_low = _each_once(self.lower, places, patch)
+        turned = np.concatenate([_turned(places[:, :2], self.turn), places[:, 2:]], axis=1)
+        high, _, of_high = _each_once(self.upper, turned, patch)
+        w = places[:, 2:]
+        moved: Points = (1 - w) * low[of_low] + w * high[of_high]
+        return moved
+
+
+def heights_at(height: Height, points: Points, name: str) -> Floats:
+    """Return the height at positions (n, 3), shape (n,), mm.
+
+    Raises
+    ------
+    OptionError
+        If a function returns another shape, or numbers that are not finite.
+    """
+    if not callable(height):
+        return np.full(len(points), float(height))
+    values = as_floats(height(points), f"what the function {name} returned", OptionError)
+    if values.shape not in {(), (len(points),)}:
+        raise OptionError(
+            f"{name} returned shape {values.shape} for points ({len(points)}, 3); "
+            f"need ({len(points)},)"
+        )
+    bad = np.flatnonzero(~np.isfinite(np.atleast_1d(values)))
+    if len(bad):
+        raise OptionError(
+            f"{name} is {np.atleast_1d(values)[bad[0]]:g} at {points[bad[0]].tolist()} mm; "
+            "need a finite number"
+        )
+    return np.broadcast_to(values, (len(points),))
+
+
+def _as_height(value: Height, name: str) -> Height:
+    if callable(value):
+        return value
+    number = as_real(value, name, hint=", or a function of positions (n, 3) that returns (n,)")
+    if not np.isfinite(number):
+        raise OptionError(f"{name} is {number:g} mm; need a finite number")
+    return number
+
+
+def _each_once(surface: Surface, places: Points, patch: Ints) -> tuple[Points, UnitVectors, Ints]:
+    """Return positions and normals at the distinct (u, v) of places, and which each place has.
+
+    Cells stand above each other: their nodes share their feet.
+    """
+    order = np.lexsort([places[:, 1], places[:, 0], patch])
+    ranked = places[order, :2]
+    new = np.ones(len(order), dtype=np.bool_)
+    new[1:] = (ranked[1:] != ranked[:-1]).any(axis=1) | (np.diff(patch[order]) != 0)
+    of_place = np.empty(len(order), dtype=np.intp)
+    of_place[order] = np.cumsum(new) - 1
+    feet, normals = surface.at(ranked[new], patch[order][new])
+    return feet, normals, of_place
+
+
+def _turned(places: Floats, turn: tuple[bool, bool, bool]) -> Floats:
+    swapped = places[:, ::-1] if turn[0] else places
+    return np.where(turn[1:], 1 - swapped, swapped)
+
+
+def _best_turn(lower: Surface, upper: Surface) -> tuple[bool, bool, bool]:
+    """Return the symmetry of the square under which two surfaces are closest."""
+    steps = (np.arange(MATCHING) + 0.5) / MATCHING
+    places = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2)
+    patch = np.zeros(len(places), dtype=np.intp)
+    low, _ = lower.at(places, patch)
+
+    def gap(turn: tuple[bool, bool, bool]) -> float:
+        high, _ = upper.at(_turned(places, turn), patch)
+        return float(((high - low) ** 2).sum())
+
+    turns = [(bool(a), bool(b), bool(c)) for a, b, c in product((0, 1), repeat=3)]
+    return min(turns, key=gap)

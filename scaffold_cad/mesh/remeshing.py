@@ -1,0 +1,293 @@
+"""Triangle meshes made anew with triangles of one size, and cut into quads."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from scaffold_cad.base.arguments import as_number
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, Triangles, UnitVectors
+from scaffold_cad.base.vectors import dot, length, normalize
+from scaffold_cad.errors import MeshError
+from scaffold_cad.mesh.collapse import without_short_edges
+from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+
+ROUNDS = 8
+"""How often edges are split, drawn together and turned, and vertices moved."""
+
+LONGEST, SHORTEST = 4 / 3, 4 / 5
+"""Edges are split above and drawn together below these lengths, in wanted ones: halves of an edge
+that is split are not drawn together again (Botsch and Kobbelt, A remeshing approach to
+multiresolution modeling, 2004)."""
+
+NEAREST = 8
+"""How many triangles are looked at for the one nearest to a vertex."""
+
+QUAD_SIDE = 2.5
+"""Wanted side of triangles, in sides of a square as large as one of the quads that each is cut
+into; found by trial: triangles made anew come out a little larger."""
+
+MOST_TRIANGLES = 2_000_000
+"""Most triangles of a mesh made anew."""
+
+
+def remeshed(mesh: TriangleMesh, size: float) -> TriangleMesh:
+    """Return the surface with triangles whose sides are about `size` mm long.
+
+    Vertices stay on the old surface; open borders are kept, edges of the shape are rounded by a
+    fraction of `size`.
+
+    Parameters
+    ----------
+    mesh : closed or open, each edge in one triangle or two
+    size : wanted length of sides, mm
+
+    Raises
+    ------
+    OptionError
+        If the size is not > 0.
+    MeshError
+        If the mesh has no area, or would have more than two million triangles.
+    """
+    return _remeshed(mesh, as_number(size, "size of triangles"))[0]
+
+
+def quadrangulated(mesh: TriangleMesh, size: float) -> QuadMesh:
+    """Return the surface in quads about as large as squares of `size` mm.
+
+    It is made anew with triangles of one size, and each is cut into three quads.
+    """
+    even, target = _remeshed(mesh, QUAD_SIDE * as_number(size, "size of quads"))
+    quads = three_quads_each(even)
+    return quads.moved(target.nearest(quads.vertices))
+
+
+def three_quads_each(mesh: TriangleMesh) -> QuadMesh:
+    """Return each triangle cut into three quads, from its middle to those of its sides."""
+    rows = mesh.triangles
+    edges, of_side = _edges(rows)
+    count = len(mesh.vertices)
+    middle = count + of_side  # (t, 3), of side k from corner k to the next
+    centers = count + len(edges) + np.arange(len(rows))
+    quads = [
+        np.stack([rows[:, k], middle[:, k], centers, middle[:, k - 1]], axis=1) for k in range(3)
+    ]
+    vertices = np.concatenate(
+        [
+            mesh.vertices,
+            mesh.vertices[edges].mean(axis=1),
+            mesh.vertices[rows].mean(axis=1),
+        ]
+    )
+    return QuadMesh(vertices, np.stack(quads, axis=1).reshape(-1, 4))
+
+
+def _remeshed(mesh: TriangleMesh, size: float) -> tuple[TriangleMesh, _Target]:
+    """Return the surface made anew, and the old one."""
+    area = float(length(_double_areas(mesh.vertices, mesh.triangles)).sum()) / 2
+    if not area > 0:
+        raise MeshError("the mesh has no area; need one to make it anew")
+    if area / (size**2 * 0.433) > MOST_TRIANGLES:
+        raise MeshError(
+            f"triangles of {size:g} mm on a surface of {area:.4g} mm²: more than "
+            f"{MOST_TRIANGLES}; need larger ones"
+        )
+    is_open = len(mesh.faulty_sides()[1]) > 0
+    mesh = _split(mesh, size)
+    target = _Target(mesh)
+    for _ in range(ROUNDS):
+        mesh = _split(mesh, LONGEST * size)
+        mesh = without_short_edges(mesh, SHORTEST * size, is_open=is_open)
+        mesh = _turned(_turned(mesh))
+        mesh = _relaxed(mesh, target)
+    return mesh, target
+
+
+def _split(mesh: TriangleMesh, longest: float) -> TriangleMesh:
+    """Return the mesh with edges halved until none is longer than `longest`."""
+    while True:
+        edges, of_side = _edges(mesh.triangles)
+        long = length(np.diff(mesh.vertices[edges], axis=1)[:, 0]) > longest
+        if not long.any():
+            return mesh
+        middle = len(mesh.vertices) + np.cumsum(long) - 1
+        vertices = np.concatenate([mesh.vertices, mesh.vertices[edges[long]].mean(axis=1)])
+        new = np.where(long, middle, -1)[of_side]  # (t, 3)
+        mesh = TriangleMesh(vertices, _halved(mesh.triangles, new))
+
+
+def _halved(rows: Triangles, middles: Ints) -> Triangles:
+    """Return triangles (t, 3) cut at the middles of their sides, -1 for those not cut."""
+    cut = middles >= 0
+    count = cut.sum(axis=1)
+    # Corner 0 first: one cut is on its side; with two, it is between them.
+    first = np.where(count == 1, cut.argmax(axis=1), (~cut).argmax(axis=1) + 1) % 3
+    turn = (np.arange(3) + first[:, None]) % 3
+    a, b, c = np.take_along_axis(rows, turn, axis=1).T
+    ab, bc, ca = np.take_along_axis(middles, turn, axis=1).T
+    none, one, two, three = (count == k for k in range(4))
+    parts = [
+        (none, (a, b, c)),
+        (one, (a, ab, c)),
+        (one, (ab, b, c)),
+        # Sides ab and ca are cut or, with the uncut one before corner 0, ab and bc.
+        (two, (ab, b, bc)),
+        (two, (a, ab, bc)),
+        (two, (a, bc, c)),
+        (three, (a, ab, ca)),
+        (three, (ab, b, bc)),
+        (three, (ca, bc, c)),
+        (three, (ab, bc, ca)),
+    ]
+    return np.concatenate([np.stack(corners, axis=1)[chosen] for chosen, corners in parts])
+
+
+def _turned(mesh: TriangleMesh) -> TriangleMesh:
+    """Return the mesh with edges turned where the angles that face them are more than π together.
+
+    Edges of the shape stay, and so do those beside one that is turned.
+    """
+    rows = mesh.triangles
+    edges, of_side = _edges(rows)
+    sides, partner = _facing(of_side, len(edges))
+    one, other = sides // 3, partner // 3
+    a, b = (rows.reshape(-1)[_next(sides, k)] for k in (0, 1))
+    c, d = rows.reshape(-1)[_next(sides, 2)], rows.reshape(-1)[_next(partner, 2)]
+    p, q, r, s = (mesh.vertices[k] for k in (a, b, c, d))
+    angles = _angle(r, p, q) + _angle(s, q, p)
+    normals = normalize(_double_areas(mesh.vertices, rows) + np.finfo(float).tiny)
+    flat = dot(normals[one], normals[other]) > 0.9
+    # Both new triangles face the way the old ones do.
+    ahead = normals[one] + normals[other]
+    proper = (dot(np.cross(s - r, q - r), ahead) > 0) & (dot(np.cross(p - r, s - r), ahead) > 0)
+    known = np.sort(edges[:, 0] * len(mesh.vertices) + edges[:, 1])
+    key = np.minimum(c, d) * len(mesh.vertices) + np.maximum(c, d)
+    is_new = known[np.minimum(np.searchsorted(known, key), len(known) - 1)] != key
+    wanted = np.flatnonzero((angles > np.pi + 1e-6) & flat & proper & is_new & (c != d))
+    wanted = wanted[np.argsort(-angles[wanted], kind="stable")]
+    chosen = wanted[_apart(rows[np.stack([one, other], axis=1)[wanted]].reshape(-1, 6))]
+    turned = rows.copy()
+    turned[one[chosen]] = np.stack([c, d, b], axis=1)[chosen]
+    turned[other[chosen]] = np.stack([d, c, a], axis=1)[chosen]
+    return TriangleMesh(mesh.vertices, turned)
+
+
+def _apart(corners: Ints) -> Bools:
+    """Return which rows of vertices (k, 6) share none with an earlier one that stays, (k,)."""
+    taken: set[int] = set()
+    keep = np.zeros(len(corners), dtype=np.bool_)
+    for k, row in enumerate(corners.tolist()):
+        if taken.isdisjoint(row):
+            taken.update(row)
+            keep[k] = True
+    return keep
+
+
+def _relaxed(mesh: TriangleMesh, target: _Target) -> TriangleMesh:
+    """Return the mesh with its inner vertices in the middle of their neighbours, on the target."""
+    edges, of_side = _edges(mesh.triangles)
+    uses = np.bincount(of_side.reshape(-1), minlength=len(edges))
+    held = np.zeros(len(mesh.vertices), dtype=np.bool_)
+    held[edges[uses == 1]] = True
+    ends = np.concatenate([edges, edges[:, ::-1]])
+    valency = np.bincount(ends[:, 0], minlength=len(held))
+    around = (
+        np.stack(
+            [
+                np.bincount(ends[:, 0], weights=column[ends[:, 1]], minlength=len(held))
+                for column in mesh.vertices.T
+            ],
+            axis=1,
+        )
+        / np.maximum(valency, 1)[:, None]
+    )
+    normals = _vertex_normals(mesh)
+    step = around - mesh.vertices
+    moved = mesh.vertices + 0.7 * (step - dot(step, normals)[:, None] * normals)
+    moved = np.where(held[:, None], mesh.vertices, target.nearest(moved))
+    return TriangleMesh(moved, mesh.triangles)
+
+
+def _vertex_normals(mesh: TriangleMesh) -> UnitVectors:
+    """Return the unit normal at each vertex, the mean of its triangles' by area, (v, 3)."""
+    areas = np.repeat(_double_areas(mesh.vertices, mesh.triangles), 3, axis=0)
+    corner = mesh.triangles.reshape(-1)
+    count = len(mesh.vertices)
+    total = [np.bincount(corner, weights=column, minlength=count) for column in areas.T]
+    return normalize(np.stack(total, axis=1).astype(np.float64) + np.finfo(float).tiny)
+
+
+class _Target:
+    """A fine mesh that points are put back on."""
+
+    def __init__(self, mesh: TriangleMesh) -> None:
+        self._corners = mesh.vertices[mesh.triangles]  # (t, 3, 3)
+        self._tree = cKDTree(self._corners.mean(axis=1))
+
+    def nearest(self, points: Points) -> Points:
+        """Return the nearest place of the mesh to each of `points` (n, 3), among near triangles."""
+        count = min(NEAREST, len(self._corners))
+        _, triangles = self._tree.query(points, k=count)
+        triangles = triangles.reshape(len(points), count)
+        every = np.repeat(points, count, axis=0)
+        feet = nearest_on_triangles(every, self._corners[triangles.reshape(-1)])
+        gaps = length(feet - every).reshape(-1, count)
+        chosen: Points = feet.reshape(-1, count, 3)[np.arange(len(points)), gaps.argmin(axis=1)]
+        return chosen
+
+
+def nearest_on_triangles(points: Points, corners: Floats) -> Points:
+    """Return the place of each triangle (n, 3, 3) that is nearest to its point (n, 3), (n, 3)."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    normal = np.cross(b - a, c - a)
+    size = np.maximum(dot(normal, normal), np.finfo(float).tiny)
+    foot = points - (dot(points - a, normal) / size)[:, None] * normal
+    inside = np.ones(len(points), dtype=np.bool_)
+    best, gap = foot, np.full(len(points), np.inf)
+    for start, end in ((a, b), (b, c), (c, a)):
+        span = end - start
+        inside &= dot(np.cross(span, foot - start), normal) >= 0
+        square = np.maximum(dot(span, span), np.finfo(float).tiny)
+        along = np.clip(dot(points - start, span) / square, 0, 1)
+        place = start + along[:, None] * span
+        far = length(place - points)
+        best = np.where((far < gap)[:, None], place, best)
+        gap = np.minimum(gap, far)
+    return np.where((inside & normal.any(axis=1))[:, None], foot, best)
+
+
+def _edges(rows: Triangles) -> tuple[Edges, Ints]:
+    """Return the edges, lower vertex first (e, 2), and that of each side (t, 3)."""
+    start, end = rows.reshape(-1), np.roll(rows, -1, axis=1).reshape(-1)
+    count = int(rows.max()) + 1
+    key = np.minimum(start, end) * count + np.maximum(start, end)
+    keys, of_side = np.unique(key, return_inverse=True)
+    return np.stack(np.divmod(keys, count), axis=1), of_side.reshape(-1, 3)
+
+
+def _facing(of_side: Ints, count: int) -> tuple[Ints, Ints]:
+    """Return the two sides, triangle · 3 + side, of each edge that has two, both (k,)."""
+    flat = of_side.reshape(-1)
+    order = np.argsort(flat, kind="stable")
+    uses = np.bincount(flat, minlength=count)
+    if uses.max() > 2:
+        raise MeshError("an edge has more than two triangles; need a surface")
+    first = (np.cumsum(uses) - uses)[uses == 2]
+    return order[first], order[first + 1]
+
+
+def _next(sides: Ints, step: int) -> Ints:
+    return sides // 3 * 3 + (sides % 3 + step) % 3
+
+
+def _angle(corner: Points, a: Points, b: Points) -> Floats:
+    """Return the angle at `corner` between `a` and `b`, shape (n,), rad."""
+    u, v = a - corner, b - corner
+    return np.arctan2(length(np.cross(u, v)), dot(u, v))
+
+
+def _double_areas(vertices: Points, rows: Triangles) -> Floats:
+    """Return normals as long as twice the triangles' areas, (t, 3), mm²."""
+    a, b, c = (vertices[rows[:, k]] for k in range(3))
+    return np.cross(b - a, c - a)

@@ -1,0 +1,143 @@
+"""Lattices on build123d faces and on meshes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+from build123d import Axis, Box, Cylinder, Face, GeomType, Pos, Rot, Sphere, Vector
+
+from scaffold_cad import (
+    QuadMesh,
+    build_scaffold,
+    check_skeleton,
+    lattice_on,
+    tile,
+    to_solid,
+)
+from scaffold_cad.base.arrays import Floats
+from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.filling import between_faces, face_map, mesh_map
+from scaffold_cad.skeleton import Skeleton
+
+
+def cylinder_face(radius: float, height: float) -> Face:
+    return Cylinder(radius, height).faces().filter_by(GeomType.CYLINDER)[0]
+
+
+def wave(height: float = 0.0) -> Face:
+    rows = [
+        [Vector(x, y, height + 3 * np.sin(x / 6) * np.cos(y / 7)) for y in range(0, 41, 8)]
+        for x in range(0, 61, 6)
+    ]
+    return Face.make_surface_from_array_of_points(rows)
+
+
+def distances_from_axis(skeleton: Skeleton) -> Floats:
+    x, y, _ = skeleton.nodes.T
+    return np.hypot(x, y)
+
+
+def test_cells_on_a_pipe_close_and_stand_outside_it() -> None:
+    sleeve = tile("octet", 3.0, radius=0.2, on=face_map(cylinder_face(10, 30), 3.0))
+    check_skeleton(sleeve)
+    away = distances_from_axis(sleeve)
+    assert away.min() == pytest.approx(10)
+    assert away.max() == pytest.approx(13)
+    assert len(sleeve.extremities) == 0
+    angles = np.sort(np.arctan2(sleeve.nodes[:, 1], sleeve.nodes[:, 0]))
+    assert np.diff(angles).max() < 0.2
+
+
+def test_a_trimmed_face_is_filled_to_its_borders() -> None:
+    plate = Box(40, 30, 5) - Pos(8, 3, 0) * Cylinder(5, 9)
+    top = plate.faces().sort_by(Axis.Z)[-1]
+    lattice = tile("bcc", 2.0, radius=0.2, on=face_map(top, 4.0))
+    check_skeleton(lattice)
+    from_hole = np.hypot(lattice.nodes[:, 0] - 8, lattice.nodes[:, 1] - 3)
+    assert from_hole.min() == pytest.approx(5, abs=2e-3)  # the border is a polygon
+    assert np.abs(lattice.nodes[:, 2] - 4.5).max() <= 2 + 1e-9
+    # The share of struts that the hole takes is that of its area.
+    whole = tile("bcc", 2.0, radius=0.2, on=face_map(Box(40, 30, 5).faces().sort_by(Axis.Z)[-1], 4))
+    share = lattice.lengths.sum() / whole.lengths.sum()
+    assert share == pytest.approx(1 - np.pi * 25 / 1200, rel=0.01)
+
+
+def test_a_pipe_with_a_hole_in_its_wall_is_trimmed_and_closed() -> None:
+    pipe = Cylinder(10, 30) - Rot(90, 0, 0) * Cylinder(4, 40)
+    face = max(pipe.faces().filter_by(GeomType.CYLINDER), key=lambda one: one.area)
+    lattice = tile("kelvin", 2.5, radius=0.2, on=face_map(face, 2.5))
+    check_skeleton(lattice)
+    assert lattice.component_count == 1
+    inner = lattice.nodes[distances_from_axis(lattice) < 10 + 1e-6]
+    assert np.hypot(inner[:, 0], inner[:, 2]).min() > 3.98
+
+
+def test_the_poles_of_a_sphere_are_single_nodes() -> None:
+    lattice = tile("sc", 3.0, radius=0.2, on=face_map(Sphere(10).faces()[0], 2.0))
+    check_skeleton(lattice)
+    at_pole = (np.abs(lattice.nodes[:, :2]) < 1e-3).all(axis=1)
+    np.testing.assert_allclose(np.sort(lattice.nodes[at_pole, 2]), [-12, -10, 10, 12], atol=1e-6)
+
+
+def test_a_thickness_that_varies_over_a_free_face_is_followed() -> None:
+    mapping = face_map(wave(), lambda points: 2 + points[:, 0] / 30, 1.0)
+    sole = lattice_on(mapping, "bcc", radius=0.1, size=2.0)
+    check_skeleton(sole.skeleton)
+    assert sole.largest_stretch < 2.5
+    assert build_scaffold(sole.skeleton, collars=True).embedding().certified
+    face = wave()
+    near = [face.distance_to(Vector(*node)) for node in sole.skeleton.nodes[::97]]
+    assert min(near) > 1 - 1e-3
+    assert max(near) < 5.01
+
+
+def test_cells_between_two_faces_end_on_both() -> None:
+    lower, upper = wave(), Rot(0, 0, 180) * Pos(-60, -40, 8) * wave()
+    mapping = between_faces(lower, upper)
+    lattice = tile("sc", counts=(6, 4, 2), radius=0.3, on=mapping)
+    check_skeleton(lattice)
+    gaps = np.array(
+        [[face.distance_to(Vector(*node)) for face in (lower, upper)] for node in lattice.nodes]
+    )
+    on_one, on_other = (gaps < 1e-6).sum(axis=0)
+    assert on_one == on_other == 7 * 5
+    uprights = lattice.lengths[np.abs(lattice.directions[::2, 2]) > 0.9]
+    assert uprights.max() < 8  # not crosswise
+
+
+def test_cells_between_two_pipes_close() -> None:
+    mapping = between_faces(cylinder_face(10, 30), cylinder_face(14, 30))
+    lattice = tile("octet", 4.0, radius=0.3, on=mapping)
+    check_skeleton(lattice)
+    assert len(lattice.extremities) == 0
+    solid = to_solid(build_scaffold(lattice, collars=True))
+    assert len(solid.decompose()) == 1
+    with pytest.raises(OptionError, match="need both to close, or none"):
+        between_faces(cylinder_face(10, 30), wave())
+
+
+def test_a_triangle_mesh_is_made_anew_in_quads() -> None:
+    ball = trimesh.creation.icosphere(3, 15.0)
+    shell = tile("bcc", counts=1, radius=0.25, on=mesh_map(ball, 2.5, size=2.5))
+    check_skeleton(shell)
+    away = np.linalg.norm(shell.nodes, axis=1)
+    assert 14.5 < away.min() < away.max() < 17.6
+    assert shell.component_count == 1
+    assert len(shell.extremities) == 0
+
+
+def test_quads_are_taken_as_they_are() -> None:
+    quads = QuadMesh([[0, 0, 0], [9, 0, 0], [9, 9, 0], [0, 9, 0]], [[0, 1, 2, 3]])
+    lattice = tile("sc", counts=(3, 3, 1), radius=0.3, on=mesh_map(quads, 3.0))
+    assert len(lattice.nodes) == 4 * 4 * 2
+
+
+def test_what_cannot_be_is_refused_by_name() -> None:
+    with pytest.raises(OptionError, match="need a Face"):
+        face_map(Box(1, 1, 1), 1.0)
+    with pytest.raises(OptionError, match="size of the quads"):
+        mesh_map(trimesh.creation.icosphere(1, 5.0), 1.0)
+    bore = (Box(20, 20, 5) - Cylinder(4, 9)).faces().filter_by(GeomType.CYLINDER)[0]
+    with pytest.raises(SkeletonError, match="the map folds cell"):
+        tile("bcc", 1.0, radius=0.1, on=face_map(bore, 5.0))

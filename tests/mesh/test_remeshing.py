@@ -1,0 +1,90 @@
+"""Surfaces made anew: even sides, closed, on the old surface, borders kept, cut into quads."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+
+from scaffold_cad.base.arrays import Edges
+from scaffold_cad.errors import MeshError, OptionError
+from scaffold_cad.mesh.remeshing import (
+    nearest_on_triangles,
+    quadrangulated,
+    remeshed,
+    three_quads_each,
+)
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+
+
+def as_mesh(mesh: trimesh.Trimesh) -> TriangleMesh:
+    return TriangleMesh(mesh.vertices, mesh.faces)
+
+
+BALL = trimesh.creation.icosphere(3, 20.0)
+RING = trimesh.creation.torus(20.0, 6.0, major_sections=60, minor_sections=24)
+COARSE_BOX = trimesh.creation.box((30, 20, 10))
+
+
+@pytest.mark.parametrize("mesh", [BALL, RING, COARSE_BOX], ids=["ball", "ring", "box"])
+def test_sides_are_even_and_the_surface_stays_closed_and_in_place(mesh: trimesh.Trimesh) -> None:
+    new = remeshed(as_mesh(mesh), 2.5)
+    new.check_closed()
+    rows = new.triangles
+    sides = np.linalg.norm(new.vertices[rows] - new.vertices[np.roll(rows, 1, axis=1)], axis=2)
+    assert 0.8 < sides.mean() / 2.5 < 1.3
+    assert sides.max() < 2.5 * sides.mean()
+    assert new.signed_volume == pytest.approx(mesh.volume, rel=0.05)
+    edges = len(rows) * 3 // 2
+    assert len(new.vertices) - edges + len(rows) == mesh.euler_number
+    corners = np.asarray(mesh.triangles)
+    gaps = [
+        np.linalg.norm(nearest_on_triangles(np.tile(one, (len(corners), 1)), corners) - one, axis=1)
+        for one in new.vertices[::5]
+    ]
+    assert np.min(gaps, axis=1).max() < 0.02 * 2.5
+
+
+def test_the_border_of_an_open_mesh_is_kept() -> None:
+    sheet = trimesh.creation.box((30, 20, 10)).submesh([[0, 1, 2, 3]], append=True)
+    open_mesh = remeshed(as_mesh(sheet), 3.0)
+    _, before = as_mesh(sheet).faulty_sides()
+    _, after = open_mesh.faulty_sides()
+    assert len(after) > len(before) > 0
+
+    def total(mesh: TriangleMesh, sides: Edges) -> float:
+        return float(np.linalg.norm(np.diff(mesh.vertices[sides], axis=1), axis=2).sum())
+
+    assert total(open_mesh, after) == pytest.approx(total(as_mesh(sheet), before))
+
+
+def test_triangles_are_cut_into_three_quads_that_share_sides() -> None:
+    quads = three_quads_each(as_mesh(COARSE_BOX))
+    quads.check_closed()
+    assert len(quads.quads) == 3 * len(COARSE_BOX.faces)
+    assert quads.signed_volume == pytest.approx(6000.0)
+    even = quadrangulated(as_mesh(BALL), 2.0)
+    even.check_closed()
+    assert 0.6 < BALL.area / len(even.quads) / 4.0 < 1.7
+
+
+def test_the_nearest_place_of_a_triangle_is_that_of_another_library() -> None:
+    random = np.random.default_rng(0)
+    corners, points = random.normal(size=(500, 3, 3)), random.normal(size=(500, 3))
+    expected = trimesh.triangles.closest_point(corners, points)
+    np.testing.assert_allclose(nearest_on_triangles(points, corners), expected, atol=1e-12)
+
+
+def test_wrong_sizes_and_meshes_are_refused_by_name() -> None:
+    with pytest.raises(OptionError, match="size of triangles is 0 mm"):
+        remeshed(as_mesh(BALL), 0.0)
+    with pytest.raises(MeshError, match="more than 2000000; need larger ones"):
+        remeshed(as_mesh(BALL), 1e-4)
+    with pytest.raises(MeshError, match="has no area"):
+        remeshed(TriangleMesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]]), 1.0)
+    fan = TriangleMesh(
+        [[0, 0, 0], [0, 0, 9], [9, 0, 0], [0, 9, 0], [-9, 0, 0]],
+        [[0, 1, 2], [0, 1, 3], [0, 1, 4]],
+    )
+    with pytest.raises(MeshError, match="more than two triangles"):
+        remeshed(fan, 3.0)
