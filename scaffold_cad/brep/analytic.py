@@ -1,4 +1,4 @@
-"""AnalyticBrep: a B-rep in arrays, with planes, cylinders, cones, spheres, tori and Bézier patches.
+"""AnalyticBrep: a B-rep in arrays, with planes, cylinders, cones, spheres, tori and spline patches.
 
 It knows nothing of OCCT: `occtanalytic` makes shapes of it, and the writer of STEP files writes it
 straight from its arrays. Edges are shared: a closed shell uses each of them twice, in opposite
@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
+from scipy.interpolate import BSpline
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.errors import BrepError
@@ -21,7 +22,7 @@ class Curve(IntEnum):
 
     LINE = 0
     CIRCLE = 1
-    BEZIER = 2
+    SPLINE = 2
 
 
 class Surface(IntEnum):
@@ -32,7 +33,7 @@ class Surface(IntEnum):
     CONE = 2
     SPHERE = 3
     TORUS = 4
-    BEZIER = 5
+    SPLINE = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,8 +49,61 @@ class Axes(Frozen):
 
 
 @dataclass(frozen=True, eq=False)
+class Knots(Frozen):
+    """The knots of a clamped spline over [0, 1]."""
+
+    values: Floats
+    """Distinct knots, ascending, shape (k,)."""
+    counts: Ints
+    """How often each counts, shape (k,): the degree + 1 at both ends."""
+
+    @property
+    def degree(self) -> int:
+        """Degree of the spline."""
+        return int(self.counts[0]) - 1
+
+    @property
+    def count(self) -> int:
+        """Number of control points."""
+        return int(self.counts.sum()) - self.degree - 1
+
+    @property
+    def is_bezier(self) -> bool:
+        """Whether there is one piece."""
+        return len(self.values) == 2
+
+    def matrix(self, at: Floats, order: int = 0) -> Floats:
+        """Return the derivatives of the basis at parameters (n,) in [0, 1], shape (n, count)."""
+        knots = np.repeat(self.values, self.counts)
+        basis = BSpline(knots, np.eye(self.count), self.degree)
+        return np.asarray(basis(np.clip(at, 0.0, 1.0), nu=order), dtype=np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class SplineCurves(Frozen):
+    """Curves with the same knots."""
+
+    control: Floats
+    """Control points, shape (b, n, 3), mm."""
+    knots: Knots
+    """Their knots."""
+
+
+@dataclass(frozen=True, eq=False)
+class SplinePatches(Frozen):
+    """Patches with the same knots."""
+
+    control: Floats
+    """Control points, shape (p, n_u, n_v, 3), mm."""
+    u: Knots
+    """Their knots in u."""
+    v: Knots
+    """Their knots in v."""
+
+
+@dataclass(frozen=True, eq=False)
 class BrepEdges(Frozen):
-    """Edges, by kind: first the lines, then the circles, then the Bézier curves."""
+    """Edges, by kind: first the lines, then the circles, then the splines."""
 
     ends: Edges
     """First and last vertex, shape (e, 2); the same twice for a full circle."""
@@ -59,15 +113,19 @@ class BrepEdges(Frozen):
     """Of the circles, shape (c,), mm."""
     angles: Floats
     """First and last angle of the circles, the first in [0, 2π), ascending, shape (c, 2), rad."""
-    control: Floats
-    """Control points of the Bézier curves, shape (b, d + 1, 3), mm."""
+    curves: tuple[SplineCurves, ...]
+    """The splines, table after table."""
+
+    @property
+    def counts(self) -> tuple[int, int, int]:
+        """How many lines, circles and splines there are."""
+        circles, curves = len(self.radii), sum(len(table.control) for table in self.curves)
+        return len(self.ends) - circles - curves, circles, curves
 
     @property
     def kinds(self) -> Ints:
         """The `Curve` of each edge, shape (e,)."""
-        circles, curves = len(self.radii), len(self.control)
-        lines = len(self.ends) - circles - curves
-        return np.repeat(np.arange(3), [lines, circles, curves])
+        return np.repeat(np.arange(3), self.counts)
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,12 +135,12 @@ class BrepFaces(Frozen):
     kinds: Ints
     """The `Surface` of each face, ascending, shape (f,)."""
     axes: Axes
-    """Of all faces but the Bézier patches, in their order."""
+    """Of all faces but the splines, in their order."""
     sizes: Floats
     """Of these, shape (a, 2): the radius of a cylinder or a sphere and 0; the radius of a cone at
     its origin, mm, and its half angle, rad; both radii of a torus; 0 and 0 for a plane."""
-    control: Floats
-    """Control points of the Bézier patches, shape (p, d + 1, d + 1, 3), mm."""
+    patches: tuple[SplinePatches, ...]
+    """The splines, table after table."""
     outward: Bools
     """Whether the surface's own normal points out of the solid, shape (f,)."""
     loops: Ints
@@ -97,7 +155,7 @@ class BrepFaces(Frozen):
     parameters: Floats
     """Parameters on the surface at the start and at the end of the edge of each use, shape
     (u, 2, 2); nan on planes. Between them they change evenly with the edge's own parameter, but
-    for circles at the side of Bézier patches."""
+    for circles at the side of patches."""
     shell: Ints
     """Shell of each face, shape (f,)."""
     name: Ints

@@ -15,6 +15,8 @@ from OCP.BRep import BRep_Builder
 from OCP.Geom import (
     Geom_BezierCurve,
     Geom_BezierSurface,
+    Geom_BSplineCurve,
+    Geom_BSplineSurface,
     Geom_Circle,
     Geom_ConicalSurface,
     Geom_Curve,
@@ -29,7 +31,7 @@ from OCP.Geom2d import Geom2d_BSplineCurve, Geom2d_Curve, Geom2d_Line
 from OCP.gp import gp_Ax2, gp_Ax3, gp_Dir, gp_Dir2d, gp_Pnt, gp_Pnt2d
 from OCP.TopoDS import TopoDS_Edge, TopoDS_Face, TopoDS_Solid, TopoDS_Vertex, TopoDS_Wire
 
-from scaffold_cad.brep.analytic import AnalyticBrep, BrepFaces, Curve, Surface
+from scaffold_cad.brep.analytic import AnalyticBrep, BrepFaces, Curve, Knots, Surface
 from scaffold_cad.brep.arcsides import arc_parameters
 from scaffold_cad.brep.occt import (
     TOLERANCE,
@@ -124,7 +126,7 @@ def _edges(
 def _curves(brep: AnalyticBrep) -> Iterator[tuple[Geom_Curve, float, float]]:
     """Yield the curve of each edge, and its first and last parameter."""
     edges = brep.edges
-    lines = int((edges.kinds == Curve.LINE).sum())
+    lines = edges.counts[0]
     points = brep.vertices[edges.ends[:lines]]  # (l, 2, 3)
     spans = points[:, 1] - points[:, 0]
     lengths = np.linalg.norm(spans, axis=1)
@@ -143,12 +145,27 @@ def _curves(brep: AnalyticBrep) -> Iterator[tuple[Geom_Curve, float, float]]:
     ):
         place = gp_Ax2(gp_Pnt(*origin), gp_Dir(*z), gp_Dir(*x))
         yield Geom_Circle(place, radius), first, last
-    row = PointRow(1, edges.control.shape[1]) if len(edges.control) else None
-    poles: list[list[float]]
-    for poles in edges.control.tolist():
-        for i, pole in enumerate(poles, start=1):
-            row.SetValue(i, gp_Pnt(*pole))
-        yield Geom_BezierCurve(row), 0.0, 1.0
+    for table in edges.curves:
+        row = PointRow(1, table.knots.count)
+        knots = _knots(table.knots)
+        for poles in table.control.tolist():
+            for i, pole in enumerate(poles, start=1):
+                row.SetValue(i, gp_Pnt(*pole))
+            if table.knots.is_bezier:
+                yield Geom_BezierCurve(row), 0.0, 1.0
+            else:
+                yield Geom_BSplineCurve(row, *knots, table.knots.degree), 0.0, 1.0
+
+
+def _knots(knots: Knots) -> tuple[Reals, Integers]:
+    """Return knots and how often each counts as OCCT takes them."""
+    values, counts = Reals(1, len(knots.values)), Integers(1, len(knots.values))
+    for i, (value, count) in enumerate(
+        zip(knots.values.tolist(), knots.counts.tolist(), strict=True), start=1
+    ):
+        values.SetValue(i, value)
+        counts.SetValue(i, count)
+    return values, counts
 
 
 def _surfaces(faces: BrepFaces) -> Iterator[Geom_Surface]:
@@ -173,15 +190,20 @@ def _surfaces(faces: BrepFaces) -> Iterator[Geom_Surface]:
             yield Geom_SphericalSurface(place, size)
         else:
             yield Geom_ToroidalSurface(place, size, other)
-    if len(faces.control) == 0:
-        return
-    count = faces.control.shape[1]
-    grid = PointGrid(1, count, 1, count)
-    places = [(i, j) for i in range(1, count + 1) for j in range(1, count + 1)]
-    for patch in faces.control.reshape(len(faces.control), -1, 3):
-        for (i, j), pole in zip(places, patch.tolist(), strict=True):
-            grid.SetValue(i, j, gp_Pnt(*pole))
-        yield Geom_BezierSurface(grid)
+    for table in faces.patches:
+        wide, high = table.u.count, table.v.count
+        grid = PointGrid(1, wide, 1, high)
+        places = [(i, j) for i in range(1, wide + 1) for j in range(1, high + 1)]
+        (across, across_counts), (along, along_counts) = _knots(table.u), _knots(table.v)
+        for patch in table.control.reshape(len(table.control), -1, 3):
+            for (i, j), pole in zip(places, patch.tolist(), strict=True):
+                grid.SetValue(i, j, gp_Pnt(*pole))
+            if table.u.is_bezier and table.v.is_bezier:
+                yield Geom_BezierSurface(grid)
+                continue
+            yield Geom_BSplineSurface(
+                grid, across, along, across_counts, along_counts, table.u.degree, table.v.degree
+            )
 
 
 def _add_parameters(
@@ -220,7 +242,7 @@ def _line(brep: AnalyticBrep, use: int) -> Geom2d_Line:
 
 def _first_parameter(brep: AnalyticBrep, edge: int) -> float:
     edges = brep.edges
-    circle = edge - (len(edges.ends) - len(edges.radii) - len(edges.control))
+    circle = edge - edges.counts[0]
     return float(edges.angles[circle, 0]) if 0 <= circle < len(edges.radii) else 0.0
 
 
@@ -231,23 +253,26 @@ def _arc_splines(brep: AnalyticBrep) -> Iterator[tuple[int, Geom2d_Curve]]:
     face_of_loop = np.repeat(np.arange(len(faces.kinds)), np.diff(faces.loops))
     face = np.repeat(face_of_loop, use_count)
     is_arc = edges.kinds[faces.edge] == Curve.CIRCLE
-    uses = np.flatnonzero(is_arc & (faces.kinds[face] == Surface.BEZIER))
-    if len(uses) == 0:
-        return
-    patch = face[uses] - len(faces.axes.origin)
-    circle = faces.edge[uses] - int((edges.kinds == Curve.LINE).sum())
-    circles = edges.circles
-    x, z = circles.x[circle], circles.z[circle]
-    # Collars are at v = 1.
-    sides = faces.control[patch][:, :, -1]
-    ends = faces.parameters[uses][:, :, 0]
-    coefficients = arc_parameters(
-        sides, circles.origin[circle], x, np.cross(z, x), edges.angles[circle], ends
-    )
-    for use, row, (first, last) in zip(
-        uses.tolist(), coefficients.tolist(), edges.angles[circle].tolist(), strict=True
-    ):
-        yield use, _spline(row, first, last)
+    first_patch = len(faces.axes.origin)
+    for table in faces.patches:
+        in_table = (face >= first_patch) & (face < first_patch + len(table.control))
+        uses = np.flatnonzero(is_arc & in_table)
+        circle = faces.edge[uses] - edges.counts[0]
+        x, z = edges.circles.x[circle], edges.circles.z[circle]
+        coefficients = arc_parameters(
+            table.control[face[uses] - first_patch][:, :, -1],  # collars are at v = 1
+            table.u,
+            edges.circles.origin[circle],
+            x,
+            np.cross(z, x),
+            edges.angles[circle],
+            faces.parameters[uses][:, :, 0],
+        )
+        for use, row, (first, last) in zip(
+            uses.tolist(), coefficients.tolist(), edges.angles[circle].tolist(), strict=True
+        ):
+            yield use, _spline(row, first, last)
+        first_patch += len(table.control)
 
 
 def _spline(row: list[float], first: float, last: float) -> Geom2d_BSplineCurve:

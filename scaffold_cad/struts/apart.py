@@ -20,7 +20,9 @@ from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import length
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.struts.model import BlendedNodes
+from scaffold_cad.struts.quarter import DEGREE
 from scaffold_cad.struts.runs import Runs
+from scaffold_cad.struts.splines import Spline
 
 PIECES = 4
 """Capsules that the strut of a cone is cut into, so that its larger radius bounds little."""
@@ -114,11 +116,10 @@ def _struts(runs: Runs, collar: Floats) -> Capsules:
 
 def _node_parts(runs: Runs, group: BlendedNodes) -> Capsules:
     """Return what lies between nodes and collars: the hulls of slices of the patches."""
-    made = group.blends
-    axes = made.stars.directions[_first_of(made.blend_of)]  # (U, N, 3)
+    made, axes = group.shapes, group.axes
     count, valency = axes.shape[:2]
     control = made.control.reshape(count, valency, 4, *made.control.shape[2:])
-    slices = np.einsum("sjl,unkilx->unskijx", slicing(SLICES, control.shape[4] - 1), control)
+    slices = np.einsum("sjl,unkilx->unskijx", slicing(SLICES, made.layout.v), control)
     points = slices.reshape(count, valency, SLICES, -1, 3)
     along = np.einsum("unspx,unx->unsp", points, axes)
     low = np.maximum(along.min(axis=3), 0.0)  # (U, N, SLICES)
@@ -126,7 +127,7 @@ def _node_parts(runs: Runs, group: BlendedNodes) -> Capsules:
     foot = np.clip(along, low[..., None], high[..., None])
     wide = length(points - foot[..., None] * axes[:, :, None, None]).max(axis=3)
     half_runs = np.repeat(group.half_runs.reshape(-1), SLICES)
-    first, last, radius = (each[made.blend_of].reshape(-1) for each in (low, high, wide))
+    first, last, radius = (each[group.shape_of].reshape(-1) for each in (low, high, wide))
     node, ahead = runs.nodes[runs.tails[half_runs]], runs.directions[half_runs]
     return Capsules(
         node + first[:, None] * ahead,
@@ -137,16 +138,14 @@ def _node_parts(runs: Runs, group: BlendedNodes) -> Capsules:
     )
 
 
-def slicing(count: int, degree: int) -> Floats:
-    """Return what takes Bézier points to those of equal slices, shape (count, d + 1, d + 1)."""
-    at = np.arange(degree + 1) / max(degree, 1)
-    basis = bernstein(degree, at)
-    places = (np.arange(count)[:, None] + at) / count  # (count, d + 1)
-    values = bernstein(degree, places.reshape(-1)).reshape(count, degree + 1, degree + 1)
-    return np.linalg.solve(basis[None], values)
+def slicing(count: int, spline: Spline) -> Floats:
+    """Return what takes control points to the Bézier points of equal slices, (count, d + 1, n).
 
-
-def _first_of(blend_of: Ints) -> Ints:
-    """Return one node of each blend, shape (U,)."""
-    _, first = np.unique(blend_of, return_index=True)
-    return first
+    Parameters
+    ----------
+    count : of slices, a multiple of the spline's pieces
+    """
+    at = np.arange(DEGREE + 1) / DEGREE
+    places = (np.arange(count)[:, None] + 0.5 * at + 0.25) / count  # inside of a piece
+    values = spline.values_at(places.reshape(-1)).reshape(count, DEGREE + 1, spline.count)
+    return np.linalg.solve(bernstein(DEGREE, 0.5 * at + 0.25)[None], values)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,10 +12,11 @@ from scaffold_cad.base.vectors import any_perpendicular, dot, length, normalize
 from scaffold_cad.partition import partition_spheres
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 from scaffold_cad.struts.apart import crossing_runs
+from scaffold_cad.struts.blend import Stars
 from scaffold_cad.struts.collars import LEAST_BLEND, collar_distances
 from scaffold_cad.struts.distances import Union
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
-from scaffold_cad.struts.nodes import Stars, blends
+from scaffold_cad.struts.nodes import blends
 from scaffold_cad.struts.options import BLEND, Ends, Nodes, StrutOptions
 from scaffold_cad.struts.room import allotted
 from scaffold_cad.struts.runs import Runs, straight_runs
@@ -52,11 +54,26 @@ def round_struts(
     groups = _groups(runs)
     wanted = [_stars(skeleton, runs, group, options) for group in groups]
     limits, no_room = _limits(runs, groups, wanted)
-    solved = tuple(
-        BlendedNodes(group.nodes, group.half_runs, blends(_limited(stars, limits[group.half_runs])))
+    solved = [
+        part
         for group, stars in zip(groups, wanted, strict=True)
-    )
-    return _assembled(skeleton, options, runs, solved, no_room)
+        for part in _blended(group, _limited(stars, limits[group.half_runs]))
+    ]
+    return _assembled(skeleton, options, runs, tuple(solved), no_room)
+
+
+def _blended(group: _Group, stars: Stars) -> Iterator[BlendedNodes]:
+    """Yield the blends of nodes, those together whose patches are cut alike."""
+    for found in blends(stars):
+        _, first = np.unique(found.shape_of, return_index=True)
+        yield BlendedNodes(
+            group.nodes[found.nodes],
+            group.half_runs[found.nodes],
+            found.stars.quads[first],
+            found.stars.directions[first],
+            found.shape_of,
+            found.shapes,
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,11 +169,11 @@ def _assembled(
     fillet = np.full(len(skeleton.nodes), np.nan)
     crowded = np.zeros(len(skeleton.nodes), dtype=np.bool_)
     for group in solved:
-        made, which = group.blends, group.blends.blend_of
+        made, which = group.shapes, group.shape_of
         collar[group.half_runs] = made.collar_distances[which]
         x[group.half_runs] = made.collar_corners[which][:, :, 0]
         fillet[group.nodes] = made.rho[which]
-        crowded[group.nodes[~made.proved[which]]] = True
+        crowded[group.nodes[~(made.proved & made.has_room)[which]]] = True
     _turn_ends(runs, x)
     crowded[runs.edges[no_room].reshape(-1)] = True
     crossing = crossing_runs(runs, solved, collar)

@@ -15,6 +15,8 @@ from scaffold_cad.base.vectors import any_perpendicular, dot, normalize, triple
 from scaffold_cad.partition.certificate import certify, corners_of
 
 STEPS = 60
+SHARPNESS = 8.0
+"""Of the soft maximum of cosines that tells which directions are near a vertex."""
 STEP = 0.3
 """Part of the way to the wanted place that a vertex goes at once."""
 HALVINGS = 6
@@ -23,7 +25,9 @@ LEAST_SINE, KEPT = 0.05, 0.5
 """A step may take the least determinant down to this, or to this part of what it was."""
 
 
-def even(directions: UnitVectors, vertices: UnitVectors, quads: Ints) -> UnitVectors:
+def even(
+    directions: UnitVectors, vertices: UnitVectors, quads: Ints, openness: float
+) -> UnitVectors:
     """Return more even vertices (M, N + 2, 3) of M partitions, each certified as it was.
 
     Parameters
@@ -31,6 +35,7 @@ def even(directions: UnitVectors, vertices: UnitVectors, quads: Ints) -> UnitVec
     directions : (M, N, 3) float64, unit vectors
     vertices : (M, N + 2, 3) float64, unit vectors
     quads : (M, N, 4) intp, vertices of the quad around each direction
+    openness : weight of the pull away from near directions against that towards squares
     """
     frame_x = any_perpendicular(directions)
     frame_y = np.cross(directions, frame_x)
@@ -38,6 +43,7 @@ def even(directions: UnitVectors, vertices: UnitVectors, quads: Ints) -> UnitVec
     least = _least(directions, current, quads)
     for _ in range(STEPS):
         pull = _wanted(directions, frame_x, frame_y, current, quads) - current
+        pull -= openness * _crowding(directions, current)
         bound = np.minimum(LEAST_SINE, KEPT * least)
         step = np.full(len(current), STEP)
         open_rows = np.arange(len(current))
@@ -53,6 +59,19 @@ def even(directions: UnitVectors, vertices: UnitVectors, quads: Ints) -> UnitVec
     lost = ~certify(directions, current, quads).valid
     current[lost] = vertices[lost]
     return current
+
+
+def _crowding(directions: UnitVectors, vertices: UnitVectors) -> Floats:
+    """Return which way each vertex comes nearer to the directions around it, (M, V, 3).
+
+    It is the gradient of a soft maximum of their cosines. Towards near directions the surface lies
+    far out, between struts that have not yet parted.
+    """
+    cosines = vertices @ directions.transpose(0, 2, 1)  # (M, V, N)
+    weights = np.exp(SHARPNESS * (cosines - cosines.max(axis=2, keepdims=True)))
+    weights /= weights.sum(axis=2, keepdims=True)
+    mean = weights @ directions
+    return np.asarray(mean - dot(mean, vertices)[..., None] * vertices)
 
 
 def _wanted(

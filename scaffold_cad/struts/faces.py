@@ -12,11 +12,21 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points
 from scaffold_cad.base.topology import component_labels
-from scaffold_cad.brep.analytic import AnalyticBrep, Axes, BrepEdges, BrepFaces, Surface
+from scaffold_cad.brep.analytic import (
+    AnalyticBrep,
+    Axes,
+    BrepEdges,
+    BrepFaces,
+    Knots,
+    SplineCurves,
+    SplinePatches,
+    Surface,
+)
 from scaffold_cad.partition.arcs import side_twins
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.rings import parameters_at
 from scaffold_cad.struts.seams import QUARTER, Seams, seams
+from scaffold_cad.struts.splines import Spline
 
 TURN = 2 * np.pi
 
@@ -212,13 +222,13 @@ def _points(plan: _Plan) -> Points:
 
 
 def _placed(plan: _Plan, group: BlendedNodes) -> tuple[Points, Floats]:
-    """Return the corners (M, N + 2, 3) and the control points (M, 4 N, d + 1, d + 1, 3), mm."""
-    made, nodes = group.blends, plan.struts.runs.nodes[group.nodes]
-    quads = made.quads  # (U, N, 4)
+    """Return the corners (M, N + 2, 3) and the control points (M, 4 N, n_u, n_v, 3), mm."""
+    made, nodes = group.shapes, plan.struts.runs.nodes[group.nodes]
+    quads = group.quads  # (U, N, 4)
     count, valency = quads.shape[:2]
     corners = np.empty((count, valency + 2, 3))
     corners[np.arange(count)[:, None], quads.reshape(count, -1)] = made.control[:, :, 0, 0]
-    which = made.blend_of
+    which = group.shape_of
     placed = made.control[which] + nodes[:, None, None, None]
     return corners[which] + nodes[:, None], placed
 
@@ -258,15 +268,15 @@ def _edges(plan: _Plan) -> BrepEdges:
         pairs.append(np.stack([ring[:, 0], plan.poles + np.arange(len(ends))], axis=1))
     curves = []
     for group, vertex, *_ in _groups(plan):
-        made_pairs, control = _node_curves(plan, group, vertex)
-        pairs.append(made_pairs)
-        curves.append(control)
+        for made_pairs, table in _node_curves(plan, group, vertex):
+            pairs.append(made_pairs)
+            curves.append(table)
     return BrepEdges(
         np.concatenate(pairs),
         Axes(np.concatenate(origin), np.concatenate(z), np.concatenate(x)),
         np.concatenate(radii),
         np.concatenate(circles),
-        np.concatenate(curves) if curves else np.empty((0, 2, 3)),
+        tuple(curves),
     )
 
 
@@ -279,9 +289,17 @@ def _owners(quads: Ints) -> tuple[Ints, Bools]:
     return np.where(owns, number, np.take_along_axis(number, twins, axis=1)), owns
 
 
-def _node_curves(plan: _Plan, group: BlendedNodes, vertex: int) -> tuple[Ints, Floats]:
-    """Return the ends and the control points of each node's 2 N arcs and 4 N spokes."""
-    quads = group.blends.quads[group.blends.blend_of]
+def _knots(spline: Spline) -> Knots:
+    """Return the knots of patches in one direction."""
+    values, counts = np.unique(spline.knots, return_counts=True)
+    return Knots(values, counts.astype(np.intp))
+
+
+def _node_curves(
+    plan: _Plan, group: BlendedNodes, vertex: int
+) -> tuple[tuple[Ints, SplineCurves], tuple[Ints, SplineCurves]]:
+    """Return the ends and the curves of the nodes' arcs, 2 N a node, and of their spokes, 4 N."""
+    quads = group.quads[group.shape_of]
     nodes, valency = quads.shape[:2]
     _, control = _placed(plan, group)
     _, owns = _owners(quads)
@@ -289,20 +307,15 @@ def _node_curves(plan: _Plan, group: BlendedNodes, vertex: int) -> tuple[Ints, F
     start = first + quads.reshape(nodes, -1)  # (M, 4 N)
     end = first + np.roll(quads, -1, axis=2).reshape(nodes, -1)
     collar = (4 * plan.rank[group.half_runs][:, :, None] + np.arange(4)).reshape(nodes, -1)
-    pairs = np.concatenate(
-        [
-            np.stack([start[owns], end[owns]], axis=1).reshape(nodes, -1, 2),
-            np.stack([start, collar], axis=2),
-        ],
-        axis=1,
-    )
-    arcs = control[:, :, :, 0][owns].reshape(nodes, 2 * valency, -1, 3)
-    curves = np.concatenate([arcs, control[:, :, 0]], axis=1)  # (M, 6 N, d + 1, 3)
-    return pairs.reshape(-1, 2), curves.reshape(-1, *curves.shape[2:])
+    layout = group.shapes.layout
+    arcs = SplineCurves(control[:, :, :, 0][owns], _knots(layout.u))
+    spokes = SplineCurves(control[:, :, 0].reshape(nodes * 4 * valency, -1, 3), _knots(layout.v))
+    spoke_ends = np.stack([start, collar], axis=2).reshape(-1, 2)
+    return (np.stack([start[owns], end[owns]], axis=1), arcs), (spoke_ends, spokes)
 
 
-def _surfaces(plan: _Plan) -> tuple[Ints, Axes, Floats, Floats]:
-    """Return the kinds of faces, their axes and sizes, and the patches' control points."""
+def _surfaces(plan: _Plan) -> tuple[Ints, Axes, Floats, tuple[SplinePatches, ...]]:
+    """Return the kinds of faces, their axes and sizes, and the patches."""
     struts, runs = plan.struts, plan.struts.runs
     ends, near = plan.ends, plan.seams.near
     outward, node = -runs.directions[ends], runs.nodes[runs.tails[ends]]
@@ -327,14 +340,22 @@ def _surfaces(plan: _Plan) -> tuple[Ints, Axes, Floats, Floats]:
         columns.append((center, outward, struts.x[ends]))
         sizes.append(np.stack([size, np.zeros(len(ends))], axis=1))
         kinds.append(np.full(len(ends), Surface.SPHERE))
-    patches = [_placed(plan, group)[1] for group, *_ in _groups(plan)]
-    control = [each.reshape(-1, *each.shape[2:]) for each in patches]
-    kinds.append(np.full(sum(map(len, control)), Surface.BEZIER))
+    patches = [_patch_table(plan, group) for group, *_ in _groups(plan)]
+    kinds.append(np.full(sum(len(table.control) for table in patches), Surface.SPLINE))
     return (
         np.concatenate(kinds).astype(np.intp),
         Axes(*(np.concatenate(column) for column in zip(*columns, strict=True))),
         np.concatenate(sizes),
-        np.concatenate(control) if control else np.empty((0, 2, 2, 3)),
+        tuple(patches),
+    )
+
+
+def _patch_table(plan: _Plan, group: BlendedNodes) -> SplinePatches:
+    """Return the patches of nodes, node after node."""
+    _, control = _placed(plan, group)
+    layout = group.shapes.layout
+    return SplinePatches(
+        control.reshape(-1, *control.shape[2:]), _knots(layout.u), _knots(layout.v)
     )
 
 
@@ -351,14 +372,14 @@ def _patch_uses(plan: _Plan) -> Uses:
     """Return the edges around patches: an arc, a spoke, the collar's quarter, the spoke before."""
     parts: list[Uses] = []
     for group, _, edge, face in _groups(plan):
-        quads = group.blends.quads[group.blends.blend_of]
+        quads = group.quads[group.shape_of]
         nodes, valency = quads.shape[:2]
         own_arc, owns = _owners(quads)
-        block = edge + 6 * valency * np.arange(nodes)[:, None]
+        arcs = edge + 2 * valency * np.arange(nodes)[:, None]
+        spokes = edge + 2 * valency * nodes + 4 * valency * np.arange(nodes)[:, None]
         side = np.arange(4 * valency)
         following = (side & ~3) | ((side + 1) & 3)
         faces = (face + np.arange(nodes * 4 * valency)).reshape(nodes, -1)
-        spokes = block + 2 * valency
         half_run = np.repeat(group.half_runs, 4, axis=1)
         quarter = np.tile(np.arange(4), (nodes, valency))
         base = plan.base_arcs + 4 * plan.rank[half_run] + quarter
@@ -370,7 +391,7 @@ def _patch_uses(plan: _Plan) -> Uses:
         )
         zero, one = np.zeros_like(at), np.ones_like(at)
         ahead = np.where(owns, 0.0, 1.0)
-        parts.append(_rows(faces, 0, block + own_arc, owns, (ahead, zero, 1 - ahead, zero)))
+        parts.append(_rows(faces, 0, arcs + own_arc, owns, (ahead, zero, 1 - ahead, zero)))
         parts.append(_rows(faces, 1, spokes + following, True, (one, zero, one, one)))
         chosen = is_split
         parts.append(

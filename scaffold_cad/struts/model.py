@@ -10,21 +10,27 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.base.notebook import Shown
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.struts.nodes import Blends
+from scaffold_cad.struts.blend import Solved
 from scaffold_cad.struts.options import StrutOptions
 from scaffold_cad.struts.runs import Runs
 
 
 @dataclass(frozen=True, eq=False)
 class BlendedNodes(Frozen):
-    """Branch points and bends of one valency, and their blends."""
+    """Branch points and bends of one valency whose patches are cut alike, and their blends."""
 
     nodes: Ints
     """Shape (M,)."""
     half_runs: Ints
     """Half-runs that leave each node, shape (M, N)."""
-    blends: Blends
-    """Patches between the collars, relative to the nodes."""
+    quads: Ints
+    """Corners of the quad around each strut, in 0..N+1, shape (U, N, 4)."""
+    axes: UnitVectors
+    """Direction of each strut, shape (U, N, 3)."""
+    shape_of: Ints
+    """Which of the U blends each node has, shape (M,)."""
+    shapes: Solved
+    """The blends: patches between the collars, relative to the nodes."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,9 +7,11 @@ greatest error. (Degree 4 reaches 1e-6 only, degree 6 has nothing to gain that a
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, read_only
+from scaffold_cad.base.arrays import Floats, Frozen, read_only
 from scaffold_cad.brep.bernstein import bernstein
 
 DEGREE = 5
@@ -26,23 +28,36 @@ ARC_ERROR = 1.4e-9
 """Greatest distance of the curve from the unit circle."""
 
 
-def _spread() -> Floats:
-    """Return control points G of a curve with G(u) · e(u) = m(u), for the arc e, shape (6, 2).
+@dataclass(frozen=True, eq=False)
+class Companion(Frozen):
+    """A curve G that fades out beside the arc e: G(u) · e(u) = m(u).
 
-    Here m falls from 1 to 0 with coefficients 1, 1, 1, 0, 0, 0. Value and derivative at both ends
-    are those of m e, and the rest is the least-squares solution.
+    Its value and its first derivative at both ends are those of m e. Between them G and m are
+    those for which the equation holds in least squares.
     """
+
+    curve: Floats
+    """Control points, shape (6, 2)."""
+    fade: Floats
+    """Coefficients of m, shape (6,)."""
+
+
+def companion(value: float, slope: float) -> Companion:
+    """Return the companion whose m begins with `value` and `slope`."""
     at = np.asarray((1 - np.cos(np.linspace(0, np.pi, 65))) / 2)
     basis = bernstein(DEGREE, at)  # (65, 6)
     arc = basis @ ARC  # (65, 2)
-    wanted = basis @ np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])  # (65,)
-    given = np.zeros((DEGREE + 1, 2))
-    given[:2] = ARC[:2]
-    missing = wanted - ((basis @ given) * arc).sum(axis=1)
+    curve, fade = np.zeros((DEGREE + 1, 2)), np.zeros(DEGREE + 1)
+    fade[:2] = value, value + slope / DEGREE
+    curve[:2] = fade[:2, None] * ARC[0] + value * (ARC[:2] - ARC[0])
+    missing = basis @ fade - ((basis @ curve) * arc).sum(axis=1)
     free = (basis[:, 2:4, None] * arc[:, None]).reshape(len(at), 4)
-    given[2:4] = np.linalg.lstsq(free, missing, rcond=None)[0].reshape(2, 2)
-    return given
+    unknown = np.concatenate([free, -basis[:, 2:4]], axis=1)
+    found = np.linalg.lstsq(unknown, missing, rcond=1e-12)[0]
+    curve[2:4] = found[:4].reshape(2, 2)
+    fade[2:4] = found[4:]
+    return Companion(curve, fade)
 
 
-SPREAD: Floats = read_only(_spread())
-"""How far a curve G along a cone leaves the axis, where its length along it falls from 1 to 0."""
+OUTWARD, OUTWARD_SLOPE = companion(1.0, 0.0), companion(0.0, -1.0)
+"""How curves along a cone leave the axis: error 1.5e-9 and 1e-8 of their length."""

@@ -13,6 +13,8 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.brep.bernstein import bernstein
+from scaffold_cad.struts.blend import Solved
+from scaffold_cad.struts.model import BlendedNodes
 from scaffold_cad.struts.quarter import ARC, DEGREE
 
 
@@ -26,9 +28,7 @@ class Stacks(Frozen):
     """Vertices of each level of each strut, in 0..b-1, shape (M, N, levels + 1, sides)."""
 
 
-def stacks(
-    control: Floats, quads: Ints, which: Ints, growth: Floats, levels: int, sides: int
-) -> Stacks:
+def stacks(group: BlendedNodes, growth: Floats, levels: int, sides: int) -> Stacks:
     """Sample the patches of nodes, and move the samples outward.
 
     A surface of flat faces through points of a round one is smaller than that: so the points are
@@ -36,14 +36,12 @@ def stacks(
 
     Parameters
     ----------
-    control : (U, 4 N, d + 1, d + 1, 3) Bézier points relative to their node, mm; patch 4 i + k
-        lies between arc k of quad i (v = 0) and quarter k of the collar of strut i (v = 1)
-    quads : (U, N, 4) corners of the quads in 0..N+1
-    which : (M,) which of them each node has
+    group : M nodes
     growth : (M, N) mm
     levels : intervals from the arcs to the collar
     sides : points of a ring, a multiple of 4
     """
+    quads, which = group.quads, group.shape_of
     count, valency = quads.shape[:2]
     steps = sides // 4
     shared = valency + 2 + 2 * valency * (steps - 1)
@@ -52,7 +50,7 @@ def stacks(
     rings[:, :, 0] = first_rings(quads, steps)
     rings[:, :, 1:] = own
     v = np.linspace(0.0, 1.0, levels + 1)
-    sampled, normals = _sampled(control, quarter_parameters(steps), v)
+    sampled, normals = _sampled(group.shapes, quarter_parameters(steps), v)
     node = np.arange(count)[:, None, None, None]
     # Of the samples at one vertex the last one written stays, for all the same.
     points, outward = (np.empty((count, shared + own.size, 3)) for _ in range(2))
@@ -112,17 +110,16 @@ def parameters_at(angles: Floats) -> Floats:
     return (low + high) / 2
 
 
-def _sampled(control: Floats, u: Floats, v: Floats) -> tuple[Floats, Floats]:
+def _sampled(shapes: Solved, u: Floats, v: Floats) -> tuple[Floats, Floats]:
     """Return points and unit normals around each strut, both (M, N, levels + 1, sides, 3)."""
-    count, patches, side = control.shape[:3]
-    degree = side - 1
-    flat = control.reshape(count * patches, side, side, 3)
-    along, across = bernstein(degree, u), bernstein(degree, v)
-    rows = np.einsum("ui,fijx->fujx", along, flat)
-    points = np.einsum("vj,fujx->fvux", across, rows)
-    by_v = np.einsum("vj,fujx->fvux", bernstein(degree, v, 1), rows)
-    turned = np.einsum("ui,fijx->fujx", bernstein(degree, u, 1), flat)
-    by_u = np.einsum("vj,fujx->fvux", across, turned)
+    count, patches = shapes.control.shape[:2]
+    flat = shapes.control.reshape(count * patches, *shapes.control.shape[2:])
+    across, along = shapes.layout.u, shapes.layout.v
+    rows = np.einsum("ui,fijx->fujx", across.values_at(u), flat)
+    points = np.einsum("vj,fujx->fvux", along.values_at(v), rows)
+    by_v = np.einsum("vj,fujx->fvux", along.values_at(v, 1), rows)
+    turned = np.einsum("ui,fijx->fujx", across.values_at(u, 1), flat)
+    by_u = np.einsum("vj,fujx->fvux", along.values_at(v), turned)
     normals = normalize(np.cross(by_u, by_v))
     return _around(points, count), _around(normals, count)
 

@@ -110,11 +110,8 @@ def _node_surface(
     struts: RoundStruts, group: BlendedNodes, own: Points, growth: Floats, sides: int
 ) -> tuple[Points, Triangles, Ints]:
     """Return the vertices and triangles of nodes, and the rings at their collars, (M, N, sides)."""
-    made = group.blends
     levels = max(2, round(LEVELS * sides / 16))
-    sampled = stacks(
-        made.control, made.quads, made.blend_of, growth[group.half_runs], levels, sides
-    )
+    sampled = stacks(group, growth[group.half_runs], levels, sides)
     count, block = sampled.points.shape[:2]
     rings = sampled.rings + (block * np.arange(count))[:, None, None, None]
     points = (sampled.points + struts.runs.nodes[group.nodes][:, None]).reshape(-1, 3)

@@ -22,20 +22,66 @@ from functools import lru_cache
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, qr, solve_triangular
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints
-from scaffold_cad.brep.bernstein import bernstein, elevation, product, thin_plate
-from scaffold_cad.struts.joins import valences
+from scaffold_cad.brep.bernstein import bernstein, elevation, product
+from scaffold_cad.struts.joins import shared_numbers, valences
 from scaffold_cad.struts.quarter import DEGREE
+from scaffold_cad.struts.splines import Spline, spline
 
-SAMPLES = 6
-"""Samples of each patch in either direction, at the nodes of Gauss and Legendre."""
+KEPT_SYSTEMS = 16
+"""Types whose matrices are kept: those of valency 12 take some 20 MB each."""
 RANK = 1e-9
 """Equations whose pivot is below this part of the first follow from the others."""
 
-W = DEGREE + 1
+
+@dataclass(frozen=True)
+class Layout:
+    """How patches are cut into polynomial pieces, and how they are sampled."""
+
+    along_arc: int
+    """Pieces in the direction of u."""
+    along_strut: int
+    """Pieces in the direction of v."""
+    samples: int
+    """Samples of each piece in either direction, at the nodes of Gauss and Legendre."""
+
+    @property
+    def u(self) -> Spline:
+        """The splines in u."""
+        return spline(self.along_arc)
+
+    @property
+    def v(self) -> Spline:
+        """The splines in v."""
+        return spline(self.along_strut)
+
+    @property
+    def at(self) -> Floats:
+        """Parameters of the samples in a piece, shape (samples,)."""
+        return np.asarray((np.polynomial.legendre.leggauss(self.samples)[0] + 1) / 2)
+
+    @property
+    def at_u(self) -> Floats:
+        """Parameters of all samples in u, shape (samples of all pieces,)."""
+        return _spread(self.at, self.along_arc)
+
+    @property
+    def at_v(self) -> Floats:
+        """Parameters of all samples in v, shape (samples of all pieces,)."""
+        return _spread(self.at, self.along_strut)
+
+    @property
+    def weights(self) -> Floats:
+        """Weight of each sample of a patch in the integral over it, in the order of (u, v)."""
+        one = np.polynomial.legendre.leggauss(self.samples)[1] / 2
+        wide = np.tile(one / self.along_arc, self.along_arc)
+        high = np.tile(one / self.along_strut, self.along_strut)
+        return np.asarray(np.outer(wide, high).reshape(-1))
+
+
+def _spread(at: Floats, pieces: int) -> Floats:
+    return np.asarray(((at + np.arange(pieces)[:, None]) / pieces).reshape(-1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +89,7 @@ class Net(Frozen):
     """The control points of a type, numbered; neighbors share them."""
 
     number: Ints
-    """Number of each control point, shape (4 N, D + 1, D + 1)."""
+    """Number of each control point, shape (4 N, n_u, n_v)."""
     count: int
     """How many there are."""
     is_given: Bools
@@ -52,125 +98,205 @@ class Net(Frozen):
 
 @dataclass(frozen=True, eq=False)
 class System(Frozen):
-    """What takes a node's samples and given control points to its control points.
+    """The surfaces of a type that are smooth: given points and k free numbers make all others.
 
-    Rows are nodes' coordinates: (rows, samples) @ by_sample + (rows, given) @ by_given.
+    Rows are nodes' coordinates: (rows, given) and (rows, k) times these matrices, added.
     """
 
+    layout: Layout
+    """How patches are cut and sampled."""
     net: Net
     """The numbers of the control points."""
+    shares: Floats
+    """What α has at the vertex of each spoke, 2 cos(2π/n), shape (N, 4)."""
     given: Ints
     """Place of each given control point among those of all patches, shape (g,)."""
-    by_sample: Floats
-    """From wanted samples to control points, (4 N n², count)."""
-    by_given: Floats
+    points_of_given: Floats
     """From given control points to control points, (g, count)."""
-    sampled: Floats
-    """From control points to samples, (count, 4 N n²)."""
+    points_of_free: Floats
+    """From the free numbers to control points, (k, count)."""
+    samples_of_given: Floats
+    """From given control points to samples, (g, samples)."""
+    samples_of_free: Floats
+    """From the free numbers to samples, (k, samples)."""
 
 
-def sample_parameters() -> tuple[Floats, Floats]:
-    """Return the parameters of the samples in either direction and their weights, both (n,)."""
-    nodes, weights = np.polynomial.legendre.leggauss(SAMPLES)
-    return np.asarray((nodes + 1) / 2), np.asarray(weights / 2)
+@dataclass(frozen=True, eq=False)
+class Fit(Frozen):
+    """What takes wanted samples and given points to the free numbers of the best surface."""
+
+    free_of_samples: Floats
+    """From wanted samples, (samples, k)."""
+    free_of_given: Floats
+    """From given control points, (g, k)."""
 
 
-def net_of(twins: Ints) -> Net:
+def net_of(twins: Ints, layout: Layout) -> Net:
     """Return the numbered control points of the type with `twins` (4 N,)."""
-    sides = np.arange(len(twins))
-    place = np.arange(len(twins) * W * W).reshape(-1, W, W)
-    following = (sides & ~3) | ((sides + 1) & 3)
-    one = np.concatenate([place[:, -1, :].reshape(-1), place[:, :, 0].reshape(-1)])
-    two = np.concatenate([place[following, 0, :].reshape(-1), place[twins, ::-1, 0].reshape(-1)])
-    graph = coo_array((np.ones(len(one)), (one, two)), shape=(place.size, place.size))
-    count, number = connected_components(graph, directed=False)
-    number = number.reshape(place.shape)
+    number, count = shared_numbers(twins, layout.u.count, layout.v.count)
     is_given = np.zeros(count, dtype=np.bool_)
     is_given[number[:, :, -2:]] = True
-    return Net(number.astype(np.intp), int(count), is_given)
+    return Net(number, count, is_given)
 
 
-def equations(twins: Ints, net: Net) -> Floats:
+def equations(twins: Ints, net: Net, layout: Layout) -> Floats:
     """Return the conditions of smooth joins, whose products with the control points are 0.
 
     Returns
     -------
-    (6 N (D + 2), count) float64
+    (k, count) float64; some rows follow from others
     """
     sides = np.arange(len(twins))
     following = (sides & ~3) | ((sides + 1) & 3)
     number, valence = net.number, valences(twins)
     once = sides[sides < twins]
-    four = np.full(len(sides), 4)
-    # Spokes from vertices to collars, then arcs: the curve, and the rows beside it.
-    curve = np.concatenate([number[:, -1, :], number[once, :, 0]])
-    left = np.concatenate([number[:, -2, :], number[once, :, 1]])
-    right = np.concatenate([number[following, 1, :], number[twins[once], ::-1, 1]])
-    starts = np.concatenate([valence[following], valence[once]])
-    ends = np.concatenate([four, valence[following][once]])
-    alpha = np.zeros((len(curve), 3))
-    alpha[:, 0] = np.where(starts == 4, 0.0, 2 * np.cos(2 * np.pi / starts))
-    alpha[:, 2] = np.where(ends == 4, 0.0, -2 * np.cos(2 * np.pi / ends))
-    slope = product(alpha, DEGREE - 1) @ np.diff(np.eye(W), axis=0)  # (c, D + 2, D + 1)
-    raised = np.broadcast_to(elevation(DEGREE, W), slope.shape)
-    values = np.concatenate([raised, raised, -2 * raised - slope], axis=2)
-    columns = np.concatenate([left, right, curve], axis=1)
-    matrix = np.zeros((*slope.shape[:2], net.count))
-    place = np.arange(len(curve))[:, None, None], np.arange(W + 1)[None, :, None]
-    np.add.at(matrix, (*place, columns[:, None, :]), values)
-    return matrix.reshape(-1, net.count)
+    spokes = _conditions(
+        (number[:, -1, :], number[:, -2, :], number[following, 1, :]),
+        (valence[following], np.full(len(sides), 4)),
+        (layout.v, layout.u.step),
+        net.count,
+        is_spoke=True,
+    )
+    arcs = _conditions(
+        (number[once, :, 0], number[once, :, 1], number[twins[once], ::-1, 1]),
+        (valence[once], valence[following][once]),
+        (layout.u, layout.v.step),
+        net.count,
+        is_spoke=False,
+    )
+    return np.concatenate([spokes, arcs])
 
 
-def system_of(twins: Ints, stiffness: float) -> System:
-    """Return the factored system of a type.
+def _conditions(
+    rows: tuple[Ints, Ints, Ints],
+    valence: tuple[Ints, Ints],
+    shape: tuple[Spline, float],
+    count: int,
+    *,
+    is_spoke: bool,
+) -> Floats:
+    """Return the conditions along curves, given by the numbers of their and the next rows.
+
+    Parameters
+    ----------
+    rows : three (c, n) intp, control points of the curves, and of the rows on either side
+    valence : two (c,) intp, how many patches meet at the curves' starts and ends
+    shape : the splines along the curves, and the length of a piece across them
+    """
+    curve, left, right = rows
+    starts, ends = valence
+    along, across = shape
+    alpha = np.stack([share(starts), np.zeros(len(curve)), -share(ends)], axis=1)
+    if is_spoke:
+        # Of degree 1, which leaves the spoke its full degree.
+        alpha[:, 1] = alpha[:, 0] / 2
+    columns = np.concatenate([left, right, curve], axis=1)[:, None, :]
+    difference = np.diff(np.eye(DEGREE + 1), axis=0) / along.step
+    parts = []
+    for piece, extraction in enumerate(along.extraction):
+        part = alpha @ _restriction(piece, along.pieces).T
+        slope = product(part, DEGREE - 1) @ difference @ extraction  # (c, D + 2, n)
+        raised = np.broadcast_to(elevation(DEGREE, DEGREE + 1) @ extraction / across, slope.shape)
+        values = np.concatenate([raised, raised, -2 * raised - slope], axis=2)
+        matrix = np.zeros((*slope.shape[:2], count))
+        place = np.arange(len(curve))[:, None, None], np.arange(DEGREE + 2)[None, :, None]
+        np.add.at(matrix, (*place, columns), values)
+        parts.append(matrix.reshape(-1, count))
+    return np.concatenate(parts)
+
+
+def share(valence: Ints) -> Floats:
+    """Return 2 cos(2π/n), exactly 0 where 4 patches meet, for each of `valence`."""
+    return np.asarray(np.where(valence == 4, 0.0, 2 * np.cos(2 * np.pi / valence)))
+
+
+def _restriction(piece: int, pieces: int) -> Floats:
+    """Return what takes quadratics to one of equal pieces, both in Bernstein form, (3, 3)."""
+    at = np.array([0.0, 0.5, 1.0])
+    return np.asarray(np.linalg.solve(bernstein(2, at), bernstein(2, (at + piece) / pieces)))
+
+
+def system_of(twins: Ints, layout: Layout) -> System:
+    """Return the smooth surfaces of the type with `twins` (4 N,)."""
+    return _system(tuple(twins.tolist()), layout)
+
+
+def fit_of(twins: Ints, layout: Layout, stiffness: float) -> Fit:
+    """Return the factored least-squares problem of a type.
 
     Parameters
     ----------
     twins : (4 N,) intp, the twin of each side
+    layout : how patches are cut and sampled
     stiffness : weight of the thin-plate energy against the mean of squared distances
     """
-    return _system(tuple(twins.tolist()), stiffness)
+    return _fit(tuple(twins.tolist()), layout, stiffness)
 
 
-@lru_cache(maxsize=64)
-def _system(key: tuple[int, ...], stiffness: float) -> System:
+@lru_cache(maxsize=KEPT_SYSTEMS)
+def _system(key: tuple[int, ...], layout: Layout) -> System:
     twins = np.array(key, dtype=np.intp)
-    net = net_of(twins)
-    at, weights = sample_parameters()
-    basis = bernstein(DEGREE, at)
-    block = np.einsum("ai,bj->abij", basis, basis).reshape(SAMPLES**2, W * W)
-    weight = np.outer(weights, weights).reshape(-1)
-    flat = net.number.reshape(len(twins), -1)  # (4 N, (D + 1)²)
-    sampled = np.zeros((len(twins), SAMPLES**2, net.count))
-    for patch, numbers in enumerate(flat):
-        np.add.at(sampled[patch], (slice(None), numbers), block)
-    sampled = sampled.reshape(-1, net.count)
-    energy = np.zeros((net.count, net.count))
-    for numbers in flat:
-        energy[np.ix_(numbers, numbers)] += stiffness * thin_plate(DEGREE)
-    weighted = sampled * np.tile(weight, len(twins))[:, None]
-    matrix = sampled.T @ weighted + energy
-
+    net = net_of(twins, layout)
     free, given = np.flatnonzero(~net.is_given), np.flatnonzero(net.is_given)
-    conditions = equations(twins, net)
-    inner, outer = conditions[:, free], conditions[:, given]
-    basis_free, particular = _solutions(inner, -outer)
-    # Free points: particular p + basis y, and y makes the energy least.
-    stiff = matrix[np.ix_(free, free)]
-    reduced = cho_factor(basis_free.T @ stiff @ basis_free)
-    into = basis_free @ cho_solve(reduced, basis_free.T)  # (free, free)
-    from_given = particular - into @ (stiff @ particular + matrix[np.ix_(free, given)])
-    by_sample = np.zeros((len(sampled), net.count))
-    by_sample[:, free] = weighted[:, free] @ into
-    by_given = np.zeros((len(given), net.count))
-    by_given[:, free] = from_given.T
-    by_given[np.arange(len(given)), given] = 1.0
+    conditions = equations(twins, net, layout)
+    basis, particular = _solutions(conditions[:, free], -conditions[:, given])
+    points_of_free = np.zeros((basis.shape[1], net.count))
+    points_of_free[:, free] = basis.T
+    points_of_given = np.zeros((len(given), net.count))
+    points_of_given[:, free] = particular.T
+    points_of_given[np.arange(len(given)), given] = 1.0
     _, first = np.unique(net.number.reshape(-1), return_index=True)
-    return System(net, first[given], by_sample, by_given, np.ascontiguousarray(sampled.T))
+    return System(
+        layout,
+        net,
+        share(valences(twins)).reshape(-1, 4),
+        first[given],
+        points_of_given,
+        points_of_free,
+        _sampled(points_of_given, net, layout),
+        _sampled(points_of_free, net, layout),
+    )
+
+
+@lru_cache(maxsize=4 * KEPT_SYSTEMS)
+def _fit(key: tuple[int, ...], layout: Layout, stiffness: float) -> Fit:
+    system = _system(key, layout)
+    weights = np.tile(layout.weights, len(key))
+    weighted = system.samples_of_free * weights
+    plate = stiffness * _energy(system)
+    energy = weighted @ system.samples_of_free.T + system.points_of_free @ plate.T
+    mixed = weighted @ system.samples_of_given.T + plate @ system.points_of_given.T
+    factor = cho_factor(energy)
+    return Fit(
+        np.ascontiguousarray(cho_solve(factor, weighted).T),
+        np.ascontiguousarray(-cho_solve(factor, mixed).T),
+    )
+
+
+def _sampled(points: Floats, net: Net, layout: Layout) -> Floats:
+    """Return the samples of rows of control points (r, count), shape (r, samples)."""
+    patches = points[:, net.number]  # (r, 4 N, n_u, n_v)
+    samples = layout.u.values(layout.at) @ patches @ layout.v.values(layout.at).T
+    return np.asarray(samples.reshape(len(points), -1))
+
+
+def _energy(system: System) -> Floats:
+    """Return the gradient of half the thin-plate energy for each free number, (k, count)."""
+    net, plate = system.net, _thin_plate(system.layout)
+    energy = np.zeros_like(system.points_of_free)
+    for numbers in net.number.reshape(len(net.number), -1):
+        np.add.at(energy.T, numbers, plate @ system.points_of_free[:, numbers].T)
+    return energy
+
+
+def _thin_plate(layout: Layout) -> Floats:
+    """Return the matrix of the thin-plate energy of a patch, (n_u n_v, n_u n_v)."""
+    u, v = ([each.products(order) for order in range(3)] for each in (layout.u, layout.v))
+    return np.asarray(np.kron(u[2], v[0]) + 2 * np.kron(u[1], v[1]) + np.kron(u[0], v[2]))
 
 
 def _solutions(matrix: Floats, right: Floats) -> tuple[Floats, Floats]:
-    """Return a basis (n, k) of the null space of `matrix` (m, n), and x (n, g) with matrix x = right.
+    """Return a null-space basis (n, k) of `matrix` (m, n), and x (n, g) with matrix x = right.
 
     `right` (m, g) must have solutions where the rows depend on each other.
     """

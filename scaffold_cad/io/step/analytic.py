@@ -1,7 +1,7 @@
 """STEP files of analytic B-reps, written straight from their arrays.
 
-Planes, cylinders, cones, spheres and tori are what they are, circles are circles, and Bézier patches
-are B-splines that share the control points of their edges.
+Planes, cylinders, cones, spheres and tori are what they are, circles are circles, and
+spline patches share the control points of their edges.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from scaffold_cad.base.arrays import Ints
-from scaffold_cad.brep.analytic import AnalyticBrep, Axes, Curve, Surface
+from scaffold_cad.brep.analytic import AnalyticBrep, Axes, Knots, SplinePatches, Surface
 from scaffold_cad.io.step.tables import (
     DIRECTION,
     POINT,
@@ -82,12 +82,11 @@ def _write_faces(tables: Tables, brep: AnalyticBrep) -> Ints:
     faces = brep.faces
     decimals = _decimals(brep)
     vertices = tables.add(POINT, *columns(np.round(brep.vertices, decimals)))
-    lines = int((brep.edges.kinds == Curve.LINE).sum())
     placements, place = _write_axes(tables, brep.edges.circles, faces.axes)
     poles = _write_curve_points(tables, brep, vertices, decimals)
     edges = _write_edges(tables, brep, vertices, placements[place[: len(brep.edges.radii)]], poles)
     surfaces = _write_surfaces(
-        tables, brep, placements[place[len(brep.edges.radii) :]], vertices, poles, lines, decimals
+        tables, brep, placements[place[len(brep.edges.radii) :]], poles, decimals
     )
     senses = np.where(faces.forward, "T", "F").tolist()
     uses = tables.add("ORIENTED_EDGE('',*,*,#%d,.%s.)", edges[faces.edge], senses)
@@ -95,9 +94,10 @@ def _write_faces(tables: Tables, brep: AnalyticBrep) -> Ints:
     loop_face = np.repeat(np.arange(len(faces.kinds)), np.diff(faces.loops))
     turned = np.where(faces.outward, "T", "F")
     bounds = np.empty(len(loops), dtype=np.intp)
-    first = np.zeros(len(loops), dtype=np.bool_)
-    first[faces.loops[:-1]] = True
-    for chosen, kind in ((first, "FACE_OUTER_BOUND"), (~first, "FACE_BOUND")):
+    is_outer = np.zeros(len(loops), dtype=np.bool_)
+    is_outer[faces.loops[:-1]] = True
+    for marked, kind in ((is_outer, "FACE_OUTER_BOUND"), (~is_outer, "FACE_BOUND")):
+        chosen = np.flatnonzero(marked)
         bounds[chosen] = tables.add(
             f"{kind}('',#%d,.%s.)", loops[chosen], turned[loop_face[chosen]].tolist()
         )
@@ -140,25 +140,31 @@ def _write_axes(tables: Tables, *axes: Axes) -> tuple[Ints, Ints]:
     return placements, place.reshape(-1)
 
 
-def _write_curve_points(tables: Tables, brep: AnalyticBrep, vertices: Ints, decimals: int) -> Ints:
-    """Write the inner control points of Bézier curves; return all of theirs, (b, d + 1)."""
-    control = brep.edges.control
-    inner = tables.add(POINT, *columns(np.round(control[:, 1:-1], decimals)))
-    ends = vertices[brep.edges.ends[len(brep.edges.ends) - len(control) :]]
-    return np.hstack([ends[:, :1], inner.reshape(len(control), control.shape[1] - 2), ends[:, 1:]])
+def _write_curve_points(
+    tables: Tables, brep: AnalyticBrep, vertices: Ints, decimals: int
+) -> list[Ints]:
+    """Write the inner control points of splines; return all of theirs, (b, n) a table."""
+    edges, first, numbers = brep.edges, sum(brep.edges.counts[:2]), []
+    for table in edges.curves:
+        count, wide = table.control.shape[:2]
+        inner = tables.add(POINT, *columns(np.round(table.control[:, 1:-1], decimals)))
+        ends = vertices[edges.ends[first : first + count]]
+        numbers.append(np.hstack([ends[:, :1], inner.reshape(count, wide - 2), ends[:, 1:]]))
+        first += count
+    return numbers
 
 
 def _write_edges(
-    tables: Tables, brep: AnalyticBrep, vertices: Ints, circle_axes: Ints, poles: Ints
+    tables: Tables, brep: AnalyticBrep, vertices: Ints, circle_axes: Ints, poles: list[Ints]
 ) -> Ints:
     """Write the edges; return their numbers, shape (e,)."""
     edges = brep.edges
-    count = len(edges.ends) - len(edges.radii) - len(edges.control)
+    count = edges.counts[0]
     ends = brep.vertices[edges.ends[:count]]
     spans = ends[:, 1] - ends[:, 0]
     spans = spans / np.linalg.norm(spans, axis=1, keepdims=True)
     vectors = tables.add("VECTOR('',#%d,1.)", tables.add(DIRECTION, *columns(spans)))
-    lines = tables.add("LINE('',#%d,#%d)", vertices[edges.ends[:count, 0]], vectors)
+    curves = [tables.add("LINE('',#%d,#%d)", vertices[edges.ends[:count, 0]], vectors)]
     # The arcs of a ring lie on one circle.
     rows, which = np.unique(
         np.stack([circle_axes.astype(np.float64), edges.radii], axis=1),
@@ -166,69 +172,92 @@ def _write_edges(
         return_inverse=True,
     )
     circles = tables.add("CIRCLE('',#%d,%s)", rows[:, 0].astype(np.intp), rows[:, 1])
-    order = edges.control.shape[1]
-    curves = tables.add(
-        f"B_SPLINE_CURVE_WITH_KNOTS('',{order - 1},({references(order)}),"
-        f".UNSPECIFIED.,.F.,.F.,({order},{order}),(0.,1.),.PIECEWISE_BEZIER_KNOTS.)",
-        *poles.T,
-    )
+    curves.append(circles[which.reshape(-1)])
+    for table, numbers in zip(edges.curves, poles, strict=True):
+        knots = table.knots
+        curves.append(
+            tables.add(
+                f"B_SPLINE_CURVE_WITH_KNOTS('',{knots.degree},({references(knots.count)}),"
+                f".UNSPECIFIED.,.F.,.F.,{_knots(knots)},.UNSPECIFIED.)",
+                *numbers.T,
+            )
+        )
     corner = tables.add("VERTEX_POINT('',#%d)", vertices)
     return tables.add(
         "EDGE_CURVE('',#%d,#%d,#%d,.T.)",
         corner[edges.ends[:, 0]],
         corner[edges.ends[:, 1]],
-        np.concatenate([lines, circles[which.reshape(-1)], curves]),
+        np.concatenate(curves),
     )
 
 
+def _knots(*knots: Knots) -> str:
+    """Return how often knots count, and then the knots."""
+    counts = [f"({','.join(map(str, each.counts.tolist()))})" for each in knots]
+    values = [f"({','.join(map(repr, each.values.tolist()))})" for each in knots]
+    return ",".join(counts + values)
+
+
 def _write_surfaces(
-    tables: Tables,
-    brep: AnalyticBrep,
-    placements: Ints,
-    vertices: Ints,
-    poles: Ints,
-    lines: int,
-    decimals: int,
+    tables: Tables, brep: AnalyticBrep, placements: Ints, poles: list[Ints], decimals: int
 ) -> Ints:
     """Write the surfaces; return their numbers, shape (f,)."""
     faces = brep.faces
-    del vertices, lines
     numbers = np.empty(len(faces.kinds), dtype=np.intp)
     analytic = faces.kinds[: len(placements)]
     for kind, template in ANALYTIC.items():
         chosen = np.flatnonzero(analytic == kind)
         sizes = faces.sizes[chosen].T[: SIZES[kind]]
         numbers[chosen] = tables.add(template, placements[chosen], *sizes)
-    grid = _write_patch_points(tables, brep, poles, decimals)
-    order = grid.shape[1]
-    rows = ",".join([f"({references(order)})"] * order)
-    numbers[len(placements) :] = tables.add(
-        f"B_SPLINE_SURFACE_WITH_KNOTS('',{order - 1},{order - 1},({rows}),.UNSPECIFIED.,"
-        f".F.,.F.,.F.,({order},{order}),({order},{order}),(0.,1.),(0.,1.),"
-        ".PIECEWISE_BEZIER_KNOTS.)",
-        *grid.reshape(len(grid), order**2).T,
-    )
+    first = len(placements)
+    for table in faces.patches:
+        grid = _write_patch_points(tables, brep, table, first, poles, decimals)
+        rows = ",".join([f"({references(table.v.count)})"] * table.u.count)
+        numbers[first : first + len(grid)] = tables.add(
+            f"B_SPLINE_SURFACE_WITH_KNOTS('',{table.u.degree},{table.v.degree},({rows}),"
+            f".UNSPECIFIED.,.F.,.F.,.F.,{_knots(table.u, table.v)},.UNSPECIFIED.)",
+            *grid.reshape(len(grid), table.u.count * table.v.count).T,
+        )
+        first += len(grid)
     return numbers
 
 
-def _write_patch_points(tables: Tables, brep: AnalyticBrep, poles: Ints, decimals: int) -> Ints:
-    """Write what control points patches do not share with edges; return all, (p, d + 1, d + 1)."""
+def _write_patch_points(
+    tables: Tables,
+    brep: AnalyticBrep,
+    table: SplinePatches,
+    first: int,
+    poles: list[Ints],
+    decimals: int,
+) -> Ints:
+    """Write what control points patches do not share with edges; return all, (p, n_u, n_v).
+
+    Parameters
+    ----------
+    first : number of the first face of the table
+    poles : of splines, see `_write_curve_points`
+    """
     faces, edges = brep.faces, brep.edges
-    control = faces.control
-    grid = np.zeros(control.shape[:3], dtype=np.intp)
+    grid = np.zeros(table.control.shape[:3], dtype=np.intp)
     loop_face = np.repeat(np.arange(len(faces.kinds)), np.diff(faces.loops))
-    face = np.repeat(loop_face, np.diff(faces.uses)) - len(faces.axes.origin)
-    curve = faces.edge - (len(edges.ends) - len(edges.control))
-    uses = np.flatnonzero((face >= 0) & (curve >= 0))
-    start, end = faces.parameters[uses, 0], faces.parameters[uses, 1]
-    last = control.shape[1] - 1
-    step = np.arange(last + 1)
-    place = np.rint(last * start[:, :, None] + (end - start)[:, :, None] * step).astype(
-        np.intp
-    )  # (u, 2, d + 1)
-    grid[face[uses, None], place[:, 0], place[:, 1]] = poles[curve[uses]]
+    patch = np.repeat(loop_face, np.diff(faces.uses)) - first
+    start_of_curves = sum(edges.counts[:2])
+    for numbers in poles:
+        curve = faces.edge - start_of_curves
+        uses = np.flatnonzero(
+            (patch >= 0) & (patch < len(grid)) & (curve >= 0) & (curve < len(numbers))
+        )
+        start, end = faces.parameters[uses, 0], faces.parameters[uses, 1]
+        share = np.linspace(0.0, 1.0, numbers.shape[1])
+        along = start[:, :, None] + (end - start)[:, :, None] * share  # (u, 2, n)
+        i, j = (
+            np.rint((count - 1) * along[:, axis]).astype(np.intp)
+            for axis, count in enumerate(grid.shape[1:])
+        )
+        grid[patch[uses, None], i, j] = numbers[curve[uses]]
+        start_of_curves += len(numbers)
     missing = grid == 0
-    grid[missing] = tables.add(POINT, *columns(np.round(control[missing], decimals)))
+    grid[missing] = tables.add(POINT, *columns(np.round(table.control[missing], decimals)))
     return grid
 
 
