@@ -91,7 +91,7 @@ ONE_NUMBER = r"need a number, or a function of positions \(n, 3\) that returns r
         (lambda: sc.voronoi_foam(2.5, BOX, 1.0), r"count is 2\.5; need a whole number"),
         (lambda: sc.voronoi_foam(9, BOX, 1.0, seed=None), "seed is None; need a whole number"),
         (lambda: sc.voronoi_foam(9, BOX, 1.0, regularity="x"), "regularity is 'x'; need a number"),
-        (lambda: sc.delaunay_foam(9, "abc", 1.0), "box is not an array of numbers"),
+        (lambda: sc.delaunay_foam(9, "abc", 1.0), "the region is a str; need a box"),
         (lambda: LatticeBox("bcc", 5.0, 9, "x", 9, 0.5), "a side of the box is 'x'; need a number"),
         (lambda: sc.lattice_part(CUBE, "bcc", "x", 0.1), "cell size in mm is not an array of num"),
         (lambda: sc.lattice_part(CUBE, "bcc", 1, 0.1, skin="1"), "skin is '1'; need a number"),
