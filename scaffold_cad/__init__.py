@@ -4,11 +4,20 @@
 >>> tripod = Skeleton([[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]], [[0, 1], [0, 2], [0, 3]], 1.0)
 >>> len(build_scaffold(tripod).mesh.quads)
 15
+
+`from scaffold_cad import *` takes the names of `__all__`, none of which is one of build123d's.
+Further names can be imported one by one: `project` and `thicken`, whose names build123d has too;
+the part classes, which load build123d when they are first asked for; and the names of the parts of
+the method, documented in their own packages (`scaffold_cad.partition`, `scaffold_cad.smooth`, ...).
 """
 
+from typing import TYPE_CHECKING, Any
+
 from scaffold_cad import webpage  # noqa: F401  (it registers what notebooks show)
-from scaffold_cad.base.fields import Field, PointField
-from scaffold_cad.convolution import ConvolutionField, project
+from scaffold_cad.base.fields import Field as Field
+from scaffold_cad.base.fields import PointField
+from scaffold_cad.convolution import ConvolutionField
+from scaffold_cad.convolution import project as project
 from scaffold_cad.filling import (
     between_faces,
     delaunay_foam,
@@ -22,10 +31,8 @@ from scaffold_cad.io import read_skeleton
 from scaffold_cad.io.write import write
 from scaffold_cad.lattice import (
     BoxMap,
-    CellMap,
     CylinderMap,
     FunctionMap,
-    MappedLattice,
     QuadMap,
     SphereMap,
     UnitCell,
@@ -37,89 +44,76 @@ from scaffold_cad.lattice import (
     solve_radius,
     tile,
 )
-from scaffold_cad.mesh.intersections import self_intersections
-from scaffold_cad.mesh.quadmesh import QuadMesh
-from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.partition import Partition, partition_sphere, partition_spheres
+from scaffold_cad.lattice import CellMap as CellMap
+from scaffold_cad.lattice import MappedLattice as MappedLattice
+from scaffold_cad.mesh import QuadMesh, TriangleMesh
+from scaffold_cad.mesh import self_intersections as self_intersections
+from scaffold_cad.partition import Partition as Partition
+from scaffold_cad.partition import partition_sphere as partition_sphere
+from scaffold_cad.partition import partition_spheres as partition_spheres
 from scaffold_cad.printability import Report, assert_printable, check_printability
-from scaffold_cad.products.breps import to_brep
+from scaffold_cad.products import to_brep
+from scaffold_cad.scaffold import Embedding as Embedding
 from scaffold_cad.scaffold import Scaffold, build_scaffold
-from scaffold_cad.scaffold.embedding import Embedding
-from scaffold_cad.scaffold.frames import rotation_minimizing_frames
-from scaffold_cad.skeleton import Skeleton, check_skeleton
-from scaffold_cad.skeleton.beams import BeamLattice
-from scaffold_cad.smooth import (
-    Deviation,
-    FineSurface,
-    Patches,
-    Subdivision,
-    catmull_clark,
-    deviation,
-    fine_surface,
-    smooth_mesh,
-    smooth_patches,
-)
-from scaffold_cad.solid import Solidified, solidified, to_solid
-from scaffold_cad.solid.manifolds import to_trimesh
-from scaffold_cad.solid.thicken import frame_scaffold, thicken
+from scaffold_cad.scaffold import rotation_minimizing_frames as rotation_minimizing_frames
+from scaffold_cad.skeleton import BeamLattice, Skeleton, check_skeleton
+from scaffold_cad.smooth import Deviation as Deviation
+from scaffold_cad.smooth import FineSurface as FineSurface
+from scaffold_cad.smooth import Patches as Patches
+from scaffold_cad.smooth import Subdivision as Subdivision
+from scaffold_cad.smooth import catmull_clark as catmull_clark
+from scaffold_cad.smooth import deviation as deviation
+from scaffold_cad.smooth import fine_surface as fine_surface
+from scaffold_cad.smooth import smooth_mesh, smooth_patches
+from scaffold_cad.solid import Solidified as Solidified
+from scaffold_cad.solid import frame_scaffold, solidified, to_solid, to_trimesh
+from scaffold_cad.solid import thicken as thicken
 from scaffold_cad.viewers import show
+
+if TYPE_CHECKING:
+    from scaffold_cad.parts import LatticeBox as LatticeBox
+    from scaffold_cad.parts import LatticeFill as LatticeFill
+    from scaffold_cad.parts import ScaffoldSolid as ScaffoldSolid
+    from scaffold_cad.parts import SmoothScaffold as SmoothScaffold
+    from scaffold_cad.parts import StrutFrame as StrutFrame
 
 __all__ = [
     "BeamLattice",
     "BoxMap",
-    "CellMap",
     "ConvolutionField",
     "CylinderMap",
-    "Deviation",
-    "Embedding",
-    "Field",
-    "FineSurface",
     "FunctionMap",
-    "MappedLattice",
-    "Partition",
-    "Patches",
     "PointField",
     "QuadMap",
     "QuadMesh",
     "Report",
     "Scaffold",
     "Skeleton",
-    "Solidified",
     "SphereMap",
-    "Subdivision",
     "TriangleMesh",
     "UnitCell",
     "assert_printable",
     "between_faces",
     "build_scaffold",
-    "catmull_clark",
     "cells",
     "check_printability",
     "check_skeleton",
     "delaunay_foam",
-    "deviation",
     "face_map",
     "fill",
-    "fine_surface",
     "frame_scaffold",
     "lattice_on",
     "lattice_part",
     "mapped",
     "mesh_map",
-    "partition_sphere",
-    "partition_spheres",
-    "project",
     "read_skeleton",
     "register_cell",
     "relative_density",
-    "rotation_minimizing_frames",
-    "self_intersections",
     "show",
     "smooth_mesh",
     "smooth_patches",
     "solidified",
     "solve_radius",
-    "thicken",
     "tile",
     "to_brep",
     "to_solid",
@@ -129,3 +123,19 @@ __all__ = [
 ]
 
 __version__ = "0.1.0"
+
+PART_CLASSES = ("LatticeBox", "LatticeFill", "ScaffoldSolid", "SmoothScaffold", "StrutFrame")
+"""Classes of `scaffold_cad.parts`, loaded with build123d when they are first asked for."""
+
+if not TYPE_CHECKING:  # or type checkers would take any name for one of the package's
+
+    def __getattr__(name: str) -> Any:
+        if name not in PART_CLASSES:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        from scaffold_cad import parts
+
+        return getattr(parts, name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *PART_CLASSES})

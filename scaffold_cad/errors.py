@@ -9,6 +9,7 @@
     ├── BrepError            (ValueError)   a B-rep that could not be made
     ├── FormatError          (ValueError)   a file that cannot be read or written
     ├── OptionError          (ValueError)   an argument out of its range, or of a wrong kind
+    │   └── KeywordError     (TypeError)    an argument by a name that is not known
     └── MissingBackendError  (ImportError)  an optional package is absent
 """
 
@@ -41,6 +42,10 @@ class FormatError(ScaffoldCadError, ValueError):
 
 class OptionError(ScaffoldCadError, ValueError):
     """An argument out of its range or of a wrong kind; the message names it and its value."""
+
+
+class KeywordError(OptionError, TypeError):
+    """An argument given by a name that the function does not have; the message has the nearest."""
 
 
 class MissingBackendError(ScaffoldCadError, ImportError):

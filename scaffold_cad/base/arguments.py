@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from difflib import get_close_matches
+from functools import wraps
+from inspect import Parameter, signature
 from numbers import Integral, Real
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
-from scaffold_cad.errors import OptionError
+from scaffold_cad.errors import KeywordError, OptionError
+
+_Given = ParamSpec("_Given")
+_Result = TypeVar("_Result")
 
 WAYS = {
     ("Skeleton", "Scaffold"): "build_scaffold(skeleton) makes one",
@@ -27,16 +33,17 @@ WAYS = {
 
 
 def check_kind(what: object, *kinds: type | str) -> None:
-    """Raise unless `what` is of one of `kinds`.
+    """Check that `what` is an instance of one of `kinds`.
 
     Parameters
     ----------
-    kinds : classes; names of classes of packages that need not be loaded are only told of
+    kinds : classes; a name stands for a class of a package that need not be loaded, and is used
+        in the message only
 
     Raises
     ------
     OptionError
-        If it is of none; the message tells how to make one of them of it, where that is known.
+        If it is not; the message says how to get one of them from it, where that is known.
     """
     if isinstance(what, tuple(kind for kind in kinds if not isinstance(kind, str))):
         return
@@ -48,15 +55,77 @@ def check_kind(what: object, *kinds: type | str) -> None:
 
 
 def check_choice(value: object, name: str, known: Iterable[str]) -> None:
-    """Raise unless `value`, of that name, is one of the `known` ones.
+    """Check that the argument `name` has one of its `known` values.
 
     Raises
     ------
     OptionError
-        If it is none.
+        If it does not; the message has the value that is spelled most like it.
     """
+    known = list(known)
     if not isinstance(value, str) or value not in known:
-        raise OptionError(f"{name} is {value!r}; need one of {', '.join(known)}")
+        hint = did_you_mean(value, known)
+        raise OptionError(f"{name} is {value!r}; need one of {', '.join(known)}{hint}")
+
+
+def did_you_mean(value: object, known: Iterable[str]) -> str:
+    """Return the end of a message with the known word nearest to `value`, or an empty text.
+
+    >>> did_you_mean("colars", ["fit", "section", "collars"])
+    "; did you mean 'collars'?"
+    """
+    near = get_close_matches(value.lower(), list(known), n=1) if isinstance(value, str) else []
+    return f"; did you mean {near[0]!r}?" if near else ""
+
+
+def checks_keywords(
+    *further: Callable[..., Any],
+) -> Callable[[Callable[_Given, _Result]], Callable[_Given, _Result]]:
+    """Return a decorator: a wrong keyword raises a `KeywordError` with the nearest known one.
+
+    Parameters
+    ----------
+    further : functions that get the `**options` of the decorated one: their keyword-only
+        parameters are known too
+
+    Examples
+    --------
+    >>> @checks_keywords()
+    ... def box(length: float = 1.0) -> float:
+    ...     return length
+    >>> box(lenght=2.0)
+    Traceback (most recent call last):
+    ...
+    scaffold_cad.errors.KeywordError: box() has no parameter 'lenght'; did you mean 'length'?
+    """
+
+    def decorated(function: Callable[_Given, _Result]) -> Callable[_Given, _Result]:
+        own = [
+            one.name
+            for one in signature(function).parameters.values()
+            if one.kind in (Parameter.POSITIONAL_OR_KEYWORD, Parameter.KEYWORD_ONLY)
+        ]
+        passed_on = [
+            one.name
+            for other in further
+            for one in signature(other).parameters.values()
+            if one.kind is Parameter.KEYWORD_ONLY
+        ]
+        known = dict.fromkeys(name for name in own + passed_on if name != "self")
+        # A class is called by its own name, not by that of its `__init__`.
+        called = function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
+
+        @wraps(function)
+        def checked(*args: _Given.args, **kwargs: _Given.kwargs) -> _Result:
+            for name in kwargs:
+                if name not in known:
+                    hint = did_you_mean(name, known) or f"; need one of {', '.join(known)}"
+                    raise KeywordError(f"{called}() has no parameter {name!r}{hint}")
+            return function(*args, **kwargs)
+
+        return checked
+
+    return decorated
 
 
 def as_path(value: Any, name: str = "path") -> Path:
@@ -78,7 +147,7 @@ def as_flag(value: Any, name: str) -> bool:
     Raises
     ------
     OptionError
-        If it is none.
+        If it is not True or False.
     """
     if not isinstance(value, bool | np.bool_):
         raise OptionError(f"{name} is {_described(value)}; need True or False")
@@ -93,12 +162,12 @@ def as_number(
     Parameters
     ----------
     name, unit : of the value, for the message
-    hint : what else is taken in place of a number, such as ", or a function of positions"
+    hint : what else is accepted in place of a number, such as ", or a function of positions"
 
     Raises
     ------
     OptionError
-        If it is no such number.
+        If it is not such a number.
     """
     number = as_real(value, name, hint=hint)
     if 0 < number < np.inf or (or_zero and number == 0):
@@ -124,7 +193,7 @@ def as_count(value: Any, name: str, least: int = 0) -> int:
     Raises
     ------
     OptionError
-        If it is no whole number, or a lower one.
+        If it is not a whole number, or less than `least`.
     """
     if isinstance(value, bool) or not isinstance(value, Integral):
         raise OptionError(f"{name} is {_described(value)}; need a whole number")
@@ -134,7 +203,7 @@ def as_count(value: Any, name: str, least: int = 0) -> int:
 
 
 def _described(value: object) -> str:
-    """Return a number, a text or None as it is written, and what kind of thing any other is."""
+    """Return a number, a text or None as it is written, of any other value its type."""
     if value is None or isinstance(value, bool | Real | str):
         return repr(value) if isinstance(value, str) else str(value)
     if isinstance(value, np.ndarray):

@@ -6,7 +6,7 @@ import argparse
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats
+from scaffold_cad.base.summaries import range_text, size_text
 from scaffold_cad.cli import source
 from scaffold_cad.io import read_raw, read_with_repairs
 from scaffold_cad.skeleton import Skeleton
@@ -29,7 +29,9 @@ def run(options: argparse.Namespace) -> None:
     cleaning = read_with_repairs(options.input, None if has_radii else 1.0)
     rows = _counts(cleaning.skeleton)
     rows["radius"] = (
-        _range(cleaning.skeleton.radii) if has_radii else "none in the file: build needs --radius"
+        range_text(cleaning.skeleton.radii)
+        if has_radii
+        else "none in the file: build needs --radius"
     )
     rows["repairs"] = str(cleaning.repairs)
     width = max(len(name) for name in rows)
@@ -41,7 +43,6 @@ def _counts(skeleton: Skeleton) -> dict[str, str]:
     """Return what is printed of a skeleton, in order."""
     kinds = np.bincount(skeleton.valency[skeleton.branch_points])
     by_valency = [f"{count} of valency {n}" for n, count in enumerate(kinds.tolist()) if count]
-    size = np.ptp(skeleton.nodes, axis=0)
     return {
         "nodes": str(len(skeleton.nodes)),
         "edges": str(len(skeleton.edges)),
@@ -51,11 +52,6 @@ def _counts(skeleton: Skeleton) -> dict[str, str]:
         + (f" ({', '.join(by_valency)})" if by_valency else ""),
         "joints": str(len(skeleton.joints)),
         "extremities": str(len(skeleton.extremities)),
-        "edge length": _range(skeleton.lengths),
-        "size": " x ".join(f"{extent:.6g}" for extent in size) + " mm",
+        "edge length": range_text(skeleton.lengths),
+        "size": size_text(skeleton.nodes),
     }
-
-
-def _range(values: Floats) -> str:
-    """Return the least and greatest of `values` in mm."""
-    return f"{values.min():.6g} to {values.max():.6g} mm"

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from scaffold_cad.base.arrays import Floats, Points, as_floats
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.filling.crumbs import report_small, without_crumbs
 from scaffold_cad.lattice.clipping import Keep, clipped, least_length
 from scaffold_cad.lattice.meshregion import MeshRegion
 from scaffold_cad.lattice.regions import BoxRegion, ImplicitRegion, Region
@@ -53,6 +54,7 @@ def fill(
     *,
     keep: Keep = "clip",
     dangling: bool = True,
+    crumbs: bool = False,
     bounds: ArrayLike | None = None,
     origin: ArrayLike | None = None,
     shortest: float | None = None,
@@ -71,6 +73,8 @@ def fill(
     keep : "clip" cuts struts at the surface, where they get a new node; "whole" keeps those
         whole that have their middle in the region, and drops the others
     dangling : whether struts that end free, at the surface or for want of a neighbour, stay
+    crumbs : whether loose pieces stay that have less than half the struts of a cell, as the
+        surface cuts them off at edges; the log says how many were left out
     bounds : lowest and highest corner of a box around the region; for a function only
     origin : a corner of a cell, mm; by default the lowest corner of the bounds
     shortest : pieces of cut struts shorter than this are shrunk to a node on the surface, mm;
@@ -92,6 +96,7 @@ def fill(
     sizes = cell_size(cell, size)
     shortest = least_length(shortest, SHORTEST_FRACTION * float(sizes.min()))
     space = as_region(region, bounds)
+    report_small(space.bounds, cell, sizes)
     counts, corner = cells_around(space.bounds, cell, sizes, origin)
     struts = repeated(cell, sizes, counts, corner)
     if keep == "whole":
@@ -100,10 +105,13 @@ def fill(
         struts = clipped(struts, space, shortest)
     if not dangling:
         struts = struts.without_dangling()
+    if not crumbs:
+        struts = without_crumbs(struts, cell, sizes)
     if len(struts.edges) == 0:
         raise SkeletonError(
             f"no strut of unit cell {cell.name!r} of size {sizes.tolist()} mm is left in the "
-            f"region from {space.bounds[0].tolist()} to {space.bounds[1].tolist()} mm; need one"
+            f"region from {space.bounds[0].tolist()} to {space.bounds[1].tolist()} mm; need one "
+            "(smaller cells?)"
         )
     return struts.skeleton(radius) if keep == "whole" else struts.cleaned_skeleton(radius)
 

@@ -16,11 +16,12 @@ from scaffold_cad.filling.fill import HasTriangles, as_region, fill
 from scaffold_cad.lattice import UnitCell
 from scaffold_cad.lattice.regions import Region
 from scaffold_cad.lattice.struts import Struts
+from scaffold_cad.mesh.bodies import body_of, check_uncrossed, shells_of
 from scaffold_cad.mesh.collapse import without_short_edges
 from scaffold_cad.mesh.insets import inset
+from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.quadmesh import QuadMesh
-from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.mesh.welding import welded, without_repeated_corners
+from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.products.overlaps import log_overlaps
 from scaffold_cad.products.surfaces import triangles_of
 from scaffold_cad.scaffold import build_scaffold
@@ -42,6 +43,15 @@ SLIVER = 2.0**-20
 """Height below which triangles go, in greatest coordinates: a few roundings to 32 bits.
 The boolean leaves such slivers where it cuts the triangles of the body, and files lose them."""
 
+TOUCHING = 1e-9
+"""Depth down to which parts of a body only touch, mm."""
+
+FULL = 0.97
+"""Share of a body beyond which it is said to be full."""
+
+CRUMB = 0.01
+"""Volume below which a loose piece is a crumb, in that of the largest piece."""
+
 NUDGE_DIRECTION = np.array([0.6, 0.5, 0.62])
 """Where the lattice is moved: along no face of a cell."""
 
@@ -59,8 +69,10 @@ def lattice_part(
 ) -> Manifold:
     """Return `body` with a lattice for its inside: one watertight solid.
 
-    Struts are cut where they leave the body. With a skin the part is closed: what is left between
-    the struts is a void, and powder or resin in it needs a hole to get out.
+    Struts are cut where they leave the body, and crumbs that hang loose then are left out. With a
+    skin the part is closed: what is left between the struts is a void, and powder or resin in it
+    needs a hole to get out. Parts of the body that overlap are united, shells that are inside out
+    are turned; the log says so.
 
     Parameters
     ----------
@@ -78,16 +90,15 @@ def lattice_part(
     OptionError
         If an argument is out of its range.
     MeshError
-        If the body is not closed, has too many triangles for the skin where it is tightly curved,
-        or the part crosses itself wherever the lattice is put.
+        If the body is not closed or crosses itself, has too many triangles for the skin where it is
+        tightly curved, or the part crosses itself wherever the lattice is put; places are named.
     SkeletonError
         If no strut is in the body.
     """
     if skin is not None and not 0 < as_real(skin, "skin") < np.inf:
         raise OptionError(f"skin is {skin:g} mm; need > 0, or none")
-    surface = without_repeated_corners(welded(triangles_of(body)))
+    surface, outer = _sound(triangles_of(body))
     region = as_region(surface)
-    outer = manifolds.to_manifold(surface)
     inner = outer if skin is None else _inside(surface, outer, skin)
     extent, fault = float(np.abs(surface.vertices).max()), ""
     for nudge in NUDGES:
@@ -99,12 +110,77 @@ def lattice_part(
         try:
             whole = manifolds.to_manifold(clean_surface(_without_slivers(part, extent)))
         except MeshError as error:
-            fault = str(error)
+            fault = _with_place(error)
         else:
             log_overlaps(scaffold, solid.united_edges, united=True, smooth=sides > 4)
-            return whole
+            _report_full(whole, outer, radius)
+            return whole if skin is not None else _without_crumbs(whole)
         _log.debug("with the lattice moved by %g cells the part %s", nudge, fault)
     raise MeshError(f"the part {fault}; need a clean surface (try another cell size or radius)")
+
+
+def _sound(mesh: TriangleMesh) -> tuple[TriangleMesh, Manifold]:
+    """Return a body's surface and solid; parts of it that overlap are united.
+
+    Raises
+    ------
+    MeshError
+        If the surface is not closed, or a part crosses itself; the place is named in mm.
+    """
+    surface = body_of(mesh)
+    if len(self_intersections(surface, tolerance=TOUCHING, limit=1)) == 0:
+        return surface, manifolds.to_manifold(surface)
+    shell = shells_of(surface.triangles, len(surface.vertices))
+    for number in range(int(shell.max()) + 1):
+        check_uncrossed(compacted(surface.vertices, surface.triangles[shell == number]))
+    bodies = [
+        compacted(surface.vertices, surface.triangles[shell == number])
+        for number in range(int(shell.max()) + 1)
+    ]
+    if any(one.signed_volume < 0 for one in bodies):
+        check_uncrossed(surface)  # a cavity that crosses another shell
+    united = manifolds.union(bodies, [])
+    _log.info("%d parts of the body overlap; they are united", len(bodies))
+    return manifolds.manifold_triangles(united), united
+
+
+def _with_place(error: MeshError) -> str:
+    """Return what is wrong, and where if that is known."""
+    places = getattr(error, "places", np.zeros((0, 3)))
+    where = f" near {np.round(places[0], 3).tolist()} mm" if len(places) else ""
+    return f"{error}{where}"
+
+
+def _report_full(part: Manifold, outer: Manifold, radius: Radius) -> None:
+    """Log if the struts leave next to nothing of the body free."""
+    share = part.volume() / outer.volume()
+    if share > FULL:
+        size = "their radii are" if callable(radius) else f"a radius of {radius:g} mm is"
+        _log.warning(
+            "the struts fill the body: %.1f %% of its volume are solid; %s too large for its cells",
+            100 * share,
+            size,
+        )
+
+
+def _without_crumbs(part: Manifold) -> Manifold:
+    """Return the part without pieces that are small beside the largest; the log counts them."""
+    pieces = part.decompose()
+    volumes = np.array([piece.volume() for piece in pieces])
+    crumbs = np.flatnonzero((volumes > 0) & (volumes < CRUMB * volumes.max(initial=0.0)))
+    if len(crumbs) == 0:
+        return part
+    low = np.round(pieces[int(crumbs[0])].bounding_box()[:3], 3).tolist()
+    _log.info(
+        "%d loose crumbs of %.3g mm³ left out, as at %s mm: the surface cuts them off",
+        len(crumbs),
+        float(volumes[crumbs].sum()),
+        low,
+    )
+    import manifold3d
+
+    kept = [piece for k, piece in enumerate(pieces) if k not in set(crumbs.tolist())]
+    return manifold3d.Manifold.compose(kept)
 
 
 def _inside(surface: TriangleMesh, outer: Manifold, skin: float) -> Manifold:

@@ -12,6 +12,7 @@ from scaffold_cad.base.vectors import dot, length, rotate
 from scaffold_cad.lattice.boxgrid import BoxGrid
 from scaffold_cad.lattice.regions import surface_tolerance
 from scaffold_cad.lattice.struts import Struts
+from scaffold_cad.mesh.bodies import check_balanced, turned_outwards
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.mesh.welding import welded, without_repeated_corners
 
@@ -34,13 +35,17 @@ class MeshRegion:
     def __init__(self, mesh: TriangleMesh) -> None:
         """Keep the triangles of a closed mesh, counter-clockwise seen from outside.
 
+        Bodies of the mesh may touch along edges. Shells that are inside out are turned, and the
+        log says so.
+
         Raises
         ------
         MeshError
-            If the mesh is not closed.
+            If the mesh is not closed; the place is named in mm.
         """
         mesh = without_repeated_corners(welded(mesh))
-        mesh.check_closed()
+        check_balanced(mesh)
+        mesh = turned_outwards(mesh)
         self._corners = mesh.vertices[mesh.triangles]  # (t, 3, 3)
         self.bounds = np.stack([self._corners.min(axis=(0, 1)), self._corners.max(axis=(0, 1))])
         read_only(self.bounds)

@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 from scipy.spatial import ConvexHull, Delaunay
 
-from scaffold_cad.base.arrays import Edges, Floats, Ints, Points
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points
 from scaffold_cad.base.vectors import dot
 from scaffold_cad.lattice.struts import Struts
 
@@ -45,7 +45,7 @@ def cell_edges(points: Points, box: Floats, weights: Floats | None = None) -> St
     edges: Edges = np.stack([one, neighbors[one, side]], axis=1)
     # Four points of one plane, as copies of a box have outside it, have no centre.
     nodes = centers(everything[simplices], powers[simplices])
-    there = np.isfinite(nodes).all(axis=1)
+    there: Bools = np.asarray(np.isfinite(nodes).all(axis=1))
     return Struts(np.where(there[:, None], nodes, 0.0), edges[there[edges].all(axis=1)])
 
 

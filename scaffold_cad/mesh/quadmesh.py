@@ -21,13 +21,22 @@ from scaffold_cad.base.arrays import (
     as_quads,
 )
 from scaffold_cad.base.notebook import Shown
+from scaffold_cad.base.summaries import counted, size_text
 from scaffold_cad.base.vectors import dot
 from scaffold_cad.errors import MeshError
 
 
 @dataclass(frozen=True, eq=False)
 class QuadMesh(Frozen, Shown):
-    """A mesh of quads, each counter-clockwise seen from outside."""
+    """A mesh of quads, each counter-clockwise seen from outside.
+
+    Examples
+    --------
+    >>> from scaffold_cad import QuadMesh
+    >>> square = QuadMesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]])
+    >>> print(square)
+    QuadMesh: 4 vertices, 1 quad, 1 x 1 x 0 mm
+    """
 
     vertices: Points
     """Vertex positions, shape (v, 3), mm."""
@@ -38,13 +47,18 @@ class QuadMesh(Frozen, Shown):
         points = as_points(vertices, "vertices", MeshError)
         self._keep(vertices=points, quads=as_quads(quads, "quads", count=len(points)))
 
+    def __str__(self) -> str:
+        vertices = counted(len(self.vertices), "vertex", "vertices")
+        quads = counted(len(self.quads), "quad")
+        return f"QuadMesh: {vertices}, {quads}, {size_text(self.vertices)}"
+
     def moved(self, vertices: ArrayLike) -> QuadMesh:
         """Return the same quads on other vertices, shape (v, 3), mm.
 
         Raises
         ------
         MeshError
-            If there are not as many vertices as before, or one is no place.
+            If there are not as many vertices as before, or one is not finite.
         """
         points = as_points(vertices, "vertices", MeshError)
         if len(points) != len(self.vertices):

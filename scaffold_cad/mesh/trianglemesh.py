@@ -17,13 +17,22 @@ from scaffold_cad.base.arrays import (
     as_triangles,
 )
 from scaffold_cad.base.notebook import Shown
+from scaffold_cad.base.summaries import counted, size_text
 from scaffold_cad.base.vectors import triple
 from scaffold_cad.errors import MeshError
 
 
 @dataclass(frozen=True, eq=False)
 class TriangleMesh(Frozen, Shown):
-    """A mesh of triangles, each counter-clockwise seen from outside."""
+    """A mesh of triangles, each counter-clockwise seen from outside.
+
+    Examples
+    --------
+    >>> from scaffold_cad import TriangleMesh
+    >>> corner = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    >>> print(TriangleMesh(corner, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]))
+    TriangleMesh: 4 vertices, 4 triangles, 1 x 1 x 1 mm
+    """
 
     vertices: Points
     """Vertex positions, shape (v, 3), mm."""
@@ -34,6 +43,11 @@ class TriangleMesh(Frozen, Shown):
         points = as_points(vertices, "vertices", MeshError)
         corners = as_triangles(triangles, "triangles", count=len(points))
         self._keep(vertices=points, triangles=corners)
+
+    def __str__(self) -> str:
+        vertices = counted(len(self.vertices), "vertex", "vertices")
+        triangles = counted(len(self.triangles), "triangle")
+        return f"TriangleMesh: {vertices}, {triangles}, {size_text(self.vertices)}"
 
     @property
     def signed_volume(self) -> float:

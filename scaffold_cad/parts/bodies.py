@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from build123d import Shape
 
 MOST_TRIANGLES = 10_000
-"""Triangles of a union that may become faces: with more of them CAD is no fun."""
+"""Most triangles of a union that become faces: CAD programs are slow with more."""
 
 NAMED = 5
 """Struts that an error names."""

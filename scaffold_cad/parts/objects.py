@@ -5,110 +5,32 @@ Imports build123d: `scaffold_cad.parts` does so when one of the classes is asked
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from build123d import Align, BasePartObject, Mode, Plane, RigidJoint, Shape, tuplify
+from build123d import Align, tuplify
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_real, check_kind
-from scaffold_cad.base.arrays import Floats
+from scaffold_cad.base.arguments import as_real, check_kind, checks_keywords
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.errors import OptionError
 from scaffold_cad.filling import fill
 from scaffold_cad.lattice import UnitCell
 from scaffold_cad.lattice.clipping import Keep
-from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh import QuadMesh
 from scaffold_cad.parts.bodies import BodySurface, body_surface, sound_body
-from scaffold_cad.parts.booleans import Operation, check_boolean
+from scaffold_cad.parts.skeletonpart import CommonOptions, PartOptions, SkeletonPart
 from scaffold_cad.parts.stubs import without_overlapping_stubs
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.smooth import Caps
-from scaffold_cad.solid.thicken import frame_scaffold
+from scaffold_cad.solid import frame_scaffold
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 ALIGNED = {Align.MIN: 0.0, Align.CENTER: 0.5, Align.MAX: 1.0, Align.NONE: 0.0}
 """Where the origin is in a box, as a fraction of its size."""
-
-
-CHECKED_MODES: dict[Mode, Operation] = {
-    Mode.ADD: "union",
-    Mode.SUBTRACT: "difference",
-    Mode.INTERSECT: "intersection",
-}
-"""Modes that are booleans of OCCT."""
-
-
-class SkeletonPart(BasePartObject):  # type: ignore[misc]  # build123d is not checked
-    """What the parts have in common: a skeleton, and a joint at each of its extremities.
-
-    Booleans with them raise a BrepError where OCCT's result cannot be right, see `check_boolean`.
-    """
-
-    skeleton: Skeleton
-    """The skeleton in its own coordinates, without the part's rotation, alignment and place."""
-
-    def __init__(
-        self,
-        body: Shape,
-        scaffold: Scaffold,
-        *,
-        with_joints: bool,
-        label: str,
-        color: Any,
-        rotation: Any,
-        align: Any,
-        mode: Mode,
-    ) -> None:
-        if with_joints:
-            add_joints(body, scaffold)
-        super().__init__(part=body, rotation=rotation, align=align, mode=mode)
-        self.skeleton = scaffold.skeleton
-        self.label = label
-        self.color = color
-
-    def __add__(self, other: Any) -> Any:
-        other = _kept(other)
-        return _checked("union", [self, *_as_list(other)], super().__add__(other))
-
-    def __sub__(self, other: Any) -> Any:
-        other = _kept(other)
-        return _checked("difference", [self, *_as_list(other)], super().__sub__(other))
-
-    def __and__(self, other: Any) -> Any:
-        other = _kept(other)
-        return _checked("intersection", [self, *_as_list(other)], super().__and__(other))
-
-    # Python asks these first where the left side is a Part or a Compound, as of a boolean.
-
-    def __radd__(self, other: Any) -> Any:
-        if not isinstance(other, Shape):
-            return NotImplemented
-        return _checked("union", [other, self], other.__add__(self))
-
-    def __rsub__(self, other: Any) -> Any:
-        if not isinstance(other, Shape):
-            return NotImplemented
-        return _checked("difference", [other, self], other.__sub__(self))
-
-    def __rand__(self, other: Any) -> Any:
-        if not isinstance(other, Shape):
-            return NotImplemented
-        return _checked("intersection", [other, self], other.__and__(self))
-
-    def _publish_to_context(self, object_scope: Any) -> None:
-        """Give the part to the builder that is open, as build123d does, and check what it makes.
-
-        build123d has no public place for that.
-        """
-        builder = object_scope.publication_target
-        before = None if builder is None else builder.part
-        super()._publish_to_context(object_scope)
-        if builder is None or self.mode not in CHECKED_MODES:
-            return
-        operands = [self] if before is None else [before, self]
-        _checked(CHECKED_MODES[self.mode], operands, builder.part)
 
 
 class ScaffoldSolid(SkeletonPart):
@@ -118,17 +40,13 @@ class ScaffoldSolid(SkeletonPart):
     points to the middle of a side of its section.
     """
 
+    @checks_keywords(SkeletonPart.__init__, build_scaffold)
     def __init__(
         self,
         skeleton: Skeleton | Scaffold,
         *,
         unite: bool = False,
         with_joints: bool = True,
-        label: str = "",
-        color: Any = None,
-        rotation: Any = (0, 0, 0),
-        align: Any = None,
-        mode: Mode = Mode.ADD,
         **options: Any,
     ) -> None:
         """Build the solid.
@@ -138,9 +56,8 @@ class ScaffoldSolid(SkeletonPart):
         skeleton : or a scaffold, as it was built
         unite : whether struts that overlap are united; the faces are then triangles
         with_joints : whether extremities get joints
-        label, color : of the part
-        rotation, align, mode : as of build123d's `Box`; without `align` the skeleton's origin stays
-        **options : of `build_scaffold`, for a skeleton
+        **options : label, color, rotation, align and mode, see `PartOptions`; and those of
+            `build_scaffold`, for a skeleton
 
         Raises
         ------
@@ -149,16 +66,13 @@ class ScaffoldSolid(SkeletonPart):
         BrepError
             If struts overlap and are not to be united, or the union has too many triangles.
         """
+        part = _part_options(options)
         scaffold = as_scaffold(skeleton, options)
         super().__init__(
             sound_body(body_surface(scaffold), unite=unite),
             scaffold,
             with_joints=with_joints,
-            label=label,
-            color=color,
-            rotation=rotation,
-            align=align,
-            mode=mode,
+            **part,
         )
 
 
@@ -168,6 +82,7 @@ class SmoothScaffold(SkeletonPart):
     It has the joints of a `ScaffoldSolid`.
     """
 
+    @checks_keywords(SkeletonPart.__init__, build_scaffold)
     def __init__(
         self,
         skeleton: Skeleton | Scaffold,
@@ -175,11 +90,6 @@ class SmoothScaffold(SkeletonPart):
         caps: Caps = "round",
         unite: bool = False,
         with_joints: bool = True,
-        label: str = "",
-        color: Any = None,
-        rotation: Any = (0, 0, 0),
-        align: Any = None,
-        mode: Mode = Mode.ADD,
         **options: Any,
     ) -> None:
         """Build the solid.
@@ -191,9 +101,8 @@ class SmoothScaffold(SkeletonPart):
         unite : whether struts that overlap are united: they then have 16 sides and their faces
             are triangles
         with_joints : whether extremities get joints
-        label, color : of the part
-        rotation, align, mode : as of build123d's `Box`; without `align` the skeleton's origin stays
-        **options : of `build_scaffold`, for a skeleton
+        **options : label, color, rotation, align and mode, see `PartOptions`; and those of
+            `build_scaffold`, for a skeleton
 
         Raises
         ------
@@ -202,16 +111,13 @@ class SmoothScaffold(SkeletonPart):
         BrepError
             If struts overlap and are not to be united, or the union has too many triangles.
         """
+        part = _part_options(options)
         scaffold = as_scaffold(skeleton, options)
         super().__init__(
             sound_body(body_surface(scaffold, smooth=True, caps=caps), unite=unite),
             scaffold,
             with_joints=with_joints,
-            label=label,
-            color=color,
-            rotation=rotation,
-            align=align,
-            mode=mode,
+            **part,
         )
 
 
@@ -221,6 +127,7 @@ class StrutFrame(SkeletonPart):
     Joints are at the extremities of the skeleton, and of a scaffold's skeleton.
     """
 
+    @checks_keywords(SkeletonPart.__init__)
     def __init__(
         self,
         what: Skeleton | Scaffold | QuadMesh,
@@ -229,11 +136,7 @@ class StrutFrame(SkeletonPart):
         smooth: bool = False,
         unite: bool = False,
         with_joints: bool = True,
-        label: str = "",
-        color: Any = None,
-        rotation: Any = (0, 0, 0),
-        align: Any = None,
-        mode: Mode = Mode.ADD,
+        **options: Unpack[PartOptions],
     ) -> None:
         """Build the frame.
 
@@ -244,8 +147,7 @@ class StrutFrame(SkeletonPart):
         smooth : whether struts are round and nodes smooth; struts are square otherwise
         unite : whether struts that overlap are united; the faces are then triangles
         with_joints : whether extremities get joints
-        label, color : of the part
-        rotation, align, mode : as of build123d's `Box`; without `align` the skeleton's origin stays
+        **options : label, color, rotation, align and mode, see `PartOptions`
 
         Raises
         ------
@@ -259,11 +161,7 @@ class StrutFrame(SkeletonPart):
             sound_body(body_surface(frame, smooth=smooth), unite=unite),
             what if isinstance(what, Scaffold) else frame,
             with_joints=with_joints,
-            label=label,
-            color=color,
-            rotation=rotation,
-            align=align,
-            mode=mode,
+            **options,
         )
 
 
@@ -274,6 +172,7 @@ class LatticeBox(SkeletonPart):
     out, struts by their radius and nodes by more.
     """
 
+    @checks_keywords(SkeletonPart.__init__)
     def __init__(
         self,
         cell: str | UnitCell,
@@ -289,11 +188,8 @@ class LatticeBox(SkeletonPart):
         smooth: bool = False,
         unite: bool = False,
         with_joints: bool = False,
-        label: str = "",
-        color: Any = None,
-        rotation: Any = (0, 0, 0),
         align: Any = (Align.CENTER, Align.CENTER, Align.CENTER),
-        mode: Mode = Mode.ADD,
+        **options: Unpack[CommonOptions],
     ) -> None:
         """Build the lattice.
 
@@ -310,8 +206,8 @@ class LatticeBox(SkeletonPart):
         smooth : whether struts are round and nodes smooth; struts are square otherwise
         unite : whether struts that overlap are united; the faces are then triangles
         with_joints : whether extremities get joints
-        label, color : of the part
-        rotation, align, mode : as of build123d's `Box`
+        align : of the box, as of build123d's `Box`
+        **options : label, color, rotation and mode, see `CommonOptions`
 
         Raises
         ------
@@ -331,11 +227,7 @@ class LatticeBox(SkeletonPart):
             sound_body(surface, unite=unite),
             surface.scaffold,
             with_joints=with_joints,
-            label=label,
-            color=color,
-            rotation=rotation,
-            align=None,
-            mode=mode,
+            **options,
         )
 
 
@@ -346,6 +238,7 @@ class LatticeFill(SkeletonPart):
     part` trims them, slowly. `lattice_part` does so on triangles, and adds a skin.
     """
 
+    @checks_keywords(SkeletonPart.__init__)
     def __init__(
         self,
         part: Any,
@@ -360,11 +253,7 @@ class LatticeFill(SkeletonPart):
         smooth: bool = False,
         unite: bool = False,
         with_joints: bool = False,
-        label: str = "",
-        color: Any = None,
-        rotation: Any = (0, 0, 0),
-        align: Any = None,
-        mode: Mode = Mode.ADD,
+        **options: Unpack[PartOptions],
     ) -> None:
         """Build the lattice.
 
@@ -380,8 +269,7 @@ class LatticeFill(SkeletonPart):
         smooth : whether struts are round and nodes smooth; struts are square otherwise
         unite : whether struts that overlap are united; the faces are then triangles
         with_joints : whether extremities get joints
-        label, color : of the part
-        rotation, align, mode : as of build123d's `Box`; without `align` the lattice is in the part
+        **options : label, color, rotation, align and mode, see `PartOptions`
 
         Raises
         ------
@@ -399,32 +287,15 @@ class LatticeFill(SkeletonPart):
             sound_body(surface, unite=unite),
             surface.scaffold,
             with_joints=with_joints,
-            label=label,
-            color=color,
-            rotation=rotation,
-            align=align,
-            mode=mode,
+            **options,
         )
 
 
-def _kept(other: Any) -> Any:
-    """Return what stands on the right of an operator so that it can be looked at twice."""
-    return list(other) if isinstance(other, Iterator) else other
-
-
-def _as_list(other: Any) -> list[Any]:
-    """Return what stands on the right of an operator as a list, without what is None."""
-    return [
-        one for one in (other if isinstance(other, list | tuple) else [other]) if one is not None
-    ]
-
-
-def _checked(operation: Operation, operands: Sequence[Any], result: Any) -> Any:
-    """Return the result of a boolean if nothing speaks against it."""
-    is_boolean = len(operands) > 1 or len(operands[0].solids()) > 1
-    if is_boolean and all(isinstance(one, Shape) for one in operands):
-        check_boolean(operation, operands, result)
-    return result
+def _part_options(options: dict[str, Any]) -> PartOptions:
+    """Take those of every part out of `options`, and return them."""
+    names = options.keys() & PartOptions.__annotations__.keys()
+    taken = {name: options.pop(name) for name in names}
+    return cast("PartOptions", taken)
 
 
 def as_scaffold(what: Skeleton | Scaffold, options: dict[str, Any]) -> Scaffold:
@@ -450,16 +321,3 @@ def lattice_surface(skeleton: Skeleton, *, smooth: bool, drop_stubs: bool) -> Bo
     if drop_stubs:
         return without_overlapping_stubs(skeleton, smooth=smooth)
     return body_surface(build_scaffold(skeleton, collars=True), smooth=smooth)
-
-
-def add_joints(body: Shape, scaffold: Scaffold) -> None:
-    """Give `body` a rigid joint at each extremity: z outwards, x to the middle of a side."""
-    skeleton = scaffold.refined  # its extremities are those of the skeleton
-    ends = zip(skeleton.extremities.tolist(), skeleton.leaving_extremities.tolist(), strict=True)
-    for node, half_edge in ends:
-        outward: Floats = -skeleton.directions[half_edge]
-        section = scaffold.mesh.vertices[scaffold.sleeves[half_edge >> 1, half_edge & 1]]
-        place = skeleton.nodes[node]
-        x = section[:2].mean(axis=0) - place
-        plane = Plane(tuple(place), x_dir=tuple(x), z_dir=tuple(outward))
-        RigidJoint(f"extremity {node}", body, plane.location)

@@ -1,1 +1,6 @@
 """What a thing becomes: a B-rep, a mesh, a shape to show."""
+
+from scaffold_cad.products.breps import to_brep
+from scaffold_cad.products.meshshapes import to_mesh_shape
+
+__all__ = ["to_brep", "to_mesh_shape"]

@@ -9,9 +9,10 @@ from typing import get_args
 
 import numpy as np
 
-from scaffold_cad.base.arguments import as_flag, check_choice, check_kind
+from scaffold_cad.base.arguments import as_flag, check_choice, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, Quads
 from scaffold_cad.base.notebook import Shown
+from scaffold_cad.base.summaries import counted, radii_text, size_text
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.partition.sphere import METHODS
@@ -40,7 +41,7 @@ from scaffold_cad.skeleton import Skeleton, check_skeleton
 
 @dataclass(frozen=True)
 class ScaffoldOptions:
-    """How a scaffold is built; `build_scaffold` tells what each one means."""
+    """How a scaffold is built; `build_scaffold` describes each option."""
 
     fit: Fit = "enclose"
     section: Section = "circumscribed"
@@ -65,6 +66,15 @@ class Scaffold(Frozen, Shown):
 
     Four quads an edge, one an extremity; N + 2 vertices a branch point of valency N, four a
     joint or an extremity.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, build_scaffold
+    >>> scaffold = build_scaffold(Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0))
+    >>> print(scaffold)
+    Scaffold: 6 quads around 1 edge, 9 x 2 x 2 mm, radius 1 mm
+    >>> scaffold.mesh.quads.shape
+    (6, 4)
     """
 
     skeleton: Skeleton
@@ -86,6 +96,12 @@ class Scaffold(Frozen, Shown):
     """The sections at joints and extremities, and the matching at the end of each branch."""
     options: ScaffoldOptions
     """How the scaffold was built."""
+
+    def __str__(self) -> str:
+        counts = f"{counted(len(self.mesh.quads), 'quad')} around "
+        counts += counted(len(self.skeleton.edges), "edge")
+        size, radii = size_text(self.mesh.vertices), radii_text(self.skeleton.radii)
+        return f"Scaffold: {counts}, {size}, {radii}"
 
     @property
     def refined(self) -> Skeleton:
@@ -114,6 +130,7 @@ class Scaffold(Frozen, Shown):
         return self.sections.twist
 
 
+@checks_keywords()
 def build_scaffold(
     skeleton: Skeleton,
     *,
@@ -131,7 +148,7 @@ def build_scaffold(
     fit : "enclose" puts the corners at a branch point far enough out for no strut to be cut thin
         there; "paper" puts them on the sphere of the node's radius
     section : which square stands for a circle of the node's radius: "circumscribed" around it,
-        "area" of its area, "inscribed" in it, "round" the one whose smooth limit it is
+        "area" of equal area, "inscribed" in it, "round" the one whose smooth limit it is
     collars : whether a joint is added where each strut leaves the blend of its branch point
     method : of the partition, see `partition_sphere`
     like : a scaffold of a skeleton with the same edges; its quads and its options are kept and
@@ -144,12 +161,20 @@ def build_scaffold(
     PartitionError
         If a partition of `like` fits the moved skeleton nowhere.
     OptionError
-        If `skeleton` or `like` is of another kind, an option has none of its values, or one
-        beside `like` asks for something else.
+        If `skeleton` or `like` is of another type, an option has an unknown value, or one given
+        beside `like` differs from that of `like`.
 
     References
     ----------
     Panotopoulou et al., Scaffolding a Skeleton, 2018, sections 4 to 7.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, build_scaffold
+    >>> tips = [[9, 0, 0], [0, 9, 0], [0, 0, 9]]
+    >>> tripod = Skeleton([[0, 0, 0], *tips], [[0, 1], [0, 2], [0, 3]], 1.0)
+    >>> len(build_scaffold(tripod).mesh.quads)  # 4 an edge, 1 an extremity
+    15
     """
     check_skeleton(skeleton)
     options = ScaffoldOptions(fit, section, collars, method)

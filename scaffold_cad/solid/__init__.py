@@ -1,5 +1,15 @@
 """Watertight solids by manifold3d: unions of what overlaps, and frames."""
 
+from scaffold_cad.solid.manifolds import to_trimesh
 from scaffold_cad.solid.solid import Solidified, clean_surface, solidified, to_solid
+from scaffold_cad.solid.thicken import frame_scaffold, thicken
 
-__all__ = ["Solidified", "clean_surface", "solidified", "to_solid"]
+__all__ = [
+    "Solidified",
+    "clean_surface",
+    "frame_scaffold",
+    "solidified",
+    "thicken",
+    "to_solid",
+    "to_trimesh",
+]

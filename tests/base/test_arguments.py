@@ -91,7 +91,7 @@ ONE_NUMBER = r"need a number, or a function of positions \(n, 3\) that returns r
         (lambda: sc.voronoi_foam(2.5, BOX, 1.0), r"count is 2\.5; need a whole number"),
         (lambda: sc.voronoi_foam(9, BOX, 1.0, seed=None), "seed is None; need a whole number"),
         (lambda: sc.voronoi_foam(9, BOX, 1.0, regularity="x"), "regularity is 'x'; need a number"),
-        (lambda: sc.delaunay_foam(9, "abc", 1.0), "box is not an array of numbers"),
+        (lambda: sc.delaunay_foam(9, "abc", 1.0), "the region is a str; need a box"),
         (lambda: LatticeBox("bcc", 5.0, 9, "x", 9, 0.5), "a side of the box is 'x'; need a number"),
         (lambda: sc.lattice_part(CUBE, "bcc", "x", 0.1), "cell size in mm is not an array of num"),
         (lambda: sc.lattice_part(CUBE, "bcc", 1, 0.1, skin="1"), "skin is '1'; need a number"),
@@ -168,3 +168,27 @@ def test_names_of_kinds_are_only_told_of() -> None:
     check_kind(CUBE, sc.QuadMesh, "Manifold")
     with pytest.raises(OptionError, match=r"got an Embedding; need a QuadMesh or a Manifold$"):
         check_kind(SCAFFOLD.embedding(), sc.QuadMesh, "Manifold")
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: sc.build_scaffold(TRIPOD, colars=True), "no parameter 'colars'; did you mean 'c"),
+        (lambda: sc.build_scaffold(TRIPOD, q=1), "parameter 'q'; need one of skeleton, fit, sec"),
+        (lambda: SmoothScaffold(TRIPOD, radius=3), r"SmoothScaffold\(\) has no parameter 'radius'"),
+        (lambda: SmoothScaffold(TRIPOD, cap="flat"), "'cap'; did you mean 'caps'"),
+        (lambda: ScaffoldSolid(TRIPOD, collar=True), r"ScaffoldSolid\(\).*did you mean 'collars'"),
+        (lambda: StrutFrame(TRIPOD, 1.0, colour="red"), "did you mean 'color'"),
+        (lambda: LatticeBox("bcc", 8, 8, 8, 8, 1, modus=1), "did you mean 'mode'"),
+        (lambda: LatticeFill(BOX, "bcc", 8, 1, orgin=1), "did you mean 'origin'"),
+    ],
+)
+def test_a_wrong_keyword_gets_the_nearest_one(call: Callable[[], object], message: str) -> None:
+    with pytest.raises(OptionError, match=message) as raised:
+        call()
+    assert isinstance(raised.value, TypeError)
+
+
+def test_a_wrong_value_gets_the_nearest_one() -> None:
+    with pytest.raises(OptionError, match=r"fit is 'Papers'; .*; did you mean 'paper'"):
+        sc.build_scaffold(TRIPOD, fit="Papers")

@@ -90,7 +90,7 @@ def test_a_box_of_whole_cells_holds_their_strut_length_wherever_they_begin(
     way: str, name: str, origin: tuple[float, float, float]
 ) -> None:
     struts = unit_cell(name).motif.strut_lengths(np.full(3, 10.0))
-    filled = fill_box(way, name, np.full(3, 10.0), origin=origin, shortest=0.0)
+    filled = fill_box(way, name, np.full(3, 10.0), origin=origin, shortest=0.0, crumbs=True)
     # Struts that lie in a face of the box count on both sides.
     low, high = BOX
     middles = filled.nodes[filled.edges].mean(axis=1)
@@ -308,9 +308,49 @@ def test_solids_and_builders_of_build123d_are_regions() -> None:
         fill(build123d.BuildPart(), "bcc", 8.0, 0.5)
 
 
+def test_an_inside_out_mesh_is_filled_inside_and_said(caplog: pytest.LogCaptureFixture) -> None:
+    expected = fill(box_mesh(), "bcc", 8.0, 0.3)
+    filled = fill(turned_inside_out(box_mesh()), "bcc", 8.0, 0.3)
+    np.testing.assert_allclose(filled.lengths.sum(), expected.lengths.sum())
+    assert "the body is inside out, as at" in caplog.text
+
+
+def test_bodies_that_touch_along_an_edge_are_filled() -> None:
+    one, other = (trimesh.creation.box(bounds=[[k, k, 0], [k + 20, k + 20, 20]]) for k in (0, 20))
+    both = joined(*(TriangleMesh(mesh.vertices, mesh.faces) for mesh in (one, other)))
+    soup = SimpleNamespace(
+        vertices=both.vertices[both.triangles].reshape(-1, 3),
+        triangles=np.arange(both.triangles.size).reshape(-1, 3),
+    )
+    filled = fill(soup, "sc", 10.0, 0.3)
+    expected = 2 * (3 * 2 * 9) * 10 - 20  # the shared edge once
+    assert filled.lengths.sum() == pytest.approx(expected)
+
+
+def test_loose_crumbs_are_left_out_and_counted(caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level("INFO")
+    bounds = [[-20, -20, -20], [20, 20, 20]]
+    ball, origin = (lambda p: np.linalg.norm(p, axis=1) - 20), (0.2, 0.9, 0.5)
+    kept = fill(ball, "bcc", 7.0, 0.4, bounds=bounds, origin=origin, crumbs=True)
+    filled = fill(ball, "bcc", 7.0, 0.4, bounds=bounds, origin=origin)
+    assert kept.component_count > filled.component_count == 1
+    assert f"{kept.component_count - 1} loose crumbs of" in caplog.text
+    assert filled.lengths.sum() > 0.98 * kept.lengths.sum()
+
+
+def test_a_region_smaller_than_a_cell_is_said(caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level("INFO")
+    fill([[0, 0, 0], [3, 20, 20]], "bcc", 8.0, 0.3)
+    assert "the region, 3 x 20 x 20 mm, is smaller than a cell of 'bcc'" in caplog.text
+    assert "along x" in caplog.text
+    caplog.clear()
+    fill([[0, 0, 0], [3, 3, 3]], "bcc", 8.0, 0.3)
+    assert [record.levelname for record in caplog.records] == ["WARNING"]
+
+
 def test_an_open_mesh_is_refused() -> None:
     mesh = box_mesh()
-    with pytest.raises(MeshError, match="no triangle runs along the edge"):
+    with pytest.raises(MeshError, match=r"no triangle runs along the edge from \[.*\] mm"):
         fill(TriangleMesh(mesh.vertices, mesh.triangles[1:]), "bcc", 10.0, 0.3)
 
 

@@ -114,6 +114,49 @@ def test_an_open_mesh_is_refused() -> None:
         lattice_part(TriangleMesh(mesh.vertices, mesh.triangles[1:]), "bcc", 6.0, 0.5)
 
 
+def test_a_body_that_crosses_itself_is_named_at_once_with_the_place() -> None:
+    strip = trimesh.creation.extrude_triangulation(
+        [[0, 0], [20, 0], [20, 10], [0, 10]], [[0, 1, 2], [0, 2, 3]], 10.0
+    )
+    bent = strip.vertices.copy()
+    bent[(bent[:, 0] > 19) & (bent[:, 2] > 9), 2] = -5.0  # the top dives through the floor
+    with pytest.raises(MeshError, match=r"the body crosses itself near \[.*\] mm; need a surface"):
+        lattice_part(TriangleMesh(bent, strip.faces), "bcc", 5.0, 0.4)
+
+
+def test_parts_of_a_body_that_overlap_are_united(caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level("INFO")
+    other = BOX.copy().apply_translation([10.0, 5.0, 0.0])
+    both = trimesh.util.concatenate([BOX, other])
+    part = lattice_part(both, "sc", 6.0, 0.5, skin=1.0)
+    shells = sorted(shell.volume() for shell in part.decompose())
+    assert shells[-1] == pytest.approx(2 * 6000 - 20 * 15 * 10, rel=1e-6)
+    assert "2 parts of the body overlap; they are united" in caplog.text
+
+
+def test_bodies_that_touch_along_an_edge_are_taken() -> None:
+    one, other = (trimesh.creation.box(bounds=[[k, k, 0], [k + 20, k + 20, 20]]) for k in (0, 20))
+    both = trimesh.util.concatenate([one, other])
+    both.merge_vertices()
+    part = lattice_part(both, "bcc", 8.0, 0.6)
+    assert part.volume() < 2 * 8000
+    assert part.bounding_box() == pytest.approx((0, 0, 0, 40, 40, 20), abs=1e-6)
+
+
+def test_an_inside_out_body_is_turned(caplog: pytest.LogCaptureFixture) -> None:
+    mesh = as_mesh(BOX)
+    part = lattice_part(TriangleMesh(mesh.vertices, mesh.triangles[:, ::-1]), "bcc", 6.0, 0.5)
+    assert 0 < part.volume() < 6000
+    assert "inside out" in caplog.text
+
+
+def test_struts_that_fill_the_body_are_said(caplog: pytest.LogCaptureFixture) -> None:
+    part = lattice_part(BOX, "octet", 5.0, 1.9)
+    assert part.volume() > 0.97 * BOX.volume
+    assert "the struts fill the body" in caplog.text
+    assert "a radius of 1.9 mm is too large" in caplog.text
+
+
 def test_a_body_between_the_nodes_has_no_struts_in_it() -> None:
     with pytest.raises(SkeletonError, match=r"no strut of the lattice is in the body"):
         lattice_part(BALL, "bcc", [400.0, 400.0, 400.0], 0.5)

@@ -1,0 +1,59 @@
+"""What hangs loose in a filled region: pieces of less than half a cell's struts."""
+
+from __future__ import annotations
+
+import logging
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Floats
+from scaffold_cad.base.topology import component_labels
+from scaffold_cad.lattice import UnitCell
+from scaffold_cad.lattice.struts import Struts
+
+CRUMB = 0.5
+"""Strut length below which a loose piece is a crumb: in those of a cell, and of the largest piece.
+"""
+
+_log = logging.getLogger(__name__)
+
+
+def without_crumbs(struts: Struts, cell: UnitCell, size: Floats) -> Struts:
+    """Return the struts without loose pieces that are mere crumbs; the log says how many they were.
+
+    Parameters
+    ----------
+    cell, size : that the struts are of; size (3,), mm
+    """
+    if len(struts.edges) == 0:
+        return struts
+    piece = component_labels(struts.edges, len(struts.nodes))[struts.edges[:, 0]]
+    total = np.bincount(piece, weights=struts.lengths)
+    least = CRUMB * min(float(cell.motif.strut_lengths(size).sum()), float(total.max()))
+    keep = total[piece] >= least
+    if not keep.all():
+        lost = np.unique(piece[~keep])
+        place = np.round(struts.middles[~keep][0], 3).tolist()
+        _log.info(
+            "%d loose crumbs of %d struts left out, as at %s mm: the surface cuts them off",
+            len(lost),
+            len(keep) - int(keep.sum()),
+            place,
+        )
+    return struts.kept(keep)
+
+
+def report_small(bounds: Floats, cell: UnitCell, size: Floats) -> None:
+    """Log where a region is smaller than a cell."""
+    extent = bounds[1] - bounds[0]
+    small = extent < size * (1 - 1e-6)
+    if not small.any():
+        return
+    _log.log(
+        logging.WARNING if small.all() else logging.INFO,
+        "the region, %s mm, is smaller than a cell of %r, %s mm, along %s",
+        " x ".join(f"{one:.4g}" for one in extent),
+        cell.name,
+        " x ".join(f"{one:.4g}" for one in size),
+        " and ".join(axis for axis, is_small in zip("xyz", small, strict=True) if is_small),
+    )

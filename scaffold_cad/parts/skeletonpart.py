@@ -1,0 +1,145 @@
+"""SkeletonPart: what the part objects of build123d have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, TypedDict
+
+from build123d import BasePartObject, Mode, Plane, RigidJoint, Shape
+
+from scaffold_cad.base.arrays import Floats
+from scaffold_cad.parts.booleans import Operation, check_boolean
+from scaffold_cad.scaffold import Scaffold
+from scaffold_cad.skeleton import Skeleton
+
+CHECKED_MODES: dict[Mode, Operation] = {
+    Mode.ADD: "union",
+    Mode.SUBTRACT: "difference",
+    Mode.INTERSECT: "intersection",
+}
+"""Modes that are booleans of OCCT."""
+
+
+class CommonOptions(TypedDict, total=False):
+    """What every part object takes, as build123d's objects do, but for `align`."""
+
+    label: str
+    """Name of the part."""
+    color: Any
+    """Color of the part."""
+    rotation: Any
+    """Rotation about x, y and z, degrees, as of build123d's `Box`; none by default."""
+    mode: Mode
+    """How the part is combined with what is in the builder; `Mode.ADD` by default."""
+
+
+class PartOptions(CommonOptions, total=False):
+    """What the part objects around a given skeleton take beside their own parameters."""
+
+    align: Any
+    """Alignment with the box around the part, as of build123d's `Box`; by default (None) the origin
+    of the skeleton stays where it is."""
+
+
+class SkeletonPart(BasePartObject):  # type: ignore[misc]  # build123d is not checked
+    """What the parts have in common: a skeleton, and a joint at each of its extremities.
+
+    Booleans with them raise a BrepError where OCCT's result cannot be right, see `check_boolean`.
+    """
+
+    skeleton: Skeleton
+    """The skeleton in its own coordinates, without the part's rotation, alignment and place."""
+
+    def __init__(
+        self,
+        body: Shape,
+        scaffold: Scaffold,
+        *,
+        with_joints: bool,
+        label: str = "",
+        color: Any = None,
+        rotation: Any = (0, 0, 0),
+        align: Any = None,
+        mode: Mode = Mode.ADD,
+    ) -> None:
+        if with_joints:
+            add_joints(body, scaffold)
+        super().__init__(part=body, rotation=rotation, align=align, mode=mode)
+        self.skeleton = scaffold.skeleton
+        self.label = label
+        self.color = color
+
+    def __add__(self, other: Any) -> Any:
+        other = _kept(other)
+        return _checked("union", [self, *_as_list(other)], super().__add__(other))
+
+    def __sub__(self, other: Any) -> Any:
+        other = _kept(other)
+        return _checked("difference", [self, *_as_list(other)], super().__sub__(other))
+
+    def __and__(self, other: Any) -> Any:
+        other = _kept(other)
+        return _checked("intersection", [self, *_as_list(other)], super().__and__(other))
+
+    # Python asks these first where the left side is a Part or a Compound, as of a boolean.
+
+    def __radd__(self, other: Any) -> Any:
+        if not isinstance(other, Shape):
+            return NotImplemented
+        return _checked("union", [other, self], other.__add__(self))
+
+    def __rsub__(self, other: Any) -> Any:
+        if not isinstance(other, Shape):
+            return NotImplemented
+        return _checked("difference", [other, self], other.__sub__(self))
+
+    def __rand__(self, other: Any) -> Any:
+        if not isinstance(other, Shape):
+            return NotImplemented
+        return _checked("intersection", [other, self], other.__and__(self))
+
+    def _publish_to_context(self, object_scope: Any) -> None:
+        """Give the part to the builder that is open, as build123d does, and check what it makes.
+
+        build123d has no public place for that.
+        """
+        builder = object_scope.publication_target
+        before = None if builder is None else builder.part
+        super()._publish_to_context(object_scope)
+        if builder is None or self.mode not in CHECKED_MODES:
+            return
+        operands = [self] if before is None else [before, self]
+        _checked(CHECKED_MODES[self.mode], operands, builder.part)
+
+
+def _kept(other: Any) -> Any:
+    """Return what stands on the right of an operator so that it can be looked at twice."""
+    return list(other) if isinstance(other, Iterator) else other
+
+
+def _as_list(other: Any) -> list[Any]:
+    """Return what stands on the right of an operator as a list, without what is None."""
+    return [
+        one for one in (other if isinstance(other, list | tuple) else [other]) if one is not None
+    ]
+
+
+def _checked(operation: Operation, operands: Sequence[Any], result: Any) -> Any:
+    """Return the result of a boolean if nothing speaks against it."""
+    is_boolean = len(operands) > 1 or len(operands[0].solids()) > 1
+    if is_boolean and all(isinstance(one, Shape) for one in operands):
+        check_boolean(operation, operands, result)
+    return result
+
+
+def add_joints(body: Shape, scaffold: Scaffold) -> None:
+    """Give `body` a rigid joint at each extremity: z outwards, x to the middle of a side."""
+    skeleton = scaffold.refined  # its extremities are those of the skeleton
+    ends = zip(skeleton.extremities.tolist(), skeleton.leaving_extremities.tolist(), strict=True)
+    for node, half_edge in ends:
+        outward: Floats = -skeleton.directions[half_edge]
+        section = scaffold.mesh.vertices[scaffold.sleeves[half_edge >> 1, half_edge & 1]]
+        place = skeleton.nodes[node]
+        x = section[:2].mean(axis=0) - place
+        plane = Plane(tuple(place), x_dir=tuple(x), z_dir=tuple(outward))
+        RigidJoint(f"extremity {node}", body, plane.location)
