@@ -8,7 +8,7 @@
 `from scaffold_cad import *` takes the names of `__all__`, none of which is one of build123d's.
 Further names can be imported one by one: `project` and `thicken`, whose names build123d has too;
 the part classes, which load build123d when they are first asked for; and the names of the parts of
-the method, documented in their own packages (`scaffold_cad.partition`, `scaffold_cad.smooth`, ...).
+the method, documented in their own packages (`scaffold_cad.partition`, `scaffold_cad.struts`, ...).
 """
 
 from typing import TYPE_CHECKING, Any
@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING, Any
 from scaffold_cad import webpage  # noqa: F401  (it registers what notebooks show)
 from scaffold_cad.base.fields import Field as Field
 from scaffold_cad.base.fields import PointField
+from scaffold_cad.brep.g1 import Patches as Patches
+from scaffold_cad.brep.g1 import smooth_patches
 from scaffold_cad.convolution import ConvolutionField
 from scaffold_cad.convolution import project as project
 from scaffold_cad.filling import (
@@ -48,6 +50,8 @@ from scaffold_cad.lattice import CellMap as CellMap
 from scaffold_cad.lattice import MappedLattice as MappedLattice
 from scaffold_cad.mesh import QuadMesh, TriangleMesh
 from scaffold_cad.mesh import self_intersections as self_intersections
+from scaffold_cad.mesh.subdivision import Subdivision as Subdivision
+from scaffold_cad.mesh.subdivision import catmull_clark as catmull_clark
 from scaffold_cad.partition import Partition as Partition
 from scaffold_cad.partition import partition_sphere as partition_sphere
 from scaffold_cad.partition import partition_spheres as partition_spheres
@@ -57,24 +61,17 @@ from scaffold_cad.scaffold import Embedding as Embedding
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.scaffold import rotation_minimizing_frames as rotation_minimizing_frames
 from scaffold_cad.skeleton import BeamLattice, Skeleton, check_skeleton
-from scaffold_cad.smooth import Deviation as Deviation
-from scaffold_cad.smooth import FineSurface as FineSurface
-from scaffold_cad.smooth import Patches as Patches
-from scaffold_cad.smooth import Subdivision as Subdivision
-from scaffold_cad.smooth import catmull_clark as catmull_clark
-from scaffold_cad.smooth import deviation as deviation
-from scaffold_cad.smooth import fine_surface as fine_surface
-from scaffold_cad.smooth import smooth_mesh, smooth_patches
 from scaffold_cad.solid import Solidified as Solidified
 from scaffold_cad.solid import frame_scaffold, solidified, to_solid, to_trimesh
 from scaffold_cad.solid import thicken as thicken
+from scaffold_cad.struts import RoundStruts, round_struts
 from scaffold_cad.viewers import show
 
 if TYPE_CHECKING:
     from scaffold_cad.parts import LatticeBox as LatticeBox
     from scaffold_cad.parts import LatticeFill as LatticeFill
+    from scaffold_cad.parts import RoundStrutsSolid as RoundStrutsSolid
     from scaffold_cad.parts import ScaffoldSolid as ScaffoldSolid
-    from scaffold_cad.parts import SmoothScaffold as SmoothScaffold
     from scaffold_cad.parts import StrutFrame as StrutFrame
 
 __all__ = [
@@ -87,6 +84,7 @@ __all__ = [
     "QuadMap",
     "QuadMesh",
     "Report",
+    "RoundStruts",
     "Scaffold",
     "Skeleton",
     "SphereMap",
@@ -109,8 +107,8 @@ __all__ = [
     "read_skeleton",
     "register_cell",
     "relative_density",
+    "round_struts",
     "show",
-    "smooth_mesh",
     "smooth_patches",
     "solidified",
     "solve_radius",
@@ -124,7 +122,7 @@ __all__ = [
 
 __version__ = "0.1.0"
 
-PART_CLASSES = ("LatticeBox", "LatticeFill", "ScaffoldSolid", "SmoothScaffold", "StrutFrame")
+PART_CLASSES = ("LatticeBox", "LatticeFill", "ScaffoldSolid", "RoundStrutsSolid", "StrutFrame")
 """Classes of `scaffold_cad.parts`, loaded with build123d when they are first asked for."""
 
 if not TYPE_CHECKING:  # or type checkers would take any name for one of the package's

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from build123d import Compound, Shape, Solid
+from build123d import Compound, Shape, Shell, Solid
 from OCP.BRep import BRep_Builder
 from OCP.Geom import (
     Geom_BezierCurve,
@@ -48,20 +48,29 @@ POLE = 1e-9
 """Distance of a latitude from ±π/2 at which it is that of a pole, rad."""
 
 
-def make_solids(brep: AnalyticBrep) -> Shape:
-    """Return a build123d Solid, or a Compound of several, of closed shells."""
+def make_shape(brep: AnalyticBrep, kind: str) -> Shape:
+    """Return a build123d Solid or Shell, or a Compound of several, of closed shells.
+
+    Parameters
+    ----------
+    kind : "solid", or "shell" for the shells that bound the solids
+    """
     with collector_paused():
         faces = _faces(brep)
     builder = BRep_Builder()
     of_shell = [np.flatnonzero(brep.faces.shell == shell) for shell in range(len(brep.solid))]
-    solids = []
-    for solid in range(int(brep.solid.max()) + 1):
-        shape = TopoDS_Solid()
-        builder.MakeSolid(shape)
-        for shell in np.flatnonzero(brep.solid == solid).tolist():
-            builder.Add(shape, shell_of([faces[face] for face in of_shell[shell].tolist()], True))
-        solids.append(Solid(shape))
-    return solids[0] if len(solids) == 1 else Compound(solids)
+    shells = [shell_of([faces[face] for face in chosen.tolist()], True) for chosen in of_shell]
+    shapes: list[Shape] = []
+    if kind == "shell":
+        shapes += [Shell(shell) for shell in shells]
+    else:
+        for solid in range(int(brep.solid.max()) + 1):
+            shape = TopoDS_Solid()
+            builder.MakeSolid(shape)
+            for shell in np.flatnonzero(brep.solid == solid).tolist():
+                builder.Add(shape, shells[shell])
+            shapes.append(Solid(shape))
+    return shapes[0] if len(shapes) == 1 else Compound(shapes)
 
 
 def _faces(brep: AnalyticBrep) -> list[TopoDS_Face]:

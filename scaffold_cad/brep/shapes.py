@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING, Literal, get_args
 import numpy as np
 from scipy.spatial import cKDTree
 
+from scaffold_cad.base.arguments import check_choice
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.base.vectors import length
+from scaffold_cad.brep.analytic import AnalyticBrep
 from scaffold_cad.brep.beziermesh import BezierMesh
 from scaffold_cad.errors import BrepError, FormatError, OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
@@ -63,6 +65,45 @@ def brep_of_patches(mesh: QuadMesh | BezierMesh, kind: Kind = "solid") -> Shape:
     from scaffold_cad.brep import occt
 
     return occt.make_shape(patches, [quads.tolist() for quads in shells], closed, kind)
+
+
+def brep_of_faces(faces: AnalyticBrep, kind: Kind = "solid") -> Shape:
+    """Return the B-rep of analytic faces: solids, or the shells that bound them.
+
+    Raises
+    ------
+    BrepError
+        If an edge is too short for CAD systems.
+    OptionError
+        If there is no such kind.
+    MissingBackendError
+        If build123d is not installed.
+    """
+    check_choice(kind, "kind", get_args(Kind))
+    check_edges(faces)
+    need("build123d", "a B-rep")
+    from scaffold_cad.brep import occtanalytic
+
+    return occtanalytic.make_shape(faces, kind)
+
+
+def check_edges(faces: AnalyticBrep) -> None:
+    """Raise unless every edge between two vertices is longer than the tolerance of CAD systems.
+
+    Raises
+    ------
+    BrepError
+        If one is too short; its place is named.
+    """
+    ends = faces.vertices[faces.edges.ends]  # (e, 2, 3)
+    spans = length(ends[:, 1] - ends[:, 0])
+    is_arc = faces.edges.ends[:, 0] != faces.edges.ends[:, 1]
+    short = np.flatnonzero(is_arc & (spans < LEAST_SIZE))
+    if len(short):
+        raise BrepError(
+            f"an edge at {ends[short[0], 0].tolist()} mm is {spans[short[0]]:g} mm long; "
+            f"need {LEAST_SIZE:g} mm or more (larger radii or longer struts)"
+        )
 
 
 def check_sizes(patches: BezierMesh) -> None:

@@ -11,30 +11,21 @@ import numpy as np
 
 from scaffold_cad.brep import BREP_SUFFIXES
 from scaffold_cad.cli import source
-from scaffold_cad.cli.progress import FILE_RATE, SCAFFOLD_RATE, SMOOTH_RATE, SOLID_RATE, Progress
+from scaffold_cad.cli.progress import ROUND_RATE, SCAFFOLD_RATE, SOLID_RATE, Progress
 from scaffold_cad.errors import OptionError
 from scaffold_cad.io.write import check_writable, write
 from scaffold_cad.products.breps import to_brep
-from scaffold_cad.products.overlaps import log_overlaps
+from scaffold_cad.products.overlaps import Overlaps
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.scaffold.stars import Fit, Section
-from scaffold_cad.smooth import Caps, crossing_struts, fine_surface, smooth_patches
-from scaffold_cad.solid import solidified
-from scaffold_cad.solid.roundstruts import ROUND_SIDES
-from scaffold_cad.solid.thicken import frame_scaffold
+from scaffold_cad.solid import frame_skeleton
+from scaffold_cad.solid.rounds import SIDES
+from scaffold_cad.struts import Ends, round_struts
 
 if TYPE_CHECKING:
-    from manifold3d import Manifold
-
     from scaffold_cad.skeleton import Skeleton
 
 PRODUCTS = ("scaffold", "frame", "shell")
-
-FINE_SUFFIXES = (".stl", ".ply")
-"""Suffixes of the formats that hold fine surfaces."""
-
-LEVELS = 2
-"""Subdivisions of a smooth mesh when none are given, and the most of struts that are united."""
 
 SCAFFOLD_OPTIONS = ("strut_radius", "fit", "section", "collars")
 """What `add_scaffold_arguments` adds."""
@@ -69,32 +60,44 @@ def add_parser(
         help="the solid inside the scaffold, the scaffold's edges as struts, or its bare quads",
     )
     add_scaffold_arguments(parser)
-    parser.add_argument(
-        "--smooth",
-        action="store_true",
-        help="round struts and smooth nodes: G1 patches in CAD formats, in others meshes whose "
-        f"struts have {ROUND_SIDES} sides",
-    )
-    parser.add_argument(
-        "--levels",
-        type=int,
-        choices=range(1, 9),
-        metavar="N",
-        help=f"subdivisions of a smooth mesh: struts get 4 * 2**N sides (default: {LEVELS}); from "
-        "3 on for struts that do not overlap, in .stl and .ply files",
-    )
-    parser.add_argument(
-        "--slabs",
-        type=int,
-        metavar="N",
-        help="parts in which a mesh of 3 levels or more is made, for little memory",
-    )
-    parser.add_argument(
-        "--caps",
-        choices=get_args(Caps),
-        help="how struts end in a smooth CAD solid or a mesh of 3 levels or more (default: round)",
-    )
+    add_round_arguments(parser)
+    add_overlaps_argument(parser)
     parser.set_defaults(run=run)
+
+
+def add_round_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments that `round_options` and `round_sides` read."""
+    parser.add_argument(
+        "--round",
+        action="store_true",
+        help="round struts: cylinders and cones on the edges, with blends at the nodes",
+    )
+    parser.add_argument(
+        "--blend",
+        type=float,
+        metavar="R",
+        help="fillet radius at the nodes of round struts, mm (default: half of the thinnest "
+        "strut's radius)",
+    )
+    parser.add_argument(
+        "--ends", choices=get_args(Ends), help="how round struts end (default: flat)"
+    )
+    parser.add_argument(
+        "--sides",
+        type=int,
+        metavar="N",
+        help=f"sides of round struts in a mesh, a multiple of 4 (default: {SIDES})",
+    )
+
+
+def add_overlaps_argument(parser: argparse.ArgumentParser) -> None:
+    """Add the argument that says what becomes of struts that overlap."""
+    parser.add_argument(
+        "--overlaps",
+        choices=get_args(Overlaps),
+        help="what becomes of struts that overlap (default: unite in meshes, refuse in STEP and "
+        "BREP files)",
+    )
 
 
 def add_scaffold_arguments(parser: argparse.ArgumentParser) -> None:
@@ -131,18 +134,40 @@ def run(options: argparse.Namespace) -> None:
     _check_combination(options)
     skeleton = source.skeleton_from(options)
     progress = Progress()
-    with progress.stage("scaffold", len(skeleton.edges), "struts", SCAFFOLD_RATE):
-        scaffold = scaffold_from(options, skeleton)
-    if options.product == "frame":
-        struts = 2 * len(scaffold.mesh.quads)
-        with progress.stage("frame", struts, "struts", SCAFFOLD_RATE):
-            scaffold = frame_scaffold(scaffold, frame_radius(options, skeleton))
-    struts = len(scaffold.skeleton.edges)
-    with progress.stage("solid", struts, "struts", SMOOTH_RATE if options.smooth else SOLID_RATE):
-        product = _product(scaffold, options)
-    with progress.stage("file", struts, "struts", FILE_RATE):
-        write(product, options.output, slabs=options.slabs)
+    if options.product == "frame" or not options.round:
+        with progress.stage("scaffold", len(skeleton.edges), "struts", SCAFFOLD_RATE):
+            scaffold = scaffold_from(options, skeleton)
+        if options.product == "frame":
+            skeleton = frame_skeleton(scaffold, frame_radius(options, skeleton))
+            if not options.round:
+                with progress.stage("frame", len(skeleton.edges), "struts", SCAFFOLD_RATE):
+                    scaffold = build_scaffold(skeleton, collars=True)
+    struts = len(skeleton.edges)
+    if options.round:
+        with progress.stage("struts", struts, "struts", ROUND_RATE):
+            product: Any = round_struts(skeleton, **round_options(options))
+    elif options.product == "shell":
+        cad = options.output.suffix.lower() in BREP_SUFFIXES
+        overlaps = options.overlaps or "allow"
+        product = to_brep(scaffold, "shell", overlaps=overlaps) if cad else scaffold.mesh
+    else:
+        product = scaffold
+    keywords = {} if options.product == "shell" else written_with(options)
+    with progress.stage("file", struts, "struts", SOLID_RATE):
+        write(product, options.output, **keywords)
     _log.info("%s written", options.output)
+
+
+def round_options(options: argparse.Namespace) -> dict[str, Any]:
+    """Return the arguments for `round_struts` that are given."""
+    given = {name: getattr(options, name) for name in ("blend", "ends")}
+    return {name: value for name, value in given.items() if value is not None}
+
+
+def written_with(options: argparse.Namespace) -> dict[str, Any]:
+    """Return the arguments for `write` that are given."""
+    given = {name: getattr(options, name) for name in ("overlaps", "sides")}
+    return {name: value for name, value in given.items() if value is not None}
 
 
 def scaffold_from(options: argparse.Namespace, skeleton: Skeleton) -> Scaffold:
@@ -163,26 +188,19 @@ def frame_radius(options: argparse.Namespace, skeleton: Skeleton) -> float:
 
 def _check_combination(options: argparse.Namespace) -> None:
     """Raise where an option would do nothing."""
-    name, suffix = options.output.name, options.output.suffix.lower()
-    cad = suffix in BREP_SUFFIXES
-    if options.smooth and options.product == "shell":
-        raise OptionError("--as shell is for the coarse quads; need it without --smooth")
-    if options.levels is not None and (cad or not options.smooth):
-        raise OptionError("--levels is for meshes of --smooth, not for CAD formats")
-    if options.caps is not None and not options.smooth:
-        raise OptionError("--caps is for --smooth")
-    if options.caps == "flat" and not cad and not _is_fine(options):
-        raise OptionError(
-            "--caps flat is for CAD formats and --levels 3 or more; coarser meshes have domes"
-        )
-    if options.slabs is not None and not _is_fine(options):
-        raise OptionError("--slabs is for meshes of --smooth with --levels 3 or more")
-    if _is_fine(options) and suffix not in FINE_SUFFIXES:
-        raise OptionError(
-            f"{name} cannot hold {options.levels} levels; need {' or '.join(FINE_SUFFIXES)}, "
-            "or --levels 2"
-        )
+    cad = options.output.suffix.lower() in BREP_SUFFIXES
+    if options.round and options.product == "shell":
+        raise OptionError("--as shell is for the coarse quads; need it without --round")
+    check_round_options(options)
+    if options.sides is not None and cad:
+        raise OptionError("--sides is for meshes, not for CAD formats")
     check_frame_options(options)
+
+
+def check_round_options(options: argparse.Namespace) -> None:
+    """Raise where an option of round struts is given without them."""
+    if not options.round:
+        source.refuse(options, ["blend", "ends", "sides"], "is for --round")
 
 
 def check_frame_options(options: argparse.Namespace) -> None:
@@ -190,49 +208,3 @@ def check_frame_options(options: argparse.Namespace) -> None:
     if options.product != "frame":
         why = "is for --as frame; --radius is that of the nodes"
         source.refuse(options, ["strut_radius"], why)
-
-
-def _is_fine(options: argparse.Namespace) -> bool:
-    """Return whether the mesh is finer than `solidified` makes it."""
-    return options.levels is not None and options.levels > LEVELS
-
-
-def _product(scaffold: Scaffold, options: argparse.Namespace) -> Any:
-    """Return what to write; in a mesh format overlapping struts are united."""
-    cad = options.output.suffix.lower() in BREP_SUFFIXES
-    if options.smooth:
-        return _smooth_product(scaffold, options, cad)
-    left_out, shell = scaffold.embedding().left_out, options.product == "shell"
-    if not (cad or shell):
-        return united_solid(scaffold) if len(left_out) else scaffold
-    log_overlaps(scaffold, left_out, united=False)
-    if not shell:
-        return scaffold
-    return to_brep(scaffold.mesh, "shell") if cad else scaffold.mesh
-
-
-def united_solid(scaffold: Scaffold, sides: int = 4) -> Manifold:
-    """Return the solid of a scaffold; log which of its struts had to be united."""
-    solid = solidified(scaffold, sides=sides)
-    log_overlaps(scaffold, solid.united_edges, united=True, smooth=sides > 4)
-    return solid.manifold
-
-
-def _smooth_product(scaffold: Scaffold, options: argparse.Namespace, cad: bool) -> Any:
-    """Return smooth patches for CAD, else a mesh."""
-    caps: Caps = options.caps or "round"
-    if cad:
-        patches = smooth_patches(scaffold, caps=caps)
-        log_overlaps(scaffold, crossing_struts(patches, scaffold), united=False)
-        return patches
-    if not _is_fine(options):
-        sides = ROUND_SIDES if options.levels is None else 4 * 2**options.levels
-        return united_solid(scaffold, sides)
-    surface = fine_surface(scaffold, options.levels, caps)
-    crossing = crossing_struts(surface, scaffold)
-    if len(crossing):
-        raise OptionError(
-            f"{len(crossing)} struts overlap others, edge {crossing[0]} first: they can be united "
-            f"with --levels 2 at most, not {options.levels} (or lower the radius)"
-        )
-    return surface

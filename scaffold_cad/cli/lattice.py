@@ -12,9 +12,8 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.brep import BREP_SUFFIXES
-from scaffold_cad.cli import sizes, source
-from scaffold_cad.cli.build import united_solid
-from scaffold_cad.cli.progress import SCAFFOLD_RATE, SMOOTH_RATE, SOLID_RATE, Progress
+from scaffold_cad.cli import build, sizes, source
+from scaffold_cad.cli.progress import ROUND_RATE, SCAFFOLD_RATE, SOLID_RATE, Progress
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.filling import fill
 from scaffold_cad.filling.fill import cells_around
@@ -25,8 +24,8 @@ from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.parts import lattice_part
-from scaffold_cad.products.overlaps import log_overlaps
-from scaffold_cad.scaffold import build_scaffold
+from scaffold_cad.scaffold import Scaffold, build_scaffold
+from scaffold_cad.struts import RoundStruts, round_struts
 
 if TYPE_CHECKING:
     from scaffold_cad.skeleton import Skeleton
@@ -40,7 +39,7 @@ BEAM_SUFFIXES = (".3mf", ".json", ".obj", ".swc")
 """Suffixes of the formats that hold struts as lines."""
 
 LATTICE_SIDES = 8
-"""Sides of round struts: half of `ROUND_SIDES`, for a lattice has thousands of them."""
+"""Sides of round struts where none are given: few, for a lattice has thousands of struts."""
 
 _log = logging.getLogger(__name__)
 
@@ -80,11 +79,8 @@ def add_parser(
     parser.add_argument(
         "--skin", type=float, metavar="T", help="thickness of a closed wall around it, mm"
     )
-    parser.add_argument(
-        "--smooth",
-        action="store_true",
-        help=f"round struts of {LATTICE_SIDES} sides, smooth at the nodes",
-    )
+    build.add_round_arguments(parser)
+    build.add_overlaps_argument(parser)
     parser.add_argument(
         "--beams",
         action="store_true",
@@ -106,30 +102,40 @@ def run(options: argparse.Namespace) -> None:
     """Fill, build and write."""
     check_writable(options.output, solid=not options.beams)
     _check_combination(options)
-    write(_product(options, Progress()), options.output)
+    product = _product(options, Progress())
+    made = isinstance(product, Scaffold | RoundStruts)
+    write(product, options.output, **(_written_with(options) if made else {}))
     _log.info("%s written", options.output)
+
+
+def _written_with(options: argparse.Namespace) -> dict[str, Any]:
+    """Return the arguments for `write`."""
+    given = build.written_with(options)
+    if options.round and options.output.suffix.lower() not in BREP_SUFFIXES:
+        given.setdefault("sides", LATTICE_SIDES)
+    return given
 
 
 def _check_combination(options: argparse.Namespace) -> None:
     """Raise where an option would do nothing, or the format cannot hold what is asked."""
+    build.check_round_options(options)
     suffix = options.output.suffix.lower()
     bodied = options.inside is not None or options.skin is not None
-    if suffix in BREP_SUFFIXES and (bodied or options.smooth or options.beams):
+    if suffix in BREP_SUFFIXES and (bodied or options.beams):
         raise FormatError(
             f"cannot write {options.output}: STEP and BREP files hold lattices of a box only, "
-            "without --skin, --smooth or --beams; need a mesh format"
+            "without --skin or --beams; need a mesh format"
         )
     if not options.beams:
         return
-    if options.smooth or options.skin is not None:
-        raise OptionError("--beams writes the struts as lines; need it without --smooth and --skin")
+    if options.round or options.skin is not None:
+        raise OptionError("--beams writes the struts as lines; need it without --round and --skin")
     if suffix not in BEAM_SUFFIXES:
         raise FormatError(f"cannot write {options.output}: --beams need {', '.join(BEAM_SUFFIXES)}")
 
 
 def _product(options: argparse.Namespace, progress: Progress) -> Any:
     """Return what to write."""
-    cad = options.output.suffix.lower() in BREP_SUFFIXES
     bodied = options.inside is not None or options.skin is not None
     part = None if options.inside is None else _body(options.inside)
     cells = _cell_count(options.box if part is None else part.vertices, options)
@@ -138,7 +144,7 @@ def _product(options: argparse.Namespace, progress: Progress) -> Any:
             options.box if part is None else part, options.cell, options.size, options.radius
         )
         _log.info("%d struts", len(skeleton.edges))
-        return skeleton if options.beams else _solid(skeleton, cad, options.smooth, progress)
+        return skeleton if options.beams else _struts(skeleton, options, progress)
     body = _box_mesh(options.box) if part is None else part
     with progress.stage("lattice", cells, "cells", SOLID_RATE / 10):
         return lattice_part(
@@ -147,7 +153,7 @@ def _product(options: argparse.Namespace, progress: Progress) -> Any:
             options.size,
             options.radius,
             skin=options.skin,
-            sides=LATTICE_SIDES if options.smooth else 4,
+            sides=(options.sides or LATTICE_SIDES) if options.round else 4,
         )
 
 
@@ -167,16 +173,16 @@ def _cell_count(corners: Points, options: argparse.Namespace) -> int:
     return cells
 
 
-def _solid(skeleton: Skeleton, cad: bool, smooth: bool, progress: Progress) -> Any:
-    """Return the lattice as quads for CAD, else as a solid."""
+def _struts(
+    skeleton: Skeleton, options: argparse.Namespace, progress: Progress
+) -> Scaffold | RoundStruts:
+    """Return the struts of the lattice, round or square."""
     struts = len(skeleton.edges)
+    if options.round:
+        with progress.stage("struts", struts, "struts", ROUND_RATE):
+            return round_struts(skeleton, **build.round_options(options))
     with progress.stage("scaffold", struts, "struts", SCAFFOLD_RATE):
-        scaffold = build_scaffold(skeleton, collars=True)
-    if cad:
-        log_overlaps(scaffold, scaffold.embedding().left_out, united=False)
-        return scaffold
-    with progress.stage("solid", struts, "struts", SMOOTH_RATE if smooth else SOLID_RATE):
-        return united_solid(scaffold, LATTICE_SIDES if smooth else 4)
+        return build_scaffold(skeleton, collars=True)
 
 
 def _body(path: Path) -> TriangleMesh:

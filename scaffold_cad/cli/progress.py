@@ -15,8 +15,8 @@ PERIOD = 0.5
 QUIET_TIME = 1.0
 """A stage that takes no longer shows nothing, s."""
 
-SCAFFOLD_RATE, SOLID_RATE, SMOOTH_RATE, FILE_RATE = 30_000.0, 2_000.0, 1_000.0, 5_000.0
-"""Struts a second, about, that scaffolds, solids, smooth solids and files are made of."""
+SCAFFOLD_RATE, SOLID_RATE, ROUND_RATE = 30_000.0, 2_000.0, 5_000.0
+"""Struts a second, about, that scaffolds, solids and round struts are made of."""
 
 
 class Progress:

@@ -12,16 +12,15 @@ from typing import TYPE_CHECKING
 from scaffold_cad.base.files import check_page
 from scaffold_cad.cli import build, source
 from scaffold_cad.io import read_triangles
-from scaffold_cad.solid.roundstruts import ROUND_SIDES
-from scaffold_cad.solid.thicken import frame_scaffold
+from scaffold_cad.solid import frame_scaffold, solidified
+from scaffold_cad.struts import round_struts
 from scaffold_cad.webpage import write_page
 
 if TYPE_CHECKING:
-    from manifold3d import Manifold
-
     from scaffold_cad.scaffold import Scaffold
+    from scaffold_cad.solid import Solidified
 
-SOLIDS = ("scaffold", "smooth", "frame")
+SOLIDS = ("scaffold", "round", "frame")
 
 _log = logging.getLogger(__name__)
 
@@ -51,8 +50,8 @@ def add_parser(
         "--as",
         dest="product",
         choices=SOLIDS,
-        help="which solid: the one inside the scaffold (default), the smooth one, whose struts "
-        f"have {ROUND_SIDES} sides, or the scaffold's edges as struts",
+        help="which solid: the one inside the scaffold (default), round struts, or the scaffold's "
+        "edges as struts",
     )
     build.add_scaffold_arguments(parser)
     parser.set_defaults(run=run)
@@ -86,8 +85,10 @@ def _page_path(options: argparse.Namespace) -> Path:
     return Path(tempfile.mkdtemp(prefix="scaffold-cad-")) / f"{Path(options.input).stem}.html"
 
 
-def _solid(scaffold: Scaffold, options: argparse.Namespace) -> Manifold:
+def _solid(scaffold: Scaffold, options: argparse.Namespace) -> Solidified:
+    if options.product == "round":
+        return solidified(round_struts(scaffold.skeleton))
     if options.product == "frame":
         radius = build.frame_radius(options, scaffold.skeleton)
-        return build.united_solid(frame_scaffold(scaffold, radius))
-    return build.united_solid(scaffold, ROUND_SIDES if options.product == "smooth" else 4)
+        return solidified(frame_scaffold(scaffold, radius))
+    return solidified(scaffold)

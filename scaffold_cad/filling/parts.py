@@ -22,11 +22,13 @@ from scaffold_cad.mesh.insets import inset
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
-from scaffold_cad.products.overlaps import log_overlaps
+from scaffold_cad.products.overlaps import to_unite
 from scaffold_cad.products.surfaces import triangles_of
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.solid import clean_surface, manifolds, solidified
+from scaffold_cad.solid import Solidified, clean_surface, manifolds, solidified
+from scaffold_cad.solid.rounds import check_sides
+from scaffold_cad.struts import round_struts
 
 if TYPE_CHECKING:
     from build123d import Shape
@@ -83,7 +85,7 @@ def lattice_part(
     radius : of the struts, mm; one number, or a function of positions (n, 3) that returns (n,)
     skin : thickness of the closed wall at the body's surface, mm; none by default. Where the body
         is more tightly curved than that, making it takes some 3 ms a triangle
-    sides : of the struts, 4, 8 or 16
+    sides : of the struts: 4 for square ones, 8 or another multiple of 4 for round ones
 
     Raises
     ------
@@ -103,8 +105,7 @@ def lattice_part(
     extent, fault = float(np.abs(surface.vertices).max()), ""
     for nudge in NUDGES:
         struts = _struts_touching(region, cell, size, radius, nudge, skin is not None)
-        scaffold = build_scaffold(struts, collars=True)
-        solid = solidified(scaffold, sides=sides)
+        solid = _lattice(struts, sides)
         lattice = solid.manifold
         part = lattice ^ outer if skin is None else outer - (inner - lattice)
         try:
@@ -112,7 +113,7 @@ def lattice_part(
         except MeshError as error:
             fault = _with_place(error)
         else:
-            log_overlaps(scaffold, solid.united_edges, united=True, smooth=sides > 4)
+            to_unite("unite", solid.united_edges, struts)
             _report_full(whole, outer, radius)
             return whole if skin is not None else _without_crumbs(whole)
         _log.debug("with the lattice moved by %g cells the part %s", nudge, fault)
@@ -142,6 +143,14 @@ def _sound(mesh: TriangleMesh) -> tuple[TriangleMesh, Manifold]:
     united = manifolds.union(bodies, [])
     _log.info("%d parts of the body overlap; they are united", len(bodies))
     return manifolds.manifold_triangles(united), united
+
+
+def _lattice(struts: Skeleton, sides: int) -> Solidified:
+    """Return the solid of the struts, square or round."""
+    check_sides(sides)
+    if sides == 4:
+        return solidified(build_scaffold(struts, collars=True))
+    return solidified(round_struts(struts), sides=sides)
 
 
 def _with_place(error: MeshError) -> str:

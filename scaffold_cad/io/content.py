@@ -6,15 +6,22 @@ from dataclasses import dataclass
 from typing import Any
 
 from scaffold_cad import brep
+from scaffold_cad.base.arrays import Ints
 from scaffold_cad.base.backends import is_instance
+from scaffold_cad.brep.analytic import AnalyticBrep
 from scaffold_cad.brep.beziermesh import BezierMesh
+from scaffold_cad.brep.g1 import Patches
 from scaffold_cad.errors import FormatError
 from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.subdivision import Subdivision
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.products.breps import analytic_faces, to_brep
+from scaffold_cad.products.overlaps import Overlaps, to_unite
 from scaffold_cad.products.surfaces import surface_of
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.smooth import FineSurface, Patches, Subdivision
+from scaffold_cad.solid.rounds import SIDES
+from scaffold_cad.struts import RoundStruts
 
 
 @dataclass(frozen=True)
@@ -27,8 +34,10 @@ class Content:
     """The name of the file without its suffix."""
     write_pcurves: bool = False
     """Whether edges are also written in the parameters of their faces (STEP only)."""
-    slabs: int | None = None
-    """In how many slabs a fine surface is made."""
+    overlaps: Overlaps | None = None
+    """What becomes of struts that overlap; None to unite them in meshes and refuse them in B-reps."""
+    sides: int = SIDES
+    """Of the polygon that stands for the circle of a round strut in a mesh."""
 
     @property
     def kind(self) -> str:
@@ -55,7 +64,7 @@ class Content:
         FormatError
             If it has no surface, or no face.
         """
-        return _mesh(self.what)
+        return _mesh(self.what, self.overlaps or "unite", self.sides)
 
     def triangles(self) -> TriangleMesh:
         """Return the surface of `what` as triangles with 32-bit coordinates.
@@ -65,7 +74,7 @@ class Content:
         FormatError
             If it has no surface, or no face.
         """
-        return _triangles(self.what)
+        return _single_precision(self.mesh())
 
     def patches(self) -> BezierMesh | None:
         """Return the faces that a B-rep of `what` has, or None if it is no mesh of quads."""
@@ -74,17 +83,34 @@ class Content:
             return what
         if isinstance(what, Patches):
             return what.bezier
-        if isinstance(what, Scaffold | Subdivision):
+        if isinstance(what, Scaffold):
+            what = None if self._unites(what.embedding().left_out, what.skeleton) else what.mesh
+        if isinstance(what, Subdivision):
             what = what.mesh
         return BezierMesh.bilinear(what) if isinstance(what, QuadMesh) else None
+
+    def faces(self) -> AnalyticBrep | None:
+        """Return the analytic faces of round struts, or None where there are none to write.
+
+        Raises
+        ------
+        BrepError
+            If struts overlap and are refused.
+        """
+        what = self.what
+        if not isinstance(what, RoundStruts) or self._unites(what.overlapping, what.skeleton):
+            return None
+        return analytic_faces(what)
+
+    def _unites(self, edges: Ints, skeleton: Skeleton) -> bool:
+        """Return whether struts that overlap are united, in a B-rep, or refuse them."""
+        return to_unite(self.overlaps or "refuse", edges, skeleton)
 
     def face_names(self) -> list[str] | None:
         """Return each face's name: the skeleton edge that it belongs to, where that is known."""
         edges = None
         if isinstance(self.what, Scaffold):
             edges = self.what.edge_of_quad
-        elif isinstance(self.what, Patches):
-            edges = self.what.edge_of_patch
         return None if edges is None else [f"edge {edge}" for edge in edges.tolist()]
 
     def shape(self) -> Any:
@@ -97,11 +123,13 @@ class Content:
         """
         if is_instance(self.what, "build123d", "Shape"):
             return self.what
+        if isinstance(self.what, Scaffold | RoundStruts):
+            return to_brep(self.what, overlaps=self.overlaps or "refuse")
         patches = self.patches()
         if patches is None:
             raise FormatError(
-                f"STEP and BREP files need a B-rep, which a {self.kind} has not; "
-                "need a Scaffold, a QuadMesh, a BezierMesh or a build123d shape"
+                f"STEP and BREP files need a B-rep, which a {self.kind} has not; need a Scaffold, "
+                "RoundStruts, a QuadMesh, a BezierMesh or a build123d shape"
             )
         return brep.brep_of_patches(patches)
 
@@ -118,26 +146,23 @@ def closed_triangles(what: Any) -> TriangleMesh | None:
     """
     if what is None:
         return None
-    triangles = _triangles(what)
+    triangles = _single_precision(_mesh(what, "unite", SIDES))
     triangles.check_closed()
     return triangles
 
 
-def _triangles(what: Any) -> TriangleMesh:
-    mesh = _mesh(what)
+def _single_precision(mesh: QuadMesh | TriangleMesh) -> TriangleMesh:
     if isinstance(mesh, QuadMesh):
         mesh = TriangleMesh(mesh.vertices, mesh.triangles)
     return mesh.single_precision()
 
 
-def _mesh(what: Any) -> QuadMesh | TriangleMesh:
-    if isinstance(what, FineSurface):
-        raise FormatError("a FineSurface goes to .stl and .ply only; need smooth_mesh for others")
-    mesh = surface_of(what)
+def _mesh(what: Any, overlaps: Overlaps, sides: int) -> QuadMesh | TriangleMesh:
+    mesh = surface_of(what, overlaps=overlaps, sides=sides)
     kind = type(what).__name__
     if mesh is None:
         raise FormatError(
-            f"a mesh file cannot hold a {kind}; need a Scaffold, a mesh, a manifold3d "
+            f"a mesh file cannot hold a {kind}; need a Scaffold, RoundStruts, a mesh, a manifold3d "
             "Manifold, a trimesh Trimesh or a build123d shape"
         )
     if len(mesh.triangles) == 0:

@@ -18,7 +18,6 @@ from scaffold_cad.io.content import Content
 from scaffold_cad.io.register import register_mesh_reader, register_reader, register_writer
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.smooth import FineSurface
 
 _TYPES = {
     "char": "i1",
@@ -300,11 +299,8 @@ MOST_VERTICES = 2**31
 
 @register_writer(".ply", name="PLY")
 def write_ply_content(content: Content, path: Path) -> None:
-    """Write a FineSurface slab by slab, and the faces of anything else."""
-    if isinstance(content.what, FineSurface):
-        write_ply_slabs(content.what, content.slabs, path)
-    else:
-        write_ply(content.mesh(), path)
+    """Write the faces of anything that has a surface."""
+    write_ply(content.mesh(), path)
 
 
 def write_ply(mesh: QuadMesh | TriangleMesh, path: Path) -> None:
@@ -323,29 +319,11 @@ def write_ply(mesh: QuadMesh | TriangleMesh, path: Path) -> None:
         _write_faces(file, faces)
 
 
-def write_ply_slabs(surface: FineSurface, slabs: int | None, path: Path) -> None:
-    """Write the vertices and the quads of `surface` slab by slab.
-
-    Raises
-    ------
-    FormatError
-        If it has more vertices than PLY indices can tell apart.
-    """
-    _check_count(surface.vertex_count)
-    runs = surface.cut(slabs)
-    with path.open("wb") as file:
-        _write_header(file, surface.vertex_count, surface.quad_count)
-        for rows in runs:
-            file.write(surface.vertices(rows).astype("<f8").tobytes())
-        for rows in runs:
-            _write_faces(file, surface.quads(rows))
-
-
 def _check_count(vertices: int) -> None:
     if vertices > MOST_VERTICES:
         raise FormatError(
             f"the surface has {vertices} vertices; a PLY file holds {MOST_VERTICES} at most "
-            "(lower the levels)"
+            "(fewer sides)"
         )
 
 

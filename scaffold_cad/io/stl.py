@@ -21,9 +21,7 @@ from scaffold_cad.io.register import (
     register_reader,
     register_writer,
 )
-from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.smooth import FineSurface
 
 _HEADER = 84
 """Bytes before the facets of a binary file."""
@@ -107,11 +105,8 @@ MOST_TRIANGLES = 2**32 - 1
 
 @register_writer(".stl", name="STL")
 def write_stl_content(content: Content, path: Path) -> None:
-    """Write a FineSurface slab by slab, and the triangles of anything else."""
-    if isinstance(content.what, FineSurface):
-        write_stl_slabs(content.what, content.slabs, path)
-    else:
-        write_stl(content.triangles(), path)
+    """Write the triangles of anything that has a surface."""
+    write_stl(content.triangles(), path)
 
 
 def write_stl(mesh: TriangleMesh, path: Path) -> None:
@@ -126,26 +121,11 @@ def write_stl(mesh: TriangleMesh, path: Path) -> None:
     _write(_chunks(mesh), path)
 
 
-def write_stl_slabs(surface: FineSurface, slabs: int | None, path: Path) -> None:
-    """Write `surface` slab by slab, with 32-bit coordinates.
-
-    Triangles two of whose corners fall on one place are left out, as in
-    `TriangleMesh.single_precision`.
-
-    Raises
-    ------
-    FormatError
-        If it has more triangles than the header can count.
-    """
-    _check_count(2 * surface.quad_count)
-    _write(_slab_chunks(surface, slabs), path)
-
-
 def _check_count(triangles: int) -> None:
     if triangles > MOST_TRIANGLES:
         raise FormatError(
             f"the surface has {triangles} triangles; an STL file holds {MOST_TRIANGLES} at most "
-            "(lower the levels)"
+            "(fewer sides)"
         )
 
 
@@ -168,15 +148,6 @@ def _chunks(mesh: TriangleMesh) -> Iterator[np.ndarray]:
     vertices = mesh.vertices.astype("<f4")
     for start in range(0, len(mesh.triangles), CHUNK):
         yield vertices[mesh.triangles[start : start + CHUNK]]
-
-
-def _slab_chunks(surface: FineSurface, slabs: int | None) -> Iterator[np.ndarray]:
-    for rows in surface.cut(slabs):
-        corners = surface.corners(rows)
-        quads = np.arange(4 * len(corners)).reshape(-1, 4)
-        slab = QuadMesh(corners.reshape(-1, 3), quads)
-        for chunk in _chunks(TriangleMesh(slab.vertices, slab.triangles)):
-            yield chunk[(chunk != np.roll(chunk, 1, axis=1)).any(axis=2).all(axis=1)]
 
 
 def _normals(corners: np.ndarray) -> np.ndarray:

@@ -1,7 +1,7 @@
 """write(): what the package makes, as a file whose suffix names the format.
 
 ======================  ====================================================================
-.step .stp              solids, mm; a face named after its skeleton edge; build123d shapes too
+.step .stp              solids, mm; faces named after their strut or node; build123d shapes too
 .brep                   OCCT's own format, mm
 .stl                    binary, 32-bit coordinates, mm
 .3mf                    one mesh object, 32-bit coordinates, mm; a skeleton as a beam lattice
@@ -25,7 +25,10 @@ from scaffold_cad.errors import OptionError
 from scaffold_cad.io.content import Content
 from scaffold_cad.io.register import writer_of
 from scaffold_cad.io.step import STEP_SUFFIXES
-from scaffold_cad.smooth import FineSurface
+from scaffold_cad.products.overlaps import Overlaps
+from scaffold_cad.scaffold import Scaffold
+from scaffold_cad.solid.rounds import SIDES, check_sides
+from scaffold_cad.struts import RoundStruts
 
 
 def write(
@@ -33,35 +36,37 @@ def write(
     path: str | PathLike[str],
     *,
     write_pcurves: bool = False,
-    slabs: int | None = None,
+    overlaps: Overlaps | None = None,
+    sides: int | None = None,
 ) -> None:
     """Write `what` to the file at `path`, whole or not at all.
 
     Parameters
     ----------
-    what : a Scaffold, a QuadMesh, smooth patches, a subdivision or a BezierMesh for any format
-        that holds solids, the overlapping struts of a Scaffold united in mesh formats (`to_solid`);
-        a Solidified, a TriangleMesh, a manifold3d Manifold or a trimesh Trimesh for mesh formats; a
-        build123d shape, or a builder, which mesh formats get within 0.01 mm; a Skeleton for JSON,
-        3MF (as a beam lattice), OBJ (as lines, without radii) and SWC (without loops); a
-        BeamLattice for 3MF; a FineSurface for STL and PLY
+    what : a Scaffold, RoundStruts, a QuadMesh, smooth patches, a subdivision or a BezierMesh for any
+        format that holds solids; a Solidified, a TriangleMesh, a manifold3d Manifold or a trimesh
+        Trimesh for mesh formats; a build123d shape, or a builder, which mesh formats get within
+        0.01 mm; a Skeleton for JSON, 3MF (as a beam lattice), OBJ (as lines, without radii) and SWC
+        (without loops); a BeamLattice for 3MF
     path : of the file; its suffix names the format
     write_pcurves : whether a STEP file also holds each edge in the parameters of its faces, for
         programs that ask for it: twice the size, and OCCT takes longer to write and to read it
-    slabs : ≥ 1; in how many slabs a FineSurface is made and written, which bounds the memory
-        needed beyond the scaffold's; by default as many as keep it under some 500 MB
+    overlaps : what becomes of the struts of a Scaffold or of RoundStruts that overlap: "unite"
+        them, which is the default of mesh formats and gives plane triangles in STEP and BREP files;
+        "refuse" them, the default of STEP and BREP; or "allow" faces that cross
+    sides : of the polygon that stands for the circle of a round strut in mesh formats, a multiple of
+        4; 16 by default
 
     Raises
     ------
     FormatError
         If the suffix is unknown, the format cannot hold `what`, or the file cannot be written.
     MeshError, BrepError
-        If a B-rep is asked for and the mesh does not bound a solid, or a mesh of a BeamLattice is
-        not closed.
+        If a B-rep is asked for and the mesh does not bound a solid, or struts overlap and are
+        refused, or a mesh of a BeamLattice is not closed.
     OptionError
-        If `write_pcurves` is asked of another format than STEP, or `slabs` for anything but a
-        FineSurface, or there are fewer than 1; or `what` is a builder that holds no shape yet, or
-        `path` is none.
+        If an option does not fit the format or `what`; or `what` is a builder that holds no shape
+        yet, or `path` is not a path.
     MissingBackendError
         If the package that writes the format is not installed.
     """
@@ -69,11 +74,19 @@ def write(
     writer = writer_of(path)
     if write_pcurves and path.suffix.lower() not in STEP_SUFFIXES:
         raise OptionError(f"write_pcurves is for STEP files only; {path.name} is none")
-    if slabs is not None and not isinstance(what, FineSurface):
+    if overlaps is not None and not isinstance(what, Scaffold | RoundStruts):
         kind = type(what).__name__
-        raise OptionError(f"slabs is for a FineSurface only; {path.name} gets a {kind}")
+        raise OptionError(f"overlaps is for a Scaffold or RoundStruts; {path.name} gets a {kind}")
+    if sides is not None and not isinstance(what, RoundStruts):
+        kind = type(what).__name__
+        raise OptionError(f"sides is for RoundStruts only; {path.name} gets a {kind}")
+    if sides is not None:
+        check_sides(sides)
     with replacing(path) as fresh:
-        writer(Content(what, path.stem, write_pcurves, slabs), fresh)
+        writer(
+            Content(what, path.stem, write_pcurves, overlaps, SIDES if sides is None else sides),
+            fresh,
+        )
 
 
 def check_writable(path: str | PathLike[str], *, solid: bool = False) -> None:

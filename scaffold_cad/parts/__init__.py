@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from scaffold_cad.parts.objects import (
         LatticeBox,
         LatticeFill,
+        RoundStrutsSolid,
         ScaffoldSolid,
-        SmoothScaffold,
         StrutFrame,
     )
 
@@ -36,7 +36,7 @@ __all__ = [
     "LatticeBox",
     "LatticeFill",
     "ScaffoldSolid",
-    "SmoothScaffold",
+    "RoundStrutsSolid",
     "StrutFrame",
     "lattice_part",
     "to_mesh_shape",

@@ -18,13 +18,15 @@ from scaffold_cad.filling import fill
 from scaffold_cad.lattice import UnitCell
 from scaffold_cad.lattice.clipping import Keep
 from scaffold_cad.mesh import QuadMesh
-from scaffold_cad.parts.bodies import BodySurface, body_surface, sound_body
+from scaffold_cad.parts.models import Model, Section, model_of
 from scaffold_cad.parts.skeletonpart import CommonOptions, PartOptions, SkeletonPart
 from scaffold_cad.parts.stubs import without_overlapping_stubs
+from scaffold_cad.products.breps import to_brep
+from scaffold_cad.products.overlaps import Overlaps
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.smooth import Caps
-from scaffold_cad.solid import frame_scaffold
+from scaffold_cad.solid import frame_skeleton
+from scaffold_cad.struts import RoundStruts, round_struts
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -45,7 +47,7 @@ class ScaffoldSolid(SkeletonPart):
         self,
         skeleton: Skeleton | Scaffold,
         *,
-        unite: bool = False,
+        overlaps: Overlaps = "refuse",
         with_joints: bool = True,
         **options: Any,
     ) -> None:
@@ -54,7 +56,7 @@ class ScaffoldSolid(SkeletonPart):
         Parameters
         ----------
         skeleton : or a scaffold, as it was built
-        unite : whether struts that overlap are united; the faces are then triangles
+        overlaps : what becomes of struts that overlap, see `to_brep`
         with_joints : whether extremities get joints
         **options : label, color, rotation, align and mode, see `PartOptions`; and those of
             `build_scaffold`, for a skeleton
@@ -64,31 +66,30 @@ class ScaffoldSolid(SkeletonPart):
         SkeletonError
             If the skeleton cannot be scaffolded.
         BrepError
-            If struts overlap and are not to be united, or the union has too many triangles.
+            If struts overlap and are refused, or their union has too many triangles.
         """
         part = _part_options(options)
         scaffold = as_scaffold(skeleton, options)
         super().__init__(
-            sound_body(body_surface(scaffold), unite=unite),
+            to_brep(scaffold, overlaps=overlaps),
             scaffold,
             with_joints=with_joints,
             **part,
         )
 
 
-class SmoothScaffold(SkeletonPart):
-    """The smooth solid around a skeleton: round struts, one tangent plane across every edge.
+class RoundStrutsSolid(SkeletonPart):
+    """Round struts around a skeleton: cylinders and cones on its edges, blends at its nodes.
 
-    It has the joints of a `ScaffoldSolid`.
+    It has the joints of a `ScaffoldSolid`, each in the center of a strut's last circle.
     """
 
-    @checks_keywords(SkeletonPart.__init__, build_scaffold)
+    @checks_keywords(SkeletonPart.__init__, round_struts)
     def __init__(
         self,
-        skeleton: Skeleton | Scaffold,
+        skeleton: Skeleton | RoundStruts,
         *,
-        caps: Caps = "round",
-        unite: bool = False,
+        overlaps: Overlaps = "refuse",
         with_joints: bool = True,
         **options: Any,
     ) -> None:
@@ -96,29 +97,29 @@ class SmoothScaffold(SkeletonPart):
 
         Parameters
         ----------
-        skeleton : or a scaffold, as it was built
-        caps : how struts end, "round" or "flat"; a flat cap is at its node
-        unite : whether struts that overlap are united: they then have 16 sides and their faces
-            are triangles
+        skeleton : or round struts, as they were made
+        overlaps : what becomes of struts that overlap, see `to_brep`
         with_joints : whether extremities get joints
         **options : label, color, rotation, align and mode, see `PartOptions`; and those of
-            `build_scaffold`, for a skeleton
+            `round_struts`, for a skeleton
 
         Raises
         ------
         SkeletonError
-            If the skeleton cannot be scaffolded.
+            If the skeleton cannot be built on.
         BrepError
-            If struts overlap and are not to be united, or the union has too many triangles.
+            If struts overlap and are refused, or their union has too many triangles.
         """
         part = _part_options(options)
-        scaffold = as_scaffold(skeleton, options)
-        super().__init__(
-            sound_body(body_surface(scaffold, smooth=True, caps=caps), unite=unite),
-            scaffold,
-            with_joints=with_joints,
-            **part,
-        )
+        check_kind(skeleton, Skeleton, RoundStruts)
+        if isinstance(skeleton, Skeleton):
+            skeleton = round_struts(skeleton, **options)
+        elif options:
+            raise OptionError(
+                f"{', '.join(options)} given for RoundStruts, which are made; need a Skeleton"
+            )
+        body = to_brep(skeleton, overlaps=overlaps)
+        super().__init__(body, skeleton, with_joints=with_joints, **part)
 
 
 class StrutFrame(SkeletonPart):
@@ -133,8 +134,8 @@ class StrutFrame(SkeletonPart):
         what: Skeleton | Scaffold | QuadMesh,
         radius: float,
         *,
-        smooth: bool = False,
-        unite: bool = False,
+        section: Section = "square",
+        overlaps: Overlaps = "refuse",
         with_joints: bool = True,
         **options: Unpack[PartOptions],
     ) -> None:
@@ -144,8 +145,8 @@ class StrutFrame(SkeletonPart):
         ----------
         what : whose edges
         radius : of the struts, mm
-        smooth : whether struts are round and nodes smooth; struts are square otherwise
-        unite : whether struts that overlap are united; the faces are then triangles
+        section : "square", or "round" for round struts, see `round_struts`
+        overlaps : what becomes of struts that overlap, see `to_brep`
         with_joints : whether extremities get joints
         **options : label, color, rotation, align and mode, see `PartOptions`
 
@@ -154,11 +155,11 @@ class StrutFrame(SkeletonPart):
         OptionError
             If the radius is not a finite number > 0.
         BrepError
-            If struts overlap and are not to be united, or the union has too many triangles.
+            If struts overlap and are refused, or their union has too many triangles.
         """
-        frame = frame_scaffold(what, radius)
+        frame = model_of(frame_skeleton(what, radius), section)
         super().__init__(
-            sound_body(body_surface(frame, smooth=smooth), unite=unite),
+            to_brep(frame, overlaps=overlaps),
             what if isinstance(what, Scaffold) else frame,
             with_joints=with_joints,
             **options,
@@ -185,8 +186,8 @@ class LatticeBox(SkeletonPart):
         keep: Keep = "clip",
         dangling: bool = True,
         drop_stubs: bool = True,
-        smooth: bool = False,
-        unite: bool = False,
+        section: Section = "square",
+        overlaps: Overlaps = "refuse",
         with_joints: bool = False,
         align: Any = (Align.CENTER, Align.CENTER, Align.CENTER),
         **options: Unpack[CommonOptions],
@@ -203,8 +204,8 @@ class LatticeBox(SkeletonPart):
         keep, dangling : what becomes of struts that the box cuts, see `fill`
         drop_stubs : whether struts that end free and overlap others are left out, unless they are
             united
-        smooth : whether struts are round and nodes smooth; struts are square otherwise
-        unite : whether struts that overlap are united; the faces are then triangles
+        section : "square", or "round" for round struts, see `round_struts`
+        overlaps : what becomes of struts that overlap, see `to_brep`
         with_joints : whether extremities get joints
         align : of the box, as of build123d's `Box`
         **options : label, color, rotation and mode, see `CommonOptions`
@@ -214,18 +215,18 @@ class LatticeBox(SkeletonPart):
         OptionError
             If an argument is out of its range.
         BrepError
-            If struts overlap and are not to be united, more than a fifth of them would be left out
-            as stubs, or the union has too many triangles.
+            If struts overlap and are refused, more than a fifth of them would be left out as stubs,
+            or their union has too many triangles.
         """
         sides = np.array([as_real(side, "a side of the box") for side in (length, width, height)])
         if not (np.isfinite(sides) & (sides > 0)).all():
             raise OptionError(f"the box is {length:g} x {width:g} x {height:g} mm; need > 0")
         low = -sides * [ALIGNED[one] for one in tuplify(align, 3) or [Align.NONE] * 3]
         skeleton = fill([low, low + sides], cell, size, radius, keep=keep, dangling=dangling)
-        surface = lattice_surface(skeleton, smooth=smooth, drop_stubs=drop_stubs and not unite)
+        lattice = _lattice(skeleton, section, drop_stubs and overlaps == "refuse")
         super().__init__(
-            sound_body(surface, unite=unite),
-            surface.scaffold,
+            to_brep(lattice, overlaps=overlaps),
+            lattice,
             with_joints=with_joints,
             **options,
         )
@@ -250,8 +251,8 @@ class LatticeFill(SkeletonPart):
         dangling: bool = True,
         drop_stubs: bool = True,
         origin: ArrayLike | None = None,
-        smooth: bool = False,
-        unite: bool = False,
+        section: Section = "square",
+        overlaps: Overlaps = "refuse",
         with_joints: bool = False,
         **options: Unpack[PartOptions],
     ) -> None:
@@ -266,8 +267,8 @@ class LatticeFill(SkeletonPart):
         keep, dangling, origin : see `fill`
         drop_stubs : whether struts that end free and overlap others, as cut ones do, are left out,
             unless they are united
-        smooth : whether struts are round and nodes smooth; struts are square otherwise
-        unite : whether struts that overlap are united; the faces are then triangles
+        section : "square", or "round" for round struts, see `round_struts`
+        overlaps : what becomes of struts that overlap, see `to_brep`
         with_joints : whether extremities get joints
         **options : label, color, rotation, align and mode, see `PartOptions`
 
@@ -278,14 +279,14 @@ class LatticeFill(SkeletonPart):
         SkeletonError
             If no strut is in the part.
         BrepError
-            If struts overlap and are not to be united, more than a fifth of them would be left out
-            as stubs, or the union has too many triangles.
+            If struts overlap and are refused, more than a fifth of them would be left out as stubs,
+            or their union has too many triangles.
         """
         skeleton = fill(part, cell, size, radius, keep=keep, dangling=dangling, origin=origin)
-        surface = lattice_surface(skeleton, smooth=smooth, drop_stubs=drop_stubs and not unite)
+        lattice = _lattice(skeleton, section, drop_stubs and overlaps == "refuse")
         super().__init__(
-            sound_body(surface, unite=unite),
-            surface.scaffold,
+            to_brep(lattice, overlaps=overlaps),
+            lattice,
             with_joints=with_joints,
             **options,
         )
@@ -316,8 +317,8 @@ def as_scaffold(what: Skeleton | Scaffold, options: dict[str, Any]) -> Scaffold:
     return what
 
 
-def lattice_surface(skeleton: Skeleton, *, smooth: bool, drop_stubs: bool) -> BodySurface:
-    """Return the surface of a lattice with collars, without stubs that overlap if asked."""
+def _lattice(skeleton: Skeleton, section: Section, drop_stubs: bool) -> Model:
+    """Return the struts of a lattice, without stubs that overlap if asked."""
     if drop_stubs:
-        return without_overlapping_stubs(skeleton, smooth=smooth)
-    return body_surface(build_scaffold(skeleton, collars=True), smooth=smooth)
+        return without_overlapping_stubs(skeleton, section)
+    return model_of(skeleton, section)

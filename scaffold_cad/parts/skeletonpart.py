@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any, TypedDict
 
+import numpy as np
 from build123d import BasePartObject, Mode, Plane, RigidJoint, Shape
 
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.parts.booleans import Operation, check_boolean
-from scaffold_cad.scaffold import Scaffold
+from scaffold_cad.parts.models import Model
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.struts import RoundStruts
 
 CHECKED_MODES: dict[Mode, Operation] = {
     Mode.ADD: "union",
@@ -53,7 +55,7 @@ class SkeletonPart(BasePartObject):  # type: ignore[misc]  # build123d is not ch
     def __init__(
         self,
         body: Shape,
-        scaffold: Scaffold,
+        model: Model,
         *,
         with_joints: bool,
         label: str = "",
@@ -63,9 +65,9 @@ class SkeletonPart(BasePartObject):  # type: ignore[misc]  # build123d is not ch
         mode: Mode = Mode.ADD,
     ) -> None:
         if with_joints:
-            add_joints(body, scaffold)
+            add_joints(body, model)
         super().__init__(part=body, rotation=rotation, align=align, mode=mode)
-        self.skeleton = scaffold.skeleton
+        self.skeleton = model.skeleton
         self.label = label
         self.color = color
 
@@ -132,14 +134,26 @@ def _checked(operation: Operation, operands: Sequence[Any], result: Any) -> Any:
     return result
 
 
-def add_joints(body: Shape, scaffold: Scaffold) -> None:
-    """Give `body` a rigid joint at each extremity: z outwards, x to the middle of a side."""
-    skeleton = scaffold.refined  # its extremities are those of the skeleton
-    ends = zip(skeleton.extremities.tolist(), skeleton.leaving_extremities.tolist(), strict=True)
-    for node, half_edge in ends:
-        outward: Floats = -skeleton.directions[half_edge]
-        section = scaffold.mesh.vertices[scaffold.sleeves[half_edge >> 1, half_edge & 1]]
-        place = skeleton.nodes[node]
-        x = section[:2].mean(axis=0) - place
+def add_joints(body: Shape, model: Model) -> None:
+    """Give `body` a rigid joint at each extremity: z outwards.
+
+    x points to the middle of a side of a square section, and to where a round one begins.
+    """
+    for node, outward, x in _ends(model):
+        place = model.skeleton.nodes[node]
         plane = Plane(tuple(place), x_dir=tuple(x), z_dir=tuple(outward))
         RigidJoint(f"extremity {node}", body, plane.location)
+
+
+def _ends(model: Model) -> Iterator[tuple[int, Floats, Floats]]:
+    """Yield each extremity, the direction out of its strut, and x across it."""
+    if isinstance(model, RoundStruts):
+        runs = model.runs
+        for half_run in np.flatnonzero(runs.valency[runs.tails] == 1).tolist():
+            yield int(runs.tails[half_run]), -runs.directions[half_run], model.x[half_run]
+        return
+    skeleton = model.refined  # its extremities are those of the skeleton
+    ends = zip(skeleton.extremities.tolist(), skeleton.leaving_extremities.tolist(), strict=True)
+    for node, half_edge in ends:
+        section = model.mesh.vertices[model.sleeves[half_edge >> 1, half_edge & 1]]
+        yield node, -skeleton.directions[half_edge], section[:2].mean(axis=0) - skeleton.nodes[node]

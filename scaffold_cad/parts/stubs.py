@@ -11,8 +11,7 @@ import logging
 import numpy as np
 
 from scaffold_cad.errors import BrepError
-from scaffold_cad.parts.bodies import BodySurface, body_surface
-from scaffold_cad.scaffold import build_scaffold
+from scaffold_cad.parts.models import Model, Section, model_of, overlapping
 from scaffold_cad.skeleton import Skeleton
 
 MOST_DROPPED = 0.2
@@ -21,8 +20,8 @@ MOST_DROPPED = 0.2
 _log = logging.getLogger(__name__)
 
 
-def without_overlapping_stubs(skeleton: Skeleton, *, smooth: bool) -> BodySurface:
-    """Return the scaffold, with collars, without the struts that end free and overlap others.
+def without_overlapping_stubs(skeleton: Skeleton, section: Section) -> Model:
+    """Return the struts of `skeleton` without those that end free and overlap others.
 
     Struts that overlap and do not end free stay. A warning tells how many are left out.
 
@@ -33,17 +32,17 @@ def without_overlapping_stubs(skeleton: Skeleton, *, smooth: bool) -> BodySurfac
     """
     count = len(skeleton.edges)
     while True:
-        surface = body_surface(build_scaffold(skeleton, collars=True), smooth=smooth)
+        model = model_of(skeleton, section)
         is_stub = (skeleton.valency[skeleton.edges] == 1).any(axis=1)
         keep = np.ones(len(skeleton.edges), dtype=np.bool_)
-        keep[surface.overlapping] = False
+        keep[overlapping(model)] = False
         keep |= ~is_stub
         dropped = count - int(keep.sum())
         if dropped > MOST_DROPPED * count:
             raise BrepError(
                 f"{dropped} of {count} struts end free and overlap others; need a fifth at most "
                 'to leave them out (keep="whole" for struts that are not cut, dangling=False for '
-                "no loose ends, smaller radii or larger cells, or unite=True if the union has few "
+                "no loose ends, smaller radii or larger cells, or overlaps='unite' if the union has few "
                 "triangles; lattice_part makes a mesh of any)"
             )
         if keep.all():
@@ -51,4 +50,4 @@ def without_overlapping_stubs(skeleton: Skeleton, *, smooth: bool) -> BodySurfac
         skeleton = skeleton.with_edges(keep)
     if dropped:
         _log.warning("%d of %d struts left out: they end free and overlap others", dropped, count)
-    return surface
+    return model

@@ -29,6 +29,7 @@ from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.scaffold.stars import APOTHEM
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import to_solid
+from scaffold_cad.struts import RoundStruts
 
 
 def check_printability(
@@ -45,7 +46,7 @@ def check_printability(
 
     Parameters
     ----------
-    what : a Skeleton or a Scaffold, whose solid is made; or anything else that has a surface,
+    what : a Skeleton, a Scaffold or RoundStruts, whose solid is made; or anything else that has a surface,
         see `surface_of`: a mesh, smooth patches, a Solidified, a manifold3d Manifold, a trimesh
         Trimesh, a build123d shape or a builder
     process : a name in `PROCESSES`, or limits of your own
@@ -73,8 +74,12 @@ def check_printability(
         if skeleton is None:
             # Radii become half the width of the square sections.
             apothem = APOTHEM[what.options.section]
-            skeleton = what.skeleton.with_radii(what.skeleton.radii * apothem)
+            skeleton = what.skeleton.with_edge_radii(
+                what.skeleton.edge_radii * apothem, what.skeleton.radii * apothem
+            )
         what = to_solid(what)
+    if isinstance(what, RoundStruts) and skeleton is None:
+        skeleton = what.skeleton
     mesh = welded(triangles_of(what))
     surface = TriangleTopology(mesh)
     if len(surface.triangles) == 0:

@@ -1,4 +1,4 @@
-"""B-reps of scaffolds: coarse, one face a quad, or smooth, one G1 patch a quad."""
+"""to_brep(): B-reps of scaffolds, round struts and meshes."""
 
 from __future__ import annotations
 
@@ -7,64 +7,98 @@ from typing import TYPE_CHECKING
 from scaffold_cad import brep
 from scaffold_cad.base.arguments import check_kind
 from scaffold_cad.brep import Kind
+from scaffold_cad.brep.analytic import AnalyticBrep
 from scaffold_cad.brep.beziermesh import BezierMesh
+from scaffold_cad.brep.g1 import Patches, smooth_patches
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.products.facets import faceted
+from scaffold_cad.products.overlaps import Overlaps, to_unite
 from scaffold_cad.scaffold import Scaffold
-from scaffold_cad.smooth import Caps, Patches, smooth_patches
+from scaffold_cad.solid.manifolds import manifold_triangles
+from scaffold_cad.solid.rounds import round_mesh
+from scaffold_cad.solid.solid import to_solid
+from scaffold_cad.struts import RoundStruts
+from scaffold_cad.struts.faces import brep_of_struts
 
 if TYPE_CHECKING:
     from build123d import Shape
 
 
 def to_brep(
-    what: Scaffold | QuadMesh | BezierMesh | Patches,
+    what: Scaffold | RoundStruts | QuadMesh | BezierMesh | Patches,
     kind: Kind = "solid",
     *,
+    overlaps: Overlaps = "refuse",
     smooth: bool = False,
-    caps: Caps | None = None,
     split: int | None = None,
 ) -> Shape:
-    """Return the B-rep of a scaffold or a mesh: one face a quad, neighbours sharing their edges.
+    """Return the B-rep of a scaffold, of round struts or of a mesh; neighbors share their edges.
 
     Parameters
     ----------
-    what : for solids closed and outward; for shells neighbouring quads must agree in direction
+    what : a scaffold or a quad mesh, one face a quad; round struts, a cylinder or a cone a strut
+        and four patches a strut at each node. For solids meshes are closed and outward; for shells
+        neighboring quads must agree in direction
     kind : "solid" or "shell"
-    smooth : whether the faces are Bézier patches that join with one tangent plane, see
+    overlaps : what becomes of struts that overlap: "refuse" them, "unite" them, whose faces are then
+        plane triangles, or "allow" faces that cross
+    smooth : whether the faces of a quad mesh are patches that join with one tangent plane, see
         `smooth_patches`, instead of planes and bilinear patches
-    caps, split : of `smooth_patches`, with `smooth` only; caps are "round" by default
+    split : of `smooth_patches`, with `smooth` only
 
     Returns
     -------
-    build123d Solid or Shell, or a Compound of them if the mesh is not connected. The faces of each
-    are in the order of their quads.
+    build123d Solid or Shell, or a Compound of them if the surface is not connected. The faces of
+    scaffolds and meshes are in the order of their quads.
 
     Raises
     ------
     MeshError
         If the mesh is not closed (solids), not oriented, or inside out (solids).
     BrepError
-        If an edge or a quad is smaller than the tolerance of CAD systems.
+        If struts overlap and are refused, or an edge or a quad is smaller than the tolerance of CAD
+        systems, or a union has too many triangles.
     OptionError
-        If `what` is none of these, `smooth` is asked of patches, `caps` or `split` without
-        `smooth`, or an option has none of its values.
+        If `what` is of another kind, or an option does not fit it.
     MissingBackendError
         If build123d is not installed.
 
-    Notes
-    -----
-    Whether faces far from each other cross is not looked at: `Scaffold.embedding` and
-    `crossing_struts` do, and the classes of `scaffold_cad.parts` by them.
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, round_struts
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> [round(face.area, 3) for face in to_brep(round_struts(strut)).faces()]
+    [3.142, 3.142, 56.549]
     """
-    check_kind(what, Scaffold, QuadMesh, BezierMesh, Patches)
-    if smooth:
-        if not isinstance(what, Scaffold | QuadMesh):
-            raise OptionError("smooth is for a Scaffold or a QuadMesh; patches are what they are")
-        what = smooth_patches(what, split=split, caps=caps or "round")
-    elif caps is not None or split is not None:
-        given = "split" if caps is None else "caps"
-        raise OptionError(f"{given} is for smooth=True; need it too, or {given} left out")
+    check_kind(what, Scaffold, RoundStruts, QuadMesh, BezierMesh, Patches)
+    if smooth and not isinstance(what, QuadMesh):
+        raise OptionError(
+            "smooth=True is for a QuadMesh; need round_struts(skeleton) for round struts"
+        )
+    if split is not None and not smooth:
+        raise OptionError("split is for smooth=True; need it too, or split left out")
+    if isinstance(what, RoundStruts):
+        if to_unite(overlaps, what.overlapping, what.skeleton):
+            return faceted(round_mesh(what))
+        return brep.brep_of_faces(analytic_faces(what), kind)
     if isinstance(what, Scaffold):
+        if to_unite(overlaps, what.embedding().left_out, what.skeleton):
+            return faceted(manifold_triangles(to_solid(what)))
         what = what.mesh
+    if smooth:
+        what = smooth_patches(what, split=split)
     return brep.brep_of_patches(what.bezier if isinstance(what, Patches) else what, kind)
+
+
+def analytic_faces(struts: RoundStruts) -> AnalyticBrep:
+    """Return the faces of round struts as arrays, checked to be closed.
+
+    Raises
+    ------
+    BrepError
+        If an edge is too short for CAD systems.
+    """
+    faces = brep_of_struts(struts)
+    faces.check_closed()
+    return faces

@@ -13,7 +13,6 @@ from typing import Literal, TypeAlias, get_args
 from scaffold_cad.base.arguments import check_choice
 from scaffold_cad.base.arrays import Ints
 from scaffold_cad.errors import BrepError
-from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
 
 Overlaps: TypeAlias = Literal["unite", "refuse", "allow"]
@@ -66,34 +65,4 @@ def described(edges: Ints, skeleton: Skeleton) -> str:
     return (
         f"{len(edges)} of {len(skeleton.edges)} struts overlap others or their nodes "
         f"(edges {named}{more}; the first near [{near}] mm)"
-    )
-
-
-def log_overlaps(scaffold: Scaffold, edges: Ints, *, united: bool, smooth: bool = False) -> None:
-    """Log that `edges` overlap others, if there are any: as a warning unless they are united.
-
-    Parameters
-    ----------
-    edges : struts, see `Embedding.left_out`, `Solidified.united_edges` and `crossing_struts`
-    united : whether they are, and so the surface does not cross itself
-    smooth : whether the surface is smooth elsewhere
-    """
-    if len(edges) == 0:
-        return
-    if united:
-        outcome = "; they are united" + (", and not smooth there" if smooth else "")
-    else:
-        outcome = (
-            ": the surface may cross itself there; a smaller radius, build --simplify or a mesh "
-            "format helps"
-        )
-    if not scaffold.options.collars:
-        outcome += "; --collars keeps struts straight and thinner at their nodes"
-    _log.log(
-        logging.INFO if united else logging.WARNING,
-        "%d of %d struts overlap others or their nodes, edge %d first%s",
-        len(edges),
-        len(scaffold.skeleton.edges),
-        edges[0],
-        outcome,
     )

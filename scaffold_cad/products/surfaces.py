@@ -8,30 +8,42 @@ from scaffold_cad import brep
 from scaffold_cad.base.backends import is_instance
 from scaffold_cad.base.builders import built
 from scaffold_cad.brep.beziermesh import BezierMesh
+from scaffold_cad.brep.g1 import Patches
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.subdivision import Subdivision
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.products.breps import to_brep
+from scaffold_cad.products.overlaps import Overlaps, to_unite
 from scaffold_cad.scaffold import Scaffold
-from scaffold_cad.smooth import Patches, Subdivision
 from scaffold_cad.solid import Solidified, to_solid
 from scaffold_cad.solid.manifolds import manifold_triangles
+from scaffold_cad.solid.rounds import SIDES, round_mesh
+from scaffold_cad.struts import RoundStruts
+from scaffold_cad.struts.surface import triangulated
 
 
-def surface_of(what: Any) -> QuadMesh | TriangleMesh | None:
+def surface_of(
+    what: Any, *, overlaps: Overlaps = "unite", sides: int = SIDES
+) -> QuadMesh | TriangleMesh | None:
     """Return the surface of `what`, as quads if it has any; None if it has no surface.
 
     Parameters
     ----------
     what : a mesh or a subdivision; a Scaffold, whose quads are taken as they are where they are
-        one solid and whose overlapping struts are united elsewhere; a manifold3d Manifold; a
+        one solid and whose overlapping struts are united elsewhere; a RoundStruts; a Manifold; a
         build123d shape, a builder's, or smooth patches, within 0.01 mm; anything with arrays
         `vertices`, and `triangles` or `faces` (t, 3), such as a trimesh Trimesh
+
+    overlaps : what becomes of struts that overlap, see `to_brep`; by default they are united
+    sides : of the polygon that stands for the circle of a round strut, a multiple of 4
 
     Raises
     ------
     OptionError
         If it is a builder of build123d that holds no shape yet.
+    BrepError
+        If struts overlap and are refused.
     """
     what = built(what)
     if isinstance(what, QuadMesh | TriangleMesh):
@@ -39,7 +51,13 @@ def surface_of(what: Any) -> QuadMesh | TriangleMesh | None:
     if isinstance(what, Subdivision):
         return what.mesh
     if isinstance(what, Scaffold):
-        return what.mesh if what.embedding().certified else manifold_triangles(to_solid(what))
+        if to_unite(overlaps, what.embedding().left_out, what.skeleton):
+            return manifold_triangles(to_solid(what))
+        return what.mesh
+    if isinstance(what, RoundStruts):
+        if to_unite(overlaps, what.overlapping, what.skeleton) or overlaps != "allow":
+            return round_mesh(what, sides)
+        return triangulated(what, sides).mesh
     if isinstance(what, Solidified):
         return manifold_triangles(what.manifold)
     if isinstance(what, BezierMesh | Patches):

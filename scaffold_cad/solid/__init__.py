@@ -2,12 +2,13 @@
 
 from scaffold_cad.solid.manifolds import to_trimesh
 from scaffold_cad.solid.solid import Solidified, clean_surface, solidified, to_solid
-from scaffold_cad.solid.thicken import frame_scaffold, thicken
+from scaffold_cad.solid.thicken import frame_scaffold, frame_skeleton, thicken
 
 __all__ = [
     "Solidified",
     "clean_surface",
     "frame_scaffold",
+    "frame_skeleton",
     "solidified",
     "thicken",
     "to_solid",

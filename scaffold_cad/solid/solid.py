@@ -23,7 +23,8 @@ from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import manifolds
 from scaffold_cad.solid.pieces import solid_pieces
-from scaffold_cad.solid.roundstruts import check_sides, prisms_and_balls, round_surface
+from scaffold_cad.solid.rounds import SIDES, round_mesh
+from scaffold_cad.struts import RoundStruts
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -53,52 +54,75 @@ class Solidified(Frozen, Shown):
     """Volume of each void that overlapping struts enclosed, mm³; they are filled."""
 
 
-def to_solid(what: Scaffold | QuadMesh | TriangleMesh, *, sides: int = 4) -> Manifold:
+def to_solid(
+    what: Scaffold | RoundStruts | QuadMesh | TriangleMesh, *, sides: int | None = None
+) -> Manifold:
     """Return `what` as a watertight manifold3d solid.
 
-    A scaffold's mesh is taken as it is where `Scaffold.embedding` certifies it, and the struts
-    that it does not certify go through a union: `solidified` tells which. A bare mesh is taken as
-    it is: where two parts of it cross, they still cross in the solid.
+    What is proved to keep to its own room is taken as it is, and struts that overlap are united:
+    `solidified` tells which. A bare mesh is taken as it is: where two parts of it cross, they still
+    cross in the solid.
 
     Parameters
     ----------
-    sides : of a scaffold's struts, see `solidified`
+    sides : of round struts, see `solidified`
 
     Raises
     ------
     MeshError
         If a bare mesh is not closed or not outward.
     OptionError
-        If `what` is none of these, `sides` is not 4, 8 or 16, or not 4 for a bare mesh.
+        If `what` is of another kind, or `sides` is given for anything but round struts.
     MissingBackendError
         If manifold3d is not installed.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, build_scaffold
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> round(to_solid(build_scaffold(strut)).volume(), 6)
+    36.0
     """
-    check_kind(what, Scaffold, QuadMesh, TriangleMesh)
-    if isinstance(what, Scaffold):
+    check_kind(what, Scaffold, RoundStruts, QuadMesh, TriangleMesh)
+    if isinstance(what, Scaffold | RoundStruts):
         return solidified(what, sides=sides).manifold
-    if sides != 4:
-        raise OptionError(f"a bare mesh has no struts to give {sides} sides; need a Scaffold")
+    if sides is not None:
+        raise OptionError("sides is for round struts; need round_struts(skeleton)")
     return manifolds.to_manifold(what)
 
 
-def solidified(scaffold: Scaffold, *, sides: int = 4) -> Solidified:
-    """Return the watertight solid of `scaffold`, and which of its struts were united.
+def solidified(what: Scaffold | RoundStruts, *, sides: int | None = None) -> Solidified:
+    """Return the watertight solid of a scaffold or of round struts, and which struts were united.
 
     Parameters
     ----------
-    sides : of the struts: 4 for the scaffold itself; 8 or 16 for one or two Catmull-Clark
-        subdivisions of it, whose sections have the area of the circle of the skeleton's radius
+    sides : of the polygons that stand for the circles of round struts, a multiple of 4; 16 by
+        default. They have the circles' area
 
     Raises
     ------
     MeshError
-        If every union tried crosses itself, or does not stay closed in 32-bit coordinates.
+        If every union tried of a scaffold's struts crosses itself, or does not stay closed in
+        32-bit coordinates.
     OptionError
-        If `scaffold` is none, or `sides` is not 4, 8 or 16.
+        If `what` is of another kind, or `sides` does not fit it.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, round_struts
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> round(solidified(round_struts(strut), sides=8).manifold.volume(), 3)
+    28.274
     """
-    check_kind(scaffold, Scaffold)
-    check_sides(sides)
-    return _square_solid(scaffold) if sides == 4 else _round_solid(scaffold, sides)
+    check_kind(what, Scaffold, RoundStruts)
+    if isinstance(what, RoundStruts):
+        mesh = round_mesh(what, SIDES if sides is None else sides)
+        return Solidified(manifolds.to_manifold(mesh), what.overlapping, [])
+    if sides is not None:
+        raise OptionError(
+            f"sides is {sides} for a Scaffold, whose struts are square; need round_struts(skeleton)"
+        )
+    return _square_solid(what)
 
 
 def _square_solid(scaffold: Scaffold) -> Solidified:
@@ -112,21 +136,6 @@ def _square_solid(scaffold: Scaffold) -> Solidified:
         return manifolds.union([*surfaces, *pieces.spheres], pieces.hulls)
 
     return _clean_union(united, scaffold.skeleton, embedded.left_out)
-
-
-def _round_solid(scaffold: Scaffold, sides: int) -> Solidified:
-    surface = round_surface(scaffold, sides)
-    if surface.mesh is not None and len(surface.left_out) == 0:
-        return Solidified(manifolds.to_manifold(surface.mesh), surface.left_out, [])
-    surfaces = []
-    if surface.mesh is not None:
-        surfaces.append(TriangleMesh(surface.mesh.vertices, surface.mesh.triangles))
-
-    def united(wobble: Floats) -> Manifold:
-        hulls = prisms_and_balls(scaffold, surface.left_out, sides, wobble)
-        return manifolds.union(surfaces, hulls)
-
-    return _clean_union(united, scaffold.skeleton, surface.left_out)
 
 
 def _clean_union(

@@ -17,8 +17,9 @@ from scaffold_cad.base.arguments import as_number, check_kind
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.solid.roundstruts import check_sides
+from scaffold_cad.solid.rounds import check_sides
 from scaffold_cad.solid.solid import to_solid
+from scaffold_cad.struts import round_struts
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -30,26 +31,48 @@ def thicken(what: Scaffold | QuadMesh | Skeleton, radius: float, *, sides: int =
     Parameters
     ----------
     what : whose edges
-    radius : mm; of the circle that a strut's section stands for: a square is around it, a section
-        with more sides has its area
-    sides : of a strut, 4, 8 or 16
+    radius : of the struts, mm; of the circle that a strut's section stands for: a square is around
+        it, a section with more sides has its area
+    sides : of a strut: 4 for square ones, 8 or another multiple of 4 for round ones
 
     Raises
     ------
     OptionError
-        If `what` is none of these, `radius` is not a finite number > 0, or `sides` is another
-        number.
+        If `what` is of another kind, `radius` is not a finite number > 0, or `sides` is not a
+        multiple of 4.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, build_scaffold, thicken
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> thicken(build_scaffold(strut), 0.1).genus()
+    5
     """
     check_sides(sides)
-    return to_solid(frame_scaffold(what, radius), sides=sides)
+    if sides == 4:
+        return to_solid(frame_scaffold(what, radius))
+    return to_solid(round_struts(frame_skeleton(what, radius)), sides=sides)
 
 
 def frame_scaffold(what: Scaffold | QuadMesh | Skeleton, radius: float) -> Scaffold:
-    """Return the scaffold of the edges of a scaffold, quad mesh or skeleton, with collars."""
+    """Return the scaffold of the edges of a scaffold, quad mesh or skeleton, with collars.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, build_scaffold
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> len(frame_scaffold(build_scaffold(strut), 0.1).skeleton.edges)
+    12
+    """
+    return build_scaffold(frame_skeleton(what, radius), collars=True)
+
+
+def frame_skeleton(what: Scaffold | QuadMesh | Skeleton, radius: float) -> Skeleton:
+    """Return the edges of a scaffold, quad mesh or skeleton as a skeleton of one radius."""
     check_kind(what, Scaffold, QuadMesh, Skeleton)
-    radius = as_number(radius, "strut radius")
+    radius = as_number(radius, "radius")
     if isinstance(what, Scaffold):
         what = what.mesh
     if isinstance(what, QuadMesh):
         what = Skeleton(what.vertices, what.edges, np.asarray(radius)).cleaned().skeleton
-    return build_scaffold(what.with_radii(radius), collars=True)
+    return what.with_radii(radius)

@@ -1,7 +1,7 @@
-"""Round struts: exact sections, and blends at the nodes that are solved for node by node."""
+"""Round struts: exact cylinders and cones, blends at nodes, and the proof that they are sound."""
 
-from scaffold_cad.struts.blend import Blends, Solved, Stars
-from scaffold_cad.struts.nodes import blends
-from scaffold_cad.struts.sampling import Samples, sampled
+from scaffold_cad.struts.builder import round_struts
+from scaffold_cad.struts.model import RoundStruts
+from scaffold_cad.struts.options import Ends, Nodes, StrutOptions
 
-__all__ = ["Blends", "Samples", "Solved", "Stars", "blends", "sampled"]
+__all__ = ["Ends", "Nodes", "RoundStruts", "StrutOptions", "round_struts"]

@@ -16,6 +16,7 @@ from scaffold_cad.products.surfaces import triangles_of
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import Solidified
+from scaffold_cad.struts import RoundStruts
 from scaffold_cad.viewers.cadquery import to_cadquery
 from scaffold_cad.viewers.shapes import to_shape
 
@@ -107,7 +108,7 @@ def _in_notebook() -> Display | None:
 
 def _drawable(what: Any) -> Any:
     """Return what a notebook draws of `what`: itself, or its triangles."""
-    if isinstance(what, Skeleton | Scaffold | QuadMesh | TriangleMesh | Solidified):
+    if isinstance(what, Skeleton | Scaffold | RoundStruts | QuadMesh | TriangleMesh | Solidified):
         return what
     try:
         return triangles_of(what)

@@ -7,17 +7,22 @@ from typing import TYPE_CHECKING, Any
 from scaffold_cad.base.backends import is_instance
 from scaffold_cad.base.builders import built
 from scaffold_cad.brep.beziermesh import BezierMesh
+from scaffold_cad.brep.g1 import Patches
 from scaffold_cad.errors import ScaffoldCadError
 from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.subdivision import Subdivision
 from scaffold_cad.products.breps import to_brep
 from scaffold_cad.products.meshshapes import to_mesh_shape
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.smooth import Patches, Subdivision
 from scaffold_cad.solid import Solidified
+from scaffold_cad.struts import RoundStruts
 
 if TYPE_CHECKING:
     from build123d import Shape
+
+MOST_STRUTS = 500
+"""Round struts that are shown as faces with their edges; more of them as bare triangles."""
 
 MOST_QUADS = 5000
 """Quads that are shown as faces with their edges; more of them are shown as bare triangles."""
@@ -47,6 +52,9 @@ def to_shape(what: Any) -> Shape:
         return what.to_wire_compound()
     if isinstance(what, Patches | BezierMesh):
         return to_brep(what, "shell")
+    if isinstance(what, RoundStruts):
+        few = len(what.runs.edges) <= MOST_STRUTS and len(what.overlapping) == 0
+        return to_brep(what) if few else to_mesh_shape(what)
     if isinstance(what, Scaffold | Subdivision):
         what = what.mesh
     if isinstance(what, Solidified):

@@ -20,6 +20,7 @@ from scaffold_cad.products.surfaces import surface_of
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import Solidified, solidified
+from scaffold_cad.struts import RoundStruts
 from scaffold_cad.webpage.layers import (
     ShownLayer,
     quads_layer,
@@ -32,7 +33,7 @@ from scaffold_cad.webpage.scene import Scene, filled
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-    from scaffold_cad.smooth import Subdivision
+    from scaffold_cad.mesh.subdivision import Subdivision
 
 NOTEBOOK_FACES = 100_000
 """Most triangles, or edges, of what is shown in a notebook: they are kept in its file."""
@@ -73,7 +74,7 @@ def model_page(what: Model, *, title: str, solid: Model | None = None) -> str:
     Parameters
     ----------
     what : a skeleton; a scaffold, which is shown with its skeleton, its solid and its worst
-        clearance; a mesh or a solid
+        clearance; round struts, with their skeleton; a mesh or a solid
     title : of the page
     solid : what the layer of a scaffold's solid shows, by default `solidified(what)`
 
@@ -88,6 +89,9 @@ def model_page(what: Model, *, title: str, solid: Model | None = None) -> str:
         return _page(title, _counts(what), [skeleton_layer(what)])
     if isinstance(what, Scaffold):
         layers = _scaffold_layers(what, _surface(solidified(what) if solid is None else solid))
+        return _page(title, _counts(what.skeleton), layers)
+    if isinstance(what, RoundStruts):
+        layers = [skeleton_layer(what.skeleton), solid_layer(_surface(what), shown=True)]
         return _page(title, _counts(what.skeleton), layers)
     mesh = _surface(what)
     volume = f"volume {mesh.signed_volume:.6g} mm³"
@@ -130,7 +134,7 @@ def _surface(what: Model) -> QuadMesh | TriangleMesh:
     mesh = surface_of(what)
     if mesh is None:
         raise OptionError(
-            f"a page cannot show a {type(what).__name__}; need a Skeleton, a Scaffold, a mesh or a "
+            f"a page cannot show a {type(what).__name__}; need a Skeleton, a Scaffold, RoundStruts, a mesh or a "
             "manifold3d Manifold"
         )
     return mesh

@@ -8,13 +8,13 @@ from threading import Event, Timer
 
 import numpy as np
 import pytest
+from scaffold_cad.smooth import smooth_mesh
 
 from scaffold_cad.base.threads import MOST_THREADS, in_order
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.intersections.search import ONE_THREAD
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.smooth import smooth_mesh
 
 
 def test_results_come_in_the_order_of_the_items() -> None:

@@ -16,6 +16,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
+from scaffold_cad.smooth import smooth_mesh
 
 from scaffold_cad.base.arrays import Ints, Points
 from scaffold_cad.base.vectors import length
@@ -23,7 +24,6 @@ from scaffold_cad.convolution import ConvolutionField, project
 from scaffold_cad.io import read_skeleton
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.smooth import smooth_mesh
 
 ROOT = Path(__file__).parents[2]
 LEVELS = (1, 2, 3)

@@ -13,12 +13,12 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 import numpy as np
+from scaffold_cad.smooth import smooth_mesh
 
 from scaffold_cad.io.write import write
 from scaffold_cad.lattice import tile, voronoi_foam
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.smooth import smooth_mesh
 from scaffold_cad.solid import to_solid
 from tests.benchmarks import peers
 

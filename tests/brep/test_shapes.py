@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scaffold_cad.smooth import smooth_patches
 
 from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.base.segments import nearest_on_segments
@@ -24,7 +25,6 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.products.breps import to_brep
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.smooth import smooth_patches
 from tests.meshes import (
     CUBE,
     DART_PRISM,

@@ -14,6 +14,7 @@ import pytest
 import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
+from scaffold_cad.smooth import smooth_patches
 
 from scaffold_cad.errors import (
     BrepError,
@@ -28,7 +29,6 @@ from scaffold_cad.io.write import check_writable, write
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.scaffold import build_scaffold
-from scaffold_cad.smooth import smooth_patches
 from scaffold_cad.solid.manifolds import to_manifold, to_trimesh
 from tests.meshes import (
     CUBE,

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from scaffold_cad.smooth import smooth_mesh
 
 from scaffold_cad.base.arrays import Points, Quads
 from scaffold_cad.lattice import tile
@@ -14,7 +15,6 @@ from scaffold_cad.mesh.intersections import bodies, intersections_of_bodies, sel
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.smooth import smooth_mesh
 from scaffold_cad.solid import roundstruts
 from tests.meshes import CUBE
 from tests.skeletons import CUBE as CUBE_SKELETON

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scaffold_cad.smooth import smooth_mesh, smooth_patches
 
 from scaffold_cad.errors import OptionError
 from scaffold_cad.io import read_skeleton
 from scaffold_cad.io.write import write
 from scaffold_cad.products.breps import to_brep
 from scaffold_cad.scaffold import build_scaffold
-from scaffold_cad.smooth import smooth_mesh, smooth_patches
 from tests.skeletons import JACK, K4, TRIPOD, TWO_STRUTS
 
 build123d = pytest.importorskip("build123d")

@@ -11,13 +11,13 @@ from typing import Any
 import build123d as bd
 import numpy as np
 import pytest
+from scaffold_cad.smooth import smooth_mesh, smooth_patches
 
 from scaffold_cad.errors import MissingBackendError, OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.smooth import smooth_mesh, smooth_patches
 from scaffold_cad.solid import Solidified
 from scaffold_cad.solid.manifolds import to_manifold, to_trimesh
 from scaffold_cad.viewers import show, to_cadquery, to_shape

@@ -18,6 +18,11 @@ STEP_SUFFIXES = (".step", ".stp")
 @register_writer(*STEP_SUFFIXES, name="STEP")
 def write_step_content(content: Content, path: Path) -> None:
     """Write a build123d shape by OCCT, and meshes of quads straight from their arrays."""
+    faces = None if content.write_pcurves else content.faces()
+    if faces is not None:
+        brep.check_edges(faces)
+        write_analytic(faces, path, name=content.name)
+        return
     patches = content.patches()
     if patches is None or content.write_pcurves:
         brep.export_step(content.shape(), path, write_pcurves=content.write_pcurves)

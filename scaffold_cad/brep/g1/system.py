@@ -21,9 +21,9 @@ from scipy.sparse.linalg import splu
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
 from scaffold_cad.brep.bernstein import elevation, product, square_norm, thin_plate
-from scaffold_cad.smooth.alike import alike_parts
-from scaffold_cad.smooth.bicubic import smooth_valence
-from scaffold_cad.smooth.controlnet import ControlNet
+from scaffold_cad.brep.g1.alike import alike_parts
+from scaffold_cad.brep.g1.bicubic import smooth_valence
+from scaffold_cad.brep.g1.controlnet import ControlNet
 
 CLOSENESS = 1e3
 """Weight of the square of the distance from the limit surface against its thin-plate energy."""

@@ -13,17 +13,15 @@ from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.base.vectors import dot, normalize
 from scaffold_cad.brep.bernstein import bernstein, elevation
 from scaffold_cad.brep.beziermesh import BezierMesh
+from scaffold_cad.brep.g1.bicubic import bicubic_patches
+from scaffold_cad.brep.g1.controlnet import ControlNet
+from scaffold_cad.brep.g1.system import G1System
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
-from scaffold_cad.scaffold import Scaffold
-from scaffold_cad.smooth.bicubic import bicubic_patches
-from scaffold_cad.smooth.connectivity import NO_CREASES, Connectivity
-from scaffold_cad.smooth.control import Caps, ControlMesh, control_mesh
-from scaffold_cad.smooth.controlnet import ControlNet
-from scaffold_cad.smooth.g1 import G1System
-from scaffold_cad.smooth.grids import as_grids
-from scaffold_cad.smooth.limits import limit, limit_points
-from scaffold_cad.smooth.subdivision import catmull_clark, subdivided
+from scaffold_cad.mesh.subdivision.connectivity import NO_CREASES, Connectivity
+from scaffold_cad.mesh.subdivision.grids import as_grids
+from scaffold_cad.mesh.subdivision.limits import limit, limit_points
+from scaffold_cad.mesh.subdivision.refining import Subdivision, catmull_clark, subdivided
 
 _log = logging.getLogger(__name__)
 
@@ -43,17 +41,15 @@ class Patches(Frozen):
 
     bezier: BezierMesh
     """The patches; their quads are those of `control`."""
-    control: ControlMesh
+    control: Subdivision
     """The mesh whose Catmull-Clark limit they follow, and the creases across which they do not
     join smoothly; one patch a quad."""
     is_flat: Bools
-    """Whether each patch is a part of a flat cap, shape (f,)."""
-    edge_of_patch: Ints | None
-    """Edge of the skeleton that each patch is around, shape (f,); None around a bare mesh."""
+    """Whether each patch is in a plane within creases, shape (f,)."""
 
     @property
     def quad_of_patch(self) -> Ints:
-        """Quad of the scaffold, or of the mesh given, that each patch is a part of, shape (f,)."""
+        """Quad of the mesh given that each patch is a part of, shape (f,)."""
         return self.control.quad_of_quad
 
     @cached_property
@@ -91,47 +87,35 @@ class Patches(Frozen):
         return surface(value, value), normalize(normals)
 
 
-def smooth_patches(
-    surface: Scaffold | QuadMesh, degree: int = 5, split: int | None = None, caps: Caps = "round"
-) -> Patches:
-    """Return the smooth solid around a scaffold as Bézier patches: one a quad, all joins G1.
+def smooth_patches(surface: QuadMesh, degree: int = 5, split: int | None = None) -> Patches:
+    """Return a quad mesh as smooth Bézier patches: one a quad, all joins G1.
 
-    Where one a quad would fold, as long struts between nodes of high valency without collars may,
-    the quads are cut in four. Where that does not help, because struts overlap or leave a node
-    close to each other without collars, a warning is logged. Whether patches far from each other
-    cross is not looked at here: `crossing_struts` does.
+    They follow the mesh's Catmull-Clark limit. Where one patch a quad would fold, the quads are cut
+    in four; where that does not help a warning is logged. Whether patches far from each other cross
+    is not looked at here.
 
     Parameters
     ----------
-    surface : a scaffold, whose struts get the radii of its skeleton; or a closed quad mesh, whose
-        Catmull-Clark limit is followed as it is
+    surface : a closed quad mesh, such as `project` moves onto a convolution surface
     degree : 5 or 4, of the patches in both directions; 5 is fairer, and 4 needs quads cut in four
     split : how often each quad is cut in four first, for patches closer to the limit; by default as
         rarely as will do, and not more than once
-    caps : of a scaffold, see `control_mesh`; a flat cap meets its strut in an edge
 
     Raises
     ------
     MeshError
         If the mesh is not closed.
     OptionError
-        If `surface` is none, or `degree`, `split` or `caps` is out of its range.
+        If `surface` is not a QuadMesh, or `degree` or `split` is out of its range.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, build_scaffold
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> smooth_patches(build_scaffold(strut).mesh).bezier.degree
+    5
     """
-    patches = patches_around(surface, degree, split, caps)
-    if len(patches.turned):
-        _log.warning(
-            "%d patches turn over, that on quad %d first; collars or smaller radii may help",
-            len(patches.turned),
-            patches.quad_of_patch[patches.turned[0]],
-        )
-    return patches
-
-
-def patches_around(
-    surface: Scaffold | QuadMesh, degree: int = 5, split: int | None = None, caps: Caps = "round"
-) -> Patches:
-    """Return the patches of `smooth_patches` without a warning, for those who look at `turned`."""
-    check_kind(surface, Scaffold, QuadMesh)
+    check_kind(surface, QuadMesh)
     if split is not None:
         split = as_count(split, "split")
     degree = as_count(degree, "degree")
@@ -139,30 +123,25 @@ def patches_around(
         raise OptionError(f"degree is {degree}; need 4 or 5")
     if degree < 5 and split == 0:
         raise OptionError(f"degree is {degree} and split 0; need split 1 or more, or degree 5")
-    edges = None
-    if isinstance(surface, Scaffold):
-        control = control_mesh(surface, caps)
-        edges = surface.edge_of_quad[control.quad_of_quad]
-    else:
-        control = ControlMesh(surface, NO_CREASES, np.arange(len(surface.quads)))
+    control = Subdivision(surface, NO_CREASES, np.arange(len(surface.quads)))
     if split is not None:
-        return _patched(control, edges, degree, split)
-    if degree < 5:
-        return _patched(control, edges, degree, 1)
-    patches = _patched(control, edges, degree, 0)
-    if len(patches.turned) == 0:
-        return patches
-    finer = _patched(control, edges, degree, 1)
-    return patches if len(finer.turned) else finer
+        patches = _patched(control, degree, split)
+    else:
+        patches = _patched(control, degree, 0 if degree == 5 else 1)
+        if degree == 5 and len(patches.turned):
+            finer = _patched(control, degree, 1)
+            patches = patches if len(finer.turned) else finer
+    if len(patches.turned):
+        _log.warning(
+            "%d patches turn over, that on quad %d first; a finer mesh may help",
+            len(patches.turned),
+            patches.quad_of_patch[patches.turned[0]],
+        )
+    return patches
 
 
-def _patched(control: ControlMesh, edges: Ints | None, degree: int, split: int) -> Patches:
-    """Return the patches of a control mesh whose quads are cut in four `split` times.
-
-    Parameters
-    ----------
-    edges : of the skeleton, that each quad is around, if there is one
-    """
+def _patched(control: Subdivision, degree: int, split: int) -> Patches:
+    """Return the patches of a control mesh whose quads are cut in four `split` times."""
     coarse = Connectivity.of(control.mesh, control.creases)
     is_cap = coarse.is_crease[coarse.edge_of_side].all(axis=1)
     is_flat = np.repeat(is_cap, 4**split)
@@ -176,20 +155,19 @@ def _patched(control: ControlMesh, edges: Ints | None, degree: int, split: int) 
     fitted = _fitted(connectivity, control.mesh, degree)
     near[system.is_free] = net.gathered(fitted.reshape(len(fitted), -1, 3))[system.is_free]
     patches = system.solved(near)[net.of_patch].reshape(patches.shape)
-    of_patch = None if edges is None else np.repeat(edges, 4**split)
-    return Patches(BezierMesh(connectivity.quads, patches), control, is_flat, of_patch)
+    return Patches(BezierMesh(connectivity.quads, patches), control, is_flat)
 
 
 def _split(
-    control: ControlMesh, coarse: Connectivity, levels: int
-) -> tuple[ControlMesh, Connectivity]:
+    control: Subdivision, coarse: Connectivity, levels: int
+) -> tuple[Subdivision, Connectivity]:
     """Return the control mesh with each quad cut in four `levels` times."""
     if levels == 0:
         return control, coarse
     fine, points = subdivided(coarse, control.mesh.vertices, levels)
     quads = np.repeat(control.quad_of_quad, 4**levels)
     mesh = QuadMesh(points, fine.quads)
-    return ControlMesh(mesh, fine.edges[fine.is_crease], quads), fine
+    return Subdivision(mesh, fine.edges[fine.is_crease], quads), fine
 
 
 def _fitted(connectivity: Connectivity, mesh: QuadMesh, degree: int) -> Floats:

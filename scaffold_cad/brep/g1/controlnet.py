@@ -13,7 +13,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints, Points
 from scaffold_cad.brep.beziermesh import side_indices
-from scaffold_cad.smooth.connectivity import Connectivity
+from scaffold_cad.mesh.subdivision.connectivity import Connectivity
 
 
 @dataclass(frozen=True, eq=False)

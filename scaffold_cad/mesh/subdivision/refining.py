@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from scaffold_cad.base.arguments import as_count, check_kind
 from scaffold_cad.base.arrays import Edges, Frozen, Ints, Points
 from scaffold_cad.mesh.quadmesh import QuadMesh
-from scaffold_cad.smooth.connectivity import NO_CREASES, Connectivity
+from scaffold_cad.mesh.subdivision.connectivity import NO_CREASES, Connectivity
 
 
 @dataclass(frozen=True, eq=False)

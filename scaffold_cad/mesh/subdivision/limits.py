@@ -16,7 +16,7 @@ from scaffold_cad.base.arguments import check_kind
 from scaffold_cad.base.arrays import Floats, Frozen, Points, UnitVectors
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.mesh.quadmesh import QuadMesh
-from scaffold_cad.smooth.connectivity import NO_CREASES, Connectivity
+from scaffold_cad.mesh.subdivision.connectivity import NO_CREASES, Connectivity
 
 
 @dataclass(frozen=True, eq=False)

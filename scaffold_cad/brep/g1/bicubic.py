@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
-from scaffold_cad.smooth.connectivity import Connectivity
+from scaffold_cad.mesh.subdivision.connectivity import Connectivity
 
 
 def smooth_valence(connectivity: Connectivity) -> Ints:
