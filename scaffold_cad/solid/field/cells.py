@@ -1,15 +1,15 @@
 """Which cells the surface may pass: an octree around it, refined by the radii of the struts.
 
-Cells come in groups of eight, the children of one cell. A cell is left out where bounds on the
-distances prove that the whole of it, with the ball around it, is inside one strut or outside all
-fillets; a group is kept while any of its cells is. Leaves that touch differ by one level at most.
+Cells come in groups of eight, the children of one cell. Bounds on the distances prove of most cells
+that the whole of them, with the ball around them, is inside one strut or outside all fillets. A
+group is kept where this is not so for one of its leaves, the cells that are not refined, and then
+all its leaves are kept. Leaves that touch differ by one level at most.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,9 +22,7 @@ from scaffold_cad.solid.field.union import (
     FilletedUnion,
     Lists,
     any_of,
-    filleted,
-    merged_groups,
-    values,
+    least_values,
 )
 
 PAIRS_AT_ONCE = 1 << 14
@@ -36,8 +34,18 @@ SAFETY = 1.0 + 1e-9
 CHILDREN = np.array([[c & 1, c >> 1 & 1, c >> 2] for c in range(8)])
 """Place of each of a group's cells in it, shape (8, 3)."""
 
-MOST_GROUPS = 12_000_000
-"""Groups of eight cells of one solid: more do not fit in some 20 GB."""
+RIM_FRACTION = 0.25
+"""Size of cells at the rim of a flat end, as a part of that elsewhere: the rim is cut off there by
+some tenths of a cell."""
+
+MOST_GROUPS = 10_000_000
+"""Most groups of eight cells of one solid."""
+
+GROUP_BYTES = 2500
+"""Memory that a group takes at the peak, with its triangles."""
+
+GROWTH = 2
+"""Groups of the next finer level, at least, for each group to be refined."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,18 +58,23 @@ class Level(Frozen):
     """Struts of each group."""
     leaf: Bools
     """Which of its cells are not refined, shape (g, 8)."""
-    centers: Floats
-    """F at the center of each cell, shape (g, 8)."""
+
+    def has_leaves(self, groups: Ints, children: Ints | int) -> Bools:
+        """Return whether a child of each of some groups (k,) is a leaf; group -1 has none."""
+        there = np.flatnonzero(groups >= 0)
+        result = np.zeros(len(groups), dtype=np.bool_)
+        result[there] = self.leaf[groups[there], np.broadcast_to(children, groups.shape)[there]]
+        return result
 
 
 def levels_of(
-    union: FilletedUnion, lattice: Lattice, wanted: Callable[[Floats, Ints], Floats]
+    union: FilletedUnion, lattice: Lattice, wanted: Callable[[Floats], Floats]
 ) -> list[Level]:
     """Return the groups of each level, those of two finest cells a side first.
 
     Parameters
     ----------
-    wanted : gives the cell size that a strut asks for from its local radius and its number
+    wanted : gives the largest cell, mm, from the local radius of a strut
 
     Raises
     ------
@@ -73,35 +86,29 @@ def levels_of(
         groups=np.zeros((1, 3), dtype=np.intp),
         lists=Lists(np.array([0, len(everything)]), everything),
         leaf=np.zeros((1, 8), dtype=np.bool_),
-        centers=np.zeros((1, 8)),
     )
     groups, lists, found, total = level.groups, level.lists, [], 0
     for size in range(lattice.levels, 0, -1):
         level, groups, lists = _refined(union, lattice, wanted, size, groups, lists)
         total += len(level.groups)
-        if total + len(groups) * min(size - 1, 4) > MOST_GROUPS:
-            raise OptionError(
-                f"the solid needs more than {MOST_GROUPS * 8:.3g} cells, some 20 GB; take larger "
-                "cells, larger radii or fewer struts"
-            )
+        _check_size(total + len(groups) * GROWTH ** (size - 1))
         found.append(level)
-    return balanced(union, lattice, _with_left_out(found[::-1]))
+    return balanced(found[::-1])
 
 
-def _with_left_out(levels: list[Level]) -> list[Level]:
-    """Return the levels where cells that were to be refined but hold nothing are leaves."""
-    result = levels[:1]
-    for fine, coarse in pairwise(levels):
-        cells = packed(2 * coarse.groups[:, None] + CHILDREN)  # (g, 8)
-        leaf = coarse.leaf | ~np.isin(cells, packed(fine.groups))
-        result.append(Level(coarse.groups, coarse.lists, leaf, coarse.centers))
-    return result
+def _check_size(groups: float) -> None:
+    if groups > MOST_GROUPS:
+        memory = groups * GROUP_BYTES / 1e9
+        raise OptionError(
+            f"the solid needs some {8 * groups:.2g} cells or more and {memory:.0f} GB; need at "
+            f"most {8 * MOST_GROUPS:.2g} cells: take larger cells, fewer struts, or blocks of them"
+        )
 
 
 def _refined(
     union: FilletedUnion,
     lattice: Lattice,
-    wanted: Callable[[Floats, Ints], Floats],
+    wanted: Callable[[Floats], Floats],
     size: int,
     groups: Ints,
     lists: Lists,
@@ -121,7 +128,6 @@ def _refined(
         groups=np.concatenate([part.groups for part in kept]) if kept else groups[:0],
         lists=joined_lists([part.lists for part in kept]),
         leaf=np.concatenate([part.leaf for part in kept]) if kept else np.zeros((0, 8), np.bool_),
-        centers=np.concatenate([part.centers for part in kept]) if kept else np.zeros((0, 8)),
     )
     next_groups = np.concatenate([part[0] for part in finer]) if finer else groups[:0]
     return level, next_groups, joined_lists([part[1] for part in finer])
@@ -130,7 +136,7 @@ def _refined(
 def _refine_some(
     union: FilletedUnion,
     lattice: Lattice,
-    wanted: Callable[[Floats, Ints], Floats],
+    wanted: Callable[[Floats], Floats],
     size: int,
     groups: Ints,
     lists: Lists,
@@ -145,47 +151,32 @@ def _refine_some(
     blend = union.blend[struts]
     near = distance - ball  # the least distance in the cell
     whole = any_of(distance + ball < 0, starts)
-    value, least = _bounds(union, which, struts, distance / blend, near / blend, starts)
+    least = least_values(near / blend, starts)
     active = ~whole & (least <= 0)
     kept = (near < blend) & active[which]
     refine = np.zeros(len(cells), dtype=np.bool_)
     if size > 1:
         asked = np.full(len(which), np.inf)
-        radii = union.local_radii(place[kept], struts[kept], ball)
-        asked[kept] = wanted(radii, struts[kept])
+        asked[kept] = wanted(union.local_radii(place[kept], struts[kept], ball))
+        if union.capped:
+            rim = union.rim_distances(centers[which[kept]], struts[kept]) < ball
+            asked[kept] *= np.where(rim, RIM_FRACTION, 1.0)
         smallest = np.minimum.reduceat(asked, starts)
         refine = active & (edge > smallest * SAFETY)
         far = least_cells(np.abs(centers + lattice.origin) + edge)
         refine &= edge / 2 >= far
-    some = active.reshape(-1, 8).any(axis=1)
-    rows = np.flatnonzero(some)
+    rows = np.flatnonzero((active & ~refine).reshape(-1, 8).any(axis=1))
     level = Level(
         groups=groups[rows],
         lists=_sub(lists, rows),
         leaf=~refine.reshape(-1, 8)[rows],
-        centers=value.reshape(-1, 8)[rows],
     )
     pairs = kept & refine[which]
     counts = np.add.reduceat(pairs.astype(np.intp), starts)[refine]
     return level, (cells[refine], Lists(np.append(0, np.cumsum(counts)), struts[pairs]))
 
 
-def _bounds(
-    union: FilletedUnion,
-    which: Ints,
-    struts: Ints,
-    ratio: Floats,
-    near: Floats,
-    starts: Ints,
-) -> tuple[Floats, Floats]:
-    """Return F at the centers of cells, and its least in them."""
-    merged, first = merged_groups(union, which, struts, ratio, starts)
-    value = filleted(1.0 - merged, merged, first)
-    merged, first = merged_groups(union, which, struts, near, starts)
-    return value, filleted(1.0 - merged, merged, first)
-
-
-def balanced(union: FilletedUnion, lattice: Lattice, levels: list[Level]) -> list[Level]:
+def balanced(levels: list[Level]) -> list[Level]:
     """Return the levels with leaves refined until those that touch differ by one level at most."""
     used = [k for k, level in enumerate(levels) if len(level.groups) and level.leaf.any()]
     if len(used) < 2:
@@ -197,19 +188,16 @@ def balanced(union: FilletedUnion, lattice: Lattice, levels: list[Level]) -> lis
         needed.append(np.unique(packed(np.concatenate(around))))
     result = list(levels)
     for k in range(len(levels) - 1, 0, -1):
-        result[k - 1 : k + 1] = _split(union, lattice, k, result[k - 1], result[k], needed[k - 1])
+        result[k - 1 : k + 1] = _split(result[k - 1], result[k], needed[k - 1])
     return result
 
 
 def _split(
-    union: FilletedUnion,
-    lattice: Lattice,
-    k: int,
     fine: Level,
     coarse: Level,
     needed: NDArray[np.int64],
 ) -> list[Level]:
-    """Return two levels, of sizes k and k + 1, with the leaves refined whose keys are needed."""
+    """Return two levels that follow each other, with the leaves refined whose keys are needed."""
     cells = 2 * coarse.groups[:, None] + CHILDREN  # (g, 8, 3)
     split = coarse.leaf & np.isin(packed(cells), needed)
     if not split.any():
@@ -217,16 +205,12 @@ def _split(
     parents = np.nonzero(split)[0]
     groups = cells[split]
     lists = _sub(coarse.lists, parents)
-    edge = lattice.cell * 2.0 ** (k - 1)
-    centers = (2 * groups[:, None] + CHILDREN + 0.5).reshape(-1, 3) * edge
-    found = values(union, centers, np.repeat(np.arange(len(groups)), 8), lists)
     finer = Level(
         groups=np.concatenate([fine.groups, groups]),
         lists=joined_lists([fine.lists, lists]),
         leaf=np.concatenate([fine.leaf, np.ones((len(groups), 8), dtype=np.bool_)]),
-        centers=np.concatenate([fine.centers, found.reshape(-1, 8)]),
     )
-    return [finer, Level(coarse.groups, coarse.lists, coarse.leaf & ~split, coarse.centers)]
+    return [finer, Level(coarse.groups, coarse.lists, coarse.leaf & ~split)]
 
 
 def packed(cells: NDArray[np.integer]) -> NDArray[np.int64]:
