@@ -22,7 +22,6 @@ FLOORS = (
     ("lattice", "partition", "convolution", "brep"),
     ("scaffold",),
     ("struts",),
-    ("smooth",),
     ("solid",),
     ("products",),
     ("io",),

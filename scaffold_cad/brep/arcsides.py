@@ -52,7 +52,7 @@ def arc_parameters(
         turning = (place[..., 0] * speed[..., 1] - place[..., 1] * speed[..., 0]) / np.square(
             place
         ).sum(axis=2)
-        found = found - off / turning
-    coefficients: Floats = np.linalg.solve(bernstein(DEGREE, nodes), found.T).T
+        found = np.asarray(found - off / turning, dtype=np.float64)
+    coefficients = np.array(np.linalg.solve(bernstein(DEGREE, nodes), found.T).T, np.float64)
     coefficients[:, [0, -1]] = ends
     return coefficients

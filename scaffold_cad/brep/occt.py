@@ -71,6 +71,14 @@ TOLERANCE = 1e-7
 UNIT_SQUARE = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
 """Parameters (u, v) of a patch's corners in the order of its quad."""
 
+__all__ = [
+    "Integers",
+    "PlanePointRow",
+    "PointGrid",
+    "PointRow",
+    "Reals",
+]
+
 CHUNK = 4096
 """Patches whose numbers are Python objects at a time: bounds the memory they take."""
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import logging
 import os
+import re
 import sys
 from collections.abc import Sequence
 
@@ -18,6 +19,11 @@ from scaffold_cad.cli import build, cells, check, formats, info, lattice, view
 from scaffold_cad.errors import ScaffoldCadError
 
 COMMANDS = (build, lattice, cells, check, view, formats, info)
+
+PARAMETER = re.compile(
+    r"\b(overlaps|radius|blend|ends|sides|collars|section|fit|max_nodes)=('?)([\w.]*)\2"
+)
+"""Parameters of the library that are flags here, as messages give them."""
 
 BAD_INPUT = 2
 INTERRUPTED = 130
@@ -31,7 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         code: int | None = options.run(options)
         sys.stdout.flush()
     except ScaffoldCadError as error:
-        print(f"scaffold-cad: {error}", file=sys.stderr)
+        print(f"scaffold-cad: {with_flags(str(error))}", file=sys.stderr)
         return BAD_INPUT
     except MemoryError:
         print("scaffold-cad: out of memory; need a smaller skeleton", file=sys.stderr)
@@ -46,6 +52,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("scaffold-cad: interrupted", file=sys.stderr)
         return INTERRUPTED
     return code or 0  # most commands give none: they are done
+
+
+def with_flags(message: str) -> str:
+    """Return a message of the library with its parameters as the command's flags.
+
+    Examples
+    --------
+    >>> with_flags("need overlaps='unite', or radius= for all")
+    'need --overlaps unite, or --radius for all'
+    """
+    return PARAMETER.sub(
+        lambda found: f"--{found[1].replace('_', '-')} {found[3]}".strip(), message
+    )
 
 
 def _parser() -> argparse.ArgumentParser:

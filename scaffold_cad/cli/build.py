@@ -148,7 +148,7 @@ def run(options: argparse.Namespace) -> None:
             product: Any = round_struts(skeleton, **round_options(options))
     elif options.product == "shell":
         cad = options.output.suffix.lower() in BREP_SUFFIXES
-        overlaps = options.overlaps or "allow"
+        overlaps: Overlaps = options.overlaps or "allow"
         product = to_brep(scaffold, "shell", overlaps=overlaps) if cad else scaffold.mesh
     else:
         product = scaffold

@@ -35,7 +35,7 @@ class Content:
     write_pcurves: bool = False
     """Whether edges are also written in the parameters of their faces (STEP only)."""
     overlaps: Overlaps | None = None
-    """What becomes of struts that overlap; None to unite them in meshes and refuse them in B-reps."""
+    """What becomes of struts that overlap; None to unite them in meshes, refuse them in B-reps."""
     sides: int = SIDES
     """Of the polygon that stands for the circle of a round strut in a mesh."""
 

@@ -43,10 +43,10 @@ def write(
 
     Parameters
     ----------
-    what : a Scaffold, RoundStruts, a QuadMesh, smooth patches, a subdivision or a BezierMesh for any
-        format that holds solids; a Solidified, a TriangleMesh, a manifold3d Manifold or a trimesh
-        Trimesh for mesh formats; a build123d shape, or a builder, which mesh formats get within
-        0.01 mm; a Skeleton for JSON, 3MF (as a beam lattice), OBJ (as lines, without radii) and SWC
+    what : a Scaffold, RoundStruts, a QuadMesh, smooth patches, a subdivision or a BezierMesh
+        for any format that holds solids; a Solidified, a TriangleMesh, a manifold3d Manifold or a
+        trimesh Trimesh for mesh formats; a build123d shape, or a builder, which mesh formats get
+        within 0.01 mm; a Skeleton for JSON, 3MF (as a beam lattice), OBJ (as lines, without radii) and SWC
         (without loops); a BeamLattice for 3MF
     path : of the file; its suffix names the format
     write_pcurves : whether a STEP file also holds each edge in the parameters of its faces, for
@@ -54,8 +54,8 @@ def write(
     overlaps : what becomes of the struts of a Scaffold or of RoundStruts that overlap: "unite"
         them, which is the default of mesh formats and gives plane triangles in STEP and BREP files;
         "refuse" them, the default of STEP and BREP; or "allow" faces that cross
-    sides : of the polygon that stands for the circle of a round strut in mesh formats, a multiple of
-        4; 16 by default
+    sides : of the polygon that stands for the circle of a round strut in mesh formats, a multiple
+        of 4; 16 by default
 
     Raises
     ------

@@ -42,8 +42,8 @@ def without_overlapping_stubs(skeleton: Skeleton, section: Section) -> Model:
             raise BrepError(
                 f"{dropped} of {count} struts end free and overlap others; need a fifth at most "
                 'to leave them out (keep="whole" for struts that are not cut, dangling=False for '
-                "no loose ends, smaller radii or larger cells, or overlaps='unite' if the union has few "
-                "triangles; lattice_part makes a mesh of any)"
+                "no loose ends, smaller radii or larger cells, or overlaps='unite' if the union "
+                "has few triangles; lattice_part makes a mesh of any)"
             )
         if keep.all():
             break

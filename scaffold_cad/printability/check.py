@@ -46,9 +46,9 @@ def check_printability(
 
     Parameters
     ----------
-    what : a Skeleton, a Scaffold or RoundStruts, whose solid is made; or anything else that has a surface,
-        see `surface_of`: a mesh, smooth patches, a Solidified, a manifold3d Manifold, a trimesh
-        Trimesh, a build123d shape or a builder
+    what : a Skeleton, a Scaffold or RoundStruts, whose solid is made; or anything else that has a
+        surface, see `surface_of`: a mesh, smooth patches, a Solidified, a manifold3d Manifold, a
+        trimesh Trimesh, a build123d shape or a builder
     process : a name in `PROCESSES`, or limits of your own
     skeleton : of the struts of a mesh, with their radii; a Skeleton or a Scaffold has its own
     direction : that is built upwards in, or "best"

@@ -41,8 +41,8 @@ def to_brep(
         and four patches a strut at each node. For solids meshes are closed and outward; for shells
         neighboring quads must agree in direction
     kind : "solid" or "shell"
-    overlaps : what becomes of struts that overlap: "refuse" them, "unite" them, whose faces are then
-        plane triangles, or "allow" faces that cross
+    overlaps : what becomes of struts that overlap: "refuse" them, "unite" them, whose faces are
+        then plane triangles, or "allow" faces that cross
     smooth : whether the faces of a quad mesh are patches that join with one tangent plane, see
         `smooth_patches`, instead of planes and bilinear patches
     split : of `smooth_patches`, with `smooth` only
@@ -86,7 +86,7 @@ def to_brep(
         if to_unite(overlaps, what.embedding().left_out, what.skeleton):
             return faceted(manifold_triangles(to_solid(what)))
         what = what.mesh
-    if smooth:
+    if smooth and isinstance(what, QuadMesh):
         what = smooth_patches(what, split=split)
     return brep.brep_of_patches(what.bezier if isinstance(what, Patches) else what, kind)
 

@@ -14,8 +14,7 @@ from scaffold_cad.base.arrays import Bools, Floats, Ints
 from scaffold_cad.base.vectors import length, triple
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.solid.field.solid import field_solid
-from scaffold_cad.solid.field.struts import FieldStruts, field_struts
+from scaffold_cad.solid.field import FieldStruts, field_solid, field_struts
 from scaffold_cad.struts.apart import crossing_runs
 from scaffold_cad.struts.bands import enlargement
 from scaffold_cad.struts.model import RoundStruts

@@ -148,4 +148,4 @@ def slicing(count: int, spline: Spline) -> Floats:
     at = np.arange(DEGREE + 1) / DEGREE
     places = (np.arange(count)[:, None] + 0.5 * at + 0.25) / count  # inside of a piece
     values = spline.values_at(places.reshape(-1)).reshape(count, DEGREE + 1, spline.count)
-    return np.linalg.solve(bernstein(DEGREE, 0.5 * at + 0.25)[None], values)
+    return np.asarray(np.linalg.solve(bernstein(DEGREE, 0.5 * at + 0.25)[None], values), np.float64)

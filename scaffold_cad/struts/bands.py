@@ -46,7 +46,8 @@ def matching(x: UnitVectors, y: UnitVectors, far_x: UnitVectors, sides: int) -> 
 def twist_of(x: UnitVectors, y: UnitVectors, far_x: UnitVectors, sides: int, shift: Ints) -> Floats:
     """Return the twist in (−π, π] of bands whose matching is given, rad, shape (b,)."""
     phase = np.arctan2(dot(far_x, y), dot(far_x, x)) - 2 * np.pi / sides * shift
-    return np.pi - np.mod(np.pi - phase, 2 * np.pi)
+    twist: Floats = np.pi - np.mod(np.pi - phase, 2 * np.pi)
+    return twist
 
 
 def band_triangles(near: Ints, far: Ints, shift: Ints, twist: Floats) -> Triangles:

@@ -64,4 +64,5 @@ class RoundStruts(Frozen, Shown):
     @property
     def overlapping(self) -> Ints:
         """Edges at a crowded node, whose surfaces may cross others, ascending."""
-        return np.flatnonzero(self.crowded[self.runs.edges].any(axis=1)[self.runs.run_of_edge])
+        crowded: Bools = np.asarray(self.crowded[self.runs.edges].any(axis=1))
+        return np.flatnonzero(crowded[self.runs.run_of_edge])

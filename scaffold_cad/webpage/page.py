@@ -134,8 +134,8 @@ def _surface(what: Model) -> QuadMesh | TriangleMesh:
     mesh = surface_of(what)
     if mesh is None:
         raise OptionError(
-            f"a page cannot show a {type(what).__name__}; need a Skeleton, a Scaffold, RoundStruts, a mesh or a "
-            "manifold3d Manifold"
+            f"a page cannot show a {type(what).__name__}; need a Skeleton, a Scaffold, "
+            "RoundStruts, a mesh or a manifold3d Manifold"
         )
     return mesh
 

@@ -251,8 +251,8 @@ def _write_patch_points(
         share = np.linspace(0.0, 1.0, numbers.shape[1])
         along = start[:, :, None] + (end - start)[:, :, None] * share  # (u, 2, n)
         i, j = (
-            np.rint((count - 1) * along[:, axis]).astype(np.intp)
-            for axis, count in enumerate(grid.shape[1:])
+            np.rint((wide - 1) * along[:, axis]).astype(np.intp)
+            for axis, wide in enumerate(table.control.shape[1:3])
         )
         grid[patch[uses, None], i, j] = numbers[curve[uses]]
         start_of_curves += len(numbers)

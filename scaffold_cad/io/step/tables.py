@@ -90,6 +90,7 @@ class Tables:
 
 
 def references(count: int) -> str:
+    """Return a template of so many references to entities."""
     return ",".join(["#%d"] * count)
 
 
