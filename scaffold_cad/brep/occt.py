@@ -2,7 +2,7 @@
 
 Importing build123d and its OCP takes seconds: `brep.py` imports this module in its functions.
 
-Neighbouring faces share their `TopoDS_Edge` and `TopoDS_Vertex` from the start: there is nothing
+Neighboring faces share their `TopoDS_Edge` and `TopoDS_Vertex` from the start: there is nothing
 to sew, and every tolerance is `TOLERANCE`.
 """
 
@@ -98,7 +98,7 @@ def make_shape(
 
 
 def _faces(patches: BezierMesh) -> list[TopoDS_Face]:
-    """Return a face on each patch; neighbours share their edges."""
+    """Return a face on each patch; neighbors share their edges."""
     builder = BRep_Builder()
     mesh = patches.mesh
     edges = edges_between(mesh.vertices, mesh.edges, _curves(patches))
@@ -193,7 +193,7 @@ def _surfaces(patches: BezierMesh) -> Iterator[tuple[Geom_Surface, bool]]:
 
 
 def _plane(origin: list[float], along: list[float], normal: list[float]) -> Geom_Plane:
-    """Return the plane through `origin` with x towards `along` and z along `normal`."""
+    """Return the plane through `origin` with x toward `along` and z along `normal`."""
     x = gp_Dir(*(b - a for a, b in zip(origin, along, strict=True)))
     return Geom_Plane(gp_Ax3(gp_Pnt(*origin), gp_Dir(*normal), x))
 
@@ -265,7 +265,7 @@ def tessellate(shape: Shape, distance: float, angle: float) -> tuple[Points, Tri
     ----------
     shape : a build123d shape with faces
     distance : largest distance of a triangle from its face that OCCT aims at, mm
-    angle : largest angle between neighbouring triangles of a face, rad
+    angle : largest angle between neighboring triangles of a face, rad
 
     Raises
     ------
@@ -347,7 +347,7 @@ def _restored(*settings: str) -> Iterator[None]:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep OCCT from printing what is no failure."""
+    """Keep OCCT from printing what is not a failure."""
     printers = list(Message.DefaultMessenger_s().Printers())
     before = [printer.GetTraceLevel() for printer in printers]
     try:

@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING, Literal, get_args
 import numpy as np
 from scipy.spatial import cKDTree
 
+from scaffold_cad.base.arguments import check_choice
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.base.vectors import length
 from scaffold_cad.brep.beziermesh import BezierMesh
-from scaffold_cad.errors import BrepError, FormatError, OptionError
+from scaffold_cad.errors import BrepError, FormatError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.shells import check_oriented, check_solid, quads_of_shells
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -38,15 +39,14 @@ TESSELLATION_DISTANCE = 0.01
 sphere be up to 2.2 times as far off."""
 
 TESSELLATION_ANGLE = 0.3
-"""Largest angle between neighbouring triangles of a face, rad. It makes rounds smaller than the
+"""Largest angle between neighboring triangles of a face, rad. It makes rounds smaller than the
 distance 21-gons, of 98.5 % of their area; a smaller angle takes up to 40 times as many triangles on
 the thin patches of a smooth strut."""
 
 
 def brep_of_patches(mesh: QuadMesh | BezierMesh, kind: Kind = "solid") -> Shape:
-    """Return the B-rep of `mesh`: what `cad.to_brep` returns of it, and raises."""
-    if kind not in get_args(Kind):
-        raise OptionError(f"kind is {kind!r}; need one of {', '.join(get_args(Kind))}")
+    """Return the B-rep of `mesh`: see `to_brep`."""
+    check_choice(kind, "kind", get_args(Kind))
     patches = BezierMesh.bilinear(mesh) if isinstance(mesh, QuadMesh) else mesh
     if kind == "solid":
         check_solid(patches.mesh)
@@ -104,7 +104,7 @@ def tessellated(
 
     Parameters
     ----------
-    angle : largest angle between neighbouring triangles of a face, rad
+    angle : largest angle between neighboring triangles of a face, rad
 
     Raises
     ------
@@ -151,7 +151,7 @@ def export_step(shape: Shape, path: Path, *, write_pcurves: bool = False) -> Non
 
     Parameters
     ----------
-    shape : any build123d shape; its labels and colours are kept
+    shape : any build123d shape; its labels and colors are kept
     path : of the file; `write` writes it whole or not at all
     write_pcurves : whether each edge is also written in the parameters of its faces, for programs
         that ask for it; it doubles the file

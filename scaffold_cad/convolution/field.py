@@ -82,7 +82,7 @@ class ConvolutionField:
     SkeletonError
         If `check_skeleton` refuses the skeleton.
     OptionError
-        If `kernel` has none of its values or `width` is out of its range.
+        If `kernel` has an unknown value or `width` is out of its range.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""Which points are near which edges, found a block of neighbouring points at a time."""
+"""Which points are near which edges, found a block of neighboring points at a time."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ def nearby_pairs(
     high = np.maximum.reduceat(points[order], firsts, axis=0)
     block, edge = _overlaps(low, high, starts, ends, reaches)
 
-    centres, radii = (low + high) / 2, length(high - low) / 2
+    centers, radii = (low + high) / 2, length(high - low) / 2
     spans = ends - starts
-    offsets = centres[block] - starts[edge]
+    offsets = centers[block] - starts[edge]
     share = dot(offsets, spans[edge]) / dot(spans, spans)[edge]
     gaps = length(offsets - np.clip(share, 0, 1)[:, None] * spans[edge])
     near = gaps <= (radii[block] + reaches[edge]) * (1 + 1e-9)

@@ -66,7 +66,7 @@ def _independent(triangles: Triangles, edges: Edges) -> Edges:
                 neighbors[vertex] |= set(row)
     for a, b in edges.tolist():
         around = neighbors[a] | neighbors[b]
-        # Two common neighbours besides the ends themselves: the link condition.
+        # Two common neighbors besides the ends themselves: the link condition.
         if len(neighbors[a] & neighbors[b]) == 4 and not around & touched:
             touched |= around
             chosen.append((a, b))

@@ -185,7 +185,7 @@ def _apart(corners: Ints) -> Bools:
 
 
 def _relaxed(mesh: TriangleMesh, target: _Target) -> TriangleMesh:
-    """Return the mesh with its inner vertices in the middle of their neighbours, on the target."""
+    """Return the mesh with its inner vertices in the middle of their neighbors, on the target."""
     edges, of_side = _edges(mesh.triangles)
     uses = np.bincount(of_side.reshape(-1), minlength=len(edges))
     held = np.zeros(len(mesh.vertices), dtype=np.bool_)

@@ -71,7 +71,7 @@ def corners_of(vertices: UnitVectors, quads: Ints) -> UnitVectors:
 
 
 def arc_normals(corners: UnitVectors) -> UnitVectors:
-    """Return the unit normal, towards the quad, of each arc's great circle, (..., 4, 3).
+    """Return the unit normal, toward the quad, of each arc's great circle, (..., 4, 3).
 
     The normal of an arc between vertices that are nearly equal or opposite is not a number.
     """

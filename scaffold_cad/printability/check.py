@@ -60,7 +60,7 @@ def check_printability(
     MeshError
         If there is no triangle.
     OptionError
-        If `what` has no surface, `skeleton` is none, or the process, the material or the
+        If `what` has no surface, `skeleton` is of another type, or the process, the material or the
         direction is not known.
     """
     process = process_named(process)

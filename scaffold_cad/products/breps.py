@@ -25,11 +25,11 @@ def to_brep(
     caps: Caps | None = None,
     split: int | None = None,
 ) -> Shape:
-    """Return the B-rep of a scaffold or a mesh: one face a quad, neighbours sharing their edges.
+    """Return the B-rep of a scaffold or a mesh: one face a quad, neighbors sharing their edges.
 
     Parameters
     ----------
-    what : for solids closed and outward; for shells neighbouring quads must agree in direction
+    what : for solids closed and outward; for shells neighboring quads must agree in direction
     kind : "solid" or "shell"
     smooth : whether the faces are Bézier patches that join with one tangent plane, see
         `smooth_patches`, instead of planes and bilinear patches
@@ -47,8 +47,8 @@ def to_brep(
     BrepError
         If an edge or a quad is smaller than the tolerance of CAD systems.
     OptionError
-        If `what` is none of these, `smooth` is asked of patches, `caps` or `split` without
-        `smooth`, or an option has none of its values.
+        If `what` is of another type, `smooth` is asked of patches, `caps` or `split` without
+        `smooth`, or an option has an unknown value.
     MissingBackendError
         If build123d is not installed.
 

@@ -16,7 +16,7 @@ def to_mesh_shape(what: Any) -> Face:
     """Return a mesh as one build123d Face that carries its triangles and no surface.
 
     It is what build123d's own `import_stl` returns: viewers show it and `export_stl` writes it,
-    however many triangles there are. It is no solid: it has no volume, booleans and fillets do
+    however many triangles there are. It is not a solid: it has no volume, booleans and fillets do
     nothing good with it, and a STEP file of it holds triangles at best.
 
     Parameters
@@ -29,7 +29,7 @@ def to_mesh_shape(what: Any) -> Face:
     MeshError
         If it has no triangles.
     OptionError
-        If it is no mesh.
+        If it is not a mesh.
     MissingBackendError
         If build123d is not installed.
     """

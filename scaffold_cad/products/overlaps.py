@@ -1,4 +1,4 @@
-"""What is said of struts that overlap, by the command line and where parts are filled."""
+"""The log message about struts that overlap, of the command line and of filled parts."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def log_overlaps(scaffold: Scaffold, edges: Ints, *, united: bool, smooth: bool 
     Parameters
     ----------
     edges : struts, see `Embedding.left_out`, `Solidified.united_edges` and `crossing_struts`
-    united : whether they are, and so the surface does not cross itself
+    united : whether they are united, so that the surface does not cross itself
     smooth : whether the surface is smooth elsewhere
     """
     if len(edges) == 0:
@@ -25,11 +25,11 @@ def log_overlaps(scaffold: Scaffold, edges: Ints, *, united: bool, smooth: bool 
         outcome = "; they are united" + (", and not smooth there" if smooth else "")
     else:
         outcome = (
-            ": the surface may cross itself there; a smaller radius, build --simplify or a mesh "
-            "format helps"
+            ": the surface may cross itself there; smaller radii, a simplified skeleton or a mesh "
+            "format help"
         )
     if not scaffold.options.collars:
-        outcome += "; --collars keeps struts straight and thinner at their nodes"
+        outcome += "; collars keep struts straight and thinner at their nodes"
     _log.log(
         logging.INFO if united else logging.WARNING,
         "%d of %d struts overlap others or their nodes, edge %d first%s",

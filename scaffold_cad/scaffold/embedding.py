@@ -1,6 +1,6 @@
 """Where a scaffold is embedded: which struts keep to their own room, edge by edge.
 
-Every strut is a *tube*: its sleeves, closed at both ends towards its nodes. The tubes tile the
+Every strut is a *tube*: its sleeves, closed at both ends toward its nodes. The tubes tile the
 inside of the scaffold. No two faces meet outside shared edges if
 
 - each strut leaves each of its nodes within its own cone, the part of space that the spherical
@@ -65,7 +65,7 @@ class Sleeved(Protocol):
         """The partitions of the branch points."""
 
 
-STAR_CENTRES = (0.5, 0.25, 0.75, 0.1, 0.9, 0.02, 0.98)
+STAR_CENTERS = (0.5, 0.25, 0.75, 0.1, 0.9, 0.02, 0.98)
 """Where on its axis a sleeve is tried to be star-shaped, as fractions of its length."""
 
 MOST_SLEEVES = 3
@@ -191,7 +191,7 @@ def _within_cones(scaffold: Sleeved) -> Bools:
 
 
 def _uncrossed(scaffold: Sleeved) -> Bools:
-    """Return whether each sleeve, closed towards its nodes, holds its axis and is whole, (m',).
+    """Return whether each sleeve, closed toward its nodes, holds its axis and is whole, (m',).
 
     Nearly all are star-shaped around a point of their axis: their triangles are all seen from one
     side and together cover the sphere of directions once.
@@ -201,17 +201,17 @@ def _uncrossed(scaffold: Sleeved) -> Bools:
     sides = scaffold.mesh.triangles[: 8 * len(refined.edges)].reshape(-1, 8, 3)
     fine = np.zeros(len(refined.edges), dtype=np.bool_)
     rounding = rounding_of(scaffold.mesh.vertices)
-    for fraction in STAR_CENTRES:
+    for fraction in STAR_CENTERS:
         for part in _chunks(np.flatnonzero(~fine)):
-            centre = (1 - fraction) * start[part] + fraction * end[part]
+            center = (1 - fraction) * start[part] + fraction * end[part]
             shell = _closed_sleeves(scaffold, part, sides[part])  # (k, 16, 3, 3)
-            fine[part] = _seen_once(shell - centre[:, None, None, :], rounding)
+            fine[part] = _seen_once(shell - center[:, None, None, :], rounding)
     for part in _chunks(np.flatnonzero(~fine)):
         shell = _closed_sleeves(scaffold, part, sides[part])
         fine[part] = _whole(shell)
-        for fraction in STAR_CENTRES:
-            centre = (1 - fraction) * start[part] + fraction * end[part]
-            fine[part] &= _solid_angle(shell - centre[:, None, None, :]) > 2 * np.pi
+        for fraction in STAR_CENTERS:
+            center = (1 - fraction) * start[part] + fraction * end[part]
+            fine[part] &= _solid_angle(shell - center[:, None, None, :]) > 2 * np.pi
     return fine
 
 
@@ -327,8 +327,8 @@ def _with_stubs(scaffold: Sleeved, tubes: _Bodies, left_out: Ints, kept_nodes: B
     apex = stub_apexes(scaffold, half_edges)
     axis = np.stack([skeleton.nodes[node], apex], axis=1)
     following = np.roll(quad, -1, axis=1)
-    centre, top = axis[:, :1], axis[:, 1:]
-    sides = np.cross(following - centre, quad - centre)
+    center, top = axis[:, :1], axis[:, 1:]
+    sides = np.cross(following - center, quad - center)
     caps = np.cross(following - top, quad - top)
     stubs = _Bodies(
         points=np.concatenate([quad, axis, quad], axis=1),

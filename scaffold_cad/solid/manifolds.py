@@ -49,7 +49,7 @@ def to_manifold(mesh: QuadMesh | TriangleMesh) -> Manifold:
     MeshError
         If the mesh is not closed, not outward, or manifold3d refuses it; the reason is named.
     OptionError
-        If it is no mesh.
+        If it is not a mesh.
     MissingBackendError
         If manifold3d is not installed.
     """
@@ -103,7 +103,7 @@ def to_trimesh(what: QuadMesh | TriangleMesh | Manifold) -> Trimesh:
     Raises
     ------
     OptionError
-        If it is none of these.
+        If it is of another type.
     MissingBackendError
         If trimesh is not installed.
     """

@@ -58,7 +58,7 @@ def solid_pieces(scaffold: Scaffold, embedded: Embedding, wobble: Floats) -> Pie
 
     Parameters
     ----------
-    wobble : (n,) float64; how much the prisms of struts left out are made unlike each other at
+    wobble : (n,) float64; relative perturbation of the prisms of struts left out at
         each node, as a fraction of their radius: faces that lie in one plane, or edges in one
         line, are hard to unite
     """
@@ -71,7 +71,7 @@ def solid_pieces(scaffold: Scaffold, embedded: Embedding, wobble: Floats) -> Pie
 
 
 def spread(count: int, axis: int) -> Floats:
-    """Return evenly spread numbers in [-1/2, 1/2), unlike for neighbours, (count,).
+    """Return evenly spread numbers in [-1/2, 1/2), unlike for neighbors, (count,).
 
     Multiples of the powers of the plastic number's inverse: Roberts's additive recurrence.
     """
@@ -208,9 +208,9 @@ def _prisms(scaffold: Scaffold, struts: _Struts) -> list[Points]:
     radii = skeleton.radii[struts.ends] * struts.width[:, None]  # (k, 2), of the corners
     further = np.where(skeleton.valency[struts.ends] > 1, OVERLAP * radii, 0.0)
     outward = np.stack([-struts.axis, struts.axis], axis=1)
-    centres = skeleton.nodes[struts.ends] + further[:, :, None] * outward  # (k, 2, 3)
+    centers = skeleton.nodes[struts.ends] + further[:, :, None] * outward  # (k, 2, 3)
     sections = _square(struts.x, struts.axis)[:, None] * radii[:, :, None, None]
-    return list((centres[:, :, None, :] + sections).reshape(-1, 8, 3))
+    return list((centers[:, :, None, :] + sections).reshape(-1, 8, 3))
 
 
 def _hubs(scaffold: Scaffold, struts: _Struts, kept: Bools) -> list[Points]:

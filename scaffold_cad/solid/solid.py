@@ -29,11 +29,11 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 WOBBLES = np.array([0.0, 1e-3, -1e-3, 3e-3, -3e-3, 0.01, -0.01, 0.02, -0.02, 0.03, -0.03])
-"""How unlike each other the prisms of overlapping struts are made, in turn, where their union
-crosses itself; relative to their radius. The first that works is taken."""
+"""Relative perturbations of the radii of the prisms of overlapping struts, tried in turn where
+their union crosses itself. The first that works is used: the fallback of struts that overlap."""
 
 NEAR_FAULT = 3.0
-"""How far from a fault of a union struts are made unlike each other, in their radii."""
+"""Distance from a fault of a union within which struts are perturbed, in their radii."""
 
 SINGLE_PRECISION = 2.0**-22
 """Least length of an edge after a union, in greatest coordinates: a few roundings to 32 bits."""
@@ -57,7 +57,7 @@ def to_solid(what: Scaffold | QuadMesh | TriangleMesh, *, sides: int = 4) -> Man
     """Return `what` as a watertight manifold3d solid.
 
     A scaffold's mesh is taken as it is where `Scaffold.embedding` certifies it, and the struts
-    that it does not certify go through a union: `solidified` tells which. A bare mesh is taken as
+    that it does not certify go through a union: `solidified` lists them. A bare mesh is taken as
     it is: where two parts of it cross, they still cross in the solid.
 
     Parameters
@@ -69,7 +69,7 @@ def to_solid(what: Scaffold | QuadMesh | TriangleMesh, *, sides: int = 4) -> Man
     MeshError
         If a bare mesh is not closed or not outward.
     OptionError
-        If `what` is none of these, `sides` is not 4, 8 or 16, or not 4 for a bare mesh.
+        If `what` is of another type, `sides` is not 4, 8 or 16, or not 4 for a bare mesh.
     MissingBackendError
         If manifold3d is not installed.
     """
@@ -134,8 +134,8 @@ def _clean_union(
 ) -> Solidified:
     """Return the first union without a fault, its voids filled.
 
-    Struts near a fault are made anew and all others as they were, so that nothing changes where
-    all is well: with thousands of struts no try would be without any fault.
+    Only struts near a fault are perturbed further: with thousands of struts, one perturbation of
+    all would hardly ever be free of faults.
 
     Parameters
     ----------
@@ -179,7 +179,7 @@ class FaultySurfaceError(MeshError):
     def __init__(self, message: str, places: Points) -> None:
         super().__init__(message)
         self.places = places
-        """Points near the faults, shape (k, 3), mm; none if nobody knows."""
+        """Points near the faults, shape (k, 3), mm; k is 0 if they are not known."""
 
 
 def clean_surface(manifold: Manifold) -> TriangleMesh:

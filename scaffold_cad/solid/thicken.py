@@ -37,7 +37,7 @@ def thicken(what: Scaffold | QuadMesh | Skeleton, radius: float, *, sides: int =
     Raises
     ------
     OptionError
-        If `what` is none of these, `radius` is not a finite number > 0, or `sides` is another
+        If `what` is of another type, `radius` is not a finite number > 0, or `sides` is another
         number.
     """
     check_sides(sides)

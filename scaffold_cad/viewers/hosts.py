@@ -68,7 +68,7 @@ def _in_cq_editor(caller: FrameType) -> Display | None:
 
 
 def _cq_options(what: Any) -> dict[str, Any]:
-    """Return what CQ-editor calls the colour of a build123d shape."""
+    """Return what CQ-editor calls the color of a build123d shape."""
     color = getattr(what, "color", None)
     if color is None:
         return {}
