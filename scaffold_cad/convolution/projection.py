@@ -75,6 +75,15 @@ def project(mesh: QuadMesh, field: ConvolutionField) -> QuadMesh:
     The mesh must be near the surface in bends and forks too, as that of a scaffold with collars
     is. Where edges that do not meet are so close that their surfaces become one, the surface has
     fewer holes than the scaffold, and the mesh crosses itself: `self_intersections` finds where.
+
+    Examples
+    --------
+    >>> from scaffold_cad import ConvolutionField, Skeleton, build_scaffold, project
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> mesh = build_scaffold(strut, collars=True).mesh
+    >>> field = ConvolutionField(strut)
+    >>> round(float(field.value(project(mesh, field).vertices).max()), 6)
+    1.0
     """
     check_kind(mesh, QuadMesh)
     check_kind(field, ConvolutionField)

@@ -90,6 +90,12 @@ def fill(
         If the mesh is not closed.
     SkeletonError
         If no strut is in the region.
+
+    Examples
+    --------
+    >>> from scaffold_cad import fill
+    >>> len(fill([[0, 0, 0], [10, 10, 10]], "bcc", 5.0, radius=0.5).edges)
+    64
     """
     check_choice(keep, "keep", get_args(Keep))
     cell = as_cell(cell)

@@ -115,6 +115,12 @@ def delaunay_foam(
         If a mesh is not closed.
     SkeletonError
         If no tetrahedron is in the region.
+
+    Examples
+    --------
+    >>> from scaffold_cad import delaunay_foam
+    >>> delaunay_foam(9, [[0, 0, 0], [9, 9, 9]], radius=0.3).component_count
+    1
     """
     return foams.delaunay_foam(
         count,

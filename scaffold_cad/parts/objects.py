@@ -38,6 +38,14 @@ class ScaffoldSolid(SkeletonPart):
 
     Each extremity has a `RigidJoint` "extremity 7", named after its node: z leaves the strut, x
     points to the middle of a side of its section.
+
+    Examples
+    --------
+    >>> from scaffold_cad import ScaffoldSolid, Skeleton
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> solid = ScaffoldSolid(strut, label="pin")
+    >>> round(solid.volume, 6), sorted(solid.joints)
+    (36.0, ['extremity 0', 'extremity 1'])
     """
 
     @checks_keywords(SkeletonPart.__init__, build_scaffold)
@@ -80,6 +88,14 @@ class SmoothScaffold(SkeletonPart):
     """The smooth solid around a skeleton: round struts, one tangent plane across every edge.
 
     It has the joints of a `ScaffoldSolid`.
+
+    Examples
+    --------
+    >>> from scaffold_cad import SmoothScaffold, Skeleton
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> pin = SmoothScaffold(strut, caps="flat")
+    >>> abs(pin.volume / (9 * 3.1416) - 1) < 0.05
+    True
     """
 
     @checks_keywords(SkeletonPart.__init__, build_scaffold)
@@ -125,6 +141,13 @@ class StrutFrame(SkeletonPart):
     """The edges of a skeleton, a scaffold or a quad mesh as struts of one radius.
 
     Joints are at the extremities of the skeleton, and of a scaffold's skeleton.
+
+    Examples
+    --------
+    >>> from scaffold_cad import StrutFrame, Skeleton
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> round(StrutFrame(strut, radius=0.5).volume, 6)
+    9.0
     """
 
     @checks_keywords(SkeletonPart.__init__)
@@ -170,6 +193,13 @@ class LatticeBox(SkeletonPart):
 
     It lines up with build123d's `Box` of the same size and `align`; what is in its sides stands
     out, struts by their radius and nodes by more.
+
+    Examples
+    --------
+    >>> from scaffold_cad import LatticeBox
+    >>> box = LatticeBox("bcc", 8.0, 8, 8, 8, radius=0.5)
+    >>> len(box.skeleton.edges), box.is_valid
+    (8, True)
     """
 
     @checks_keywords(SkeletonPart.__init__)
@@ -236,6 +266,14 @@ class LatticeFill(SkeletonPart):
 
     The ends of slanted struts stand out of the part by up to their radius: `LatticeFill(...) &
     part` trims them, slowly. `lattice_part` does so on triangles, and adds a skin.
+
+    Examples
+    --------
+    >>> from build123d import Cylinder
+    >>> from scaffold_cad import LatticeFill
+    >>> core = LatticeFill(Cylinder(20, 8), "bcc", 8.0, radius=0.5, keep="whole")
+    >>> core.is_valid
+    True
     """
 
     @checks_keywords(SkeletonPart.__init__)

@@ -62,6 +62,13 @@ def check_printability(
     OptionError
         If `what` has no surface, `skeleton` is of another type, or the process, the material or the
         direction is not known.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, check_printability
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> check_printability(strut, "sls").printable
+    True
     """
     process = process_named(process)
     if skeleton is not None:
@@ -103,6 +110,12 @@ def assert_printable(what: Any, process: str | Process = "sls", **options: Any) 
     """Raise an AssertionError that holds the report unless `what` is printable; for tests.
 
     The options are those of `check_printability`.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, assert_printable
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> assert_printable(strut, "sls")
     """
     report = check_printability(what, process, **options)
     if not report.printable:

@@ -56,6 +56,14 @@ def to_brep(
     -----
     Whether faces far from each other cross is not looked at: `Scaffold.embedding` and
     `crossing_struts` do, and the classes of `scaffold_cad.parts` by them.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, build_scaffold, to_brep
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> solid = to_brep(build_scaffold(strut))
+    >>> len(solid.faces()), round(solid.volume, 6)
+    (6, 36.0)
     """
     check_kind(what, Scaffold, QuadMesh, BezierMesh, Patches)
     if smooth:

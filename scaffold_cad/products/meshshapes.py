@@ -32,6 +32,14 @@ def to_mesh_shape(what: Any) -> Face:
         If it is not a mesh.
     MissingBackendError
         If build123d is not installed.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, build_scaffold
+    >>> from scaffold_cad.products import to_mesh_shape
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> round(to_mesh_shape(build_scaffold(strut)).bounding_box().size.X, 6)
+    9.0
     """
     mesh = triangles_of(what)
     if len(mesh.triangles) == 0:

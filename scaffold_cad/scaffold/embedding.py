@@ -83,7 +83,15 @@ PAIR_CHUNK = 10_000
 
 @dataclass(frozen=True, eq=False)
 class Embedding(Frozen):
-    """Which struts of a scaffold keep to their own room."""
+    """Which struts of a scaffold keep to their own room.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, build_scaffold
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> build_scaffold(strut).embedding().certified
+    True
+    """
 
     within_cone: Bools
     """Whether each strut leaves each of its two nodes within its own cone, shape (m, 2)."""

@@ -106,6 +106,13 @@ def to_trimesh(what: QuadMesh | TriangleMesh | Manifold) -> Trimesh:
         If it is of another type.
     MissingBackendError
         If trimesh is not installed.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, build_scaffold, to_trimesh
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> to_trimesh(build_scaffold(strut).mesh).is_watertight
+    True
     """
     if is_instance(what, "manifold3d", "Manifold"):
         what = manifold_triangles(what)

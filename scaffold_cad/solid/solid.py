@@ -43,7 +43,16 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, eq=False)
 class Solidified(Frozen, Shown):
-    """A watertight solid that does not cross itself, and how it was made."""
+    """A watertight solid that does not cross itself, and how it was made.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, build_scaffold, solidified
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> solid = solidified(build_scaffold(strut))
+    >>> len(solid.united_edges), solid.filled_voids
+    (0, [])
+    """
 
     manifold: Manifold
     """The solid."""
@@ -72,6 +81,13 @@ def to_solid(what: Scaffold | QuadMesh | TriangleMesh, *, sides: int = 4) -> Man
         If `what` is of another type, `sides` is not 4, 8 or 16, or not 4 for a bare mesh.
     MissingBackendError
         If manifold3d is not installed.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, build_scaffold, to_solid
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> round(to_solid(build_scaffold(strut)).volume(), 6)
+    36.0
     """
     check_kind(what, Scaffold, QuadMesh, TriangleMesh)
     if isinstance(what, Scaffold):
@@ -95,6 +111,14 @@ def solidified(scaffold: Scaffold, *, sides: int = 4) -> Solidified:
         If every union tried crosses itself, or does not stay closed in 32-bit coordinates.
     OptionError
         If `scaffold` is none, or `sides` is not 4, 8 or 16.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, build_scaffold, solidified
+    >>> nodes = [[0, 0, 0], [9, 0, 0], [4, -5, 1], [4, 5, 1]]  # two struts that cross
+    >>> crossing = Skeleton(nodes, [[0, 1], [2, 3]], 1.0)
+    >>> solidified(build_scaffold(crossing)).united_edges
+    array([0, 1])
     """
     check_kind(scaffold, Scaffold)
     check_sides(sides)

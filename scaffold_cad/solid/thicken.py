@@ -39,13 +39,29 @@ def thicken(what: Scaffold | QuadMesh | Skeleton, radius: float, *, sides: int =
     OptionError
         If `what` is of another type, `radius` is not a finite number > 0, or `sides` is another
         number.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, thicken
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> round(thicken(strut, radius=0.5).volume(), 6)  # a square strut around the round one
+    9.0
     """
     check_sides(sides)
     return to_solid(frame_scaffold(what, radius), sides=sides)
 
 
 def frame_scaffold(what: Scaffold | QuadMesh | Skeleton, radius: float) -> Scaffold:
-    """Return the scaffold of the edges of a scaffold, quad mesh or skeleton, with collars."""
+    """Return the scaffold of the edges of a scaffold, quad mesh or skeleton, with collars.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, build_scaffold, frame_scaffold
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> frame = frame_scaffold(build_scaffold(strut), radius=0.1)
+    >>> len(frame.skeleton.edges)  # those of the scaffold: a box of 8 vertices
+    12
+    """
     check_kind(what, Scaffold, QuadMesh, Skeleton)
     radius = as_number(radius, "strut radius")
     if isinstance(what, Scaffold):

@@ -44,6 +44,11 @@ def show(what: Any, name: str | None = None) -> None:
         If there is no viewer; the message says what was looked for.
     OptionError
         If it is nothing that can be shown.
+
+    Examples
+    --------
+    >>> from scaffold_cad import show, tile
+    >>> show(tile("bcc", 8.0, 2, radius=1.0))  # doctest: +SKIP
     """
     caller = sys._getframe(1)
     display = _in_cq_editor(caller) or _in_loaded_ocp_viewer() or _in_notebook() or _in_ocp_viewer()
