@@ -48,6 +48,7 @@ from OCP.TopoDS import (
 )
 
 from scaffold_cad.base.arrays import Edges, Points, Triangles
+from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.vectors import length
 from scaffold_cad.brep.beziermesh import BezierMesh
 from scaffold_cad.errors import BrepError
@@ -181,8 +182,7 @@ def _surfaces(patches: BezierMesh) -> Iterator[tuple[Geom_Surface, bool]]:
     places = [(i, j) for i in range(1, count + 1) for j in range(1, count + 1)]
     points = patches.control_points.reshape(-1, count**2, 3)
     normals = patches.plane_normals
-    for start in range(0, len(points), CHUNK):
-        chunk = slice(start, start + CHUNK)
+    for chunk in blocks(len(points), 1, CHUNK):
         for poles, normal in zip(points[chunk].tolist(), normals[chunk].tolist(), strict=True):
             if any(normal):
                 yield _plane(poles[0], poles[2], normal), False

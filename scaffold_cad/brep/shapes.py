@@ -20,7 +20,7 @@ from scaffold_cad.brep.beziermesh import BezierMesh
 from scaffold_cad.errors import BrepError, FormatError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.shells import check_oriented, check_solid, quads_of_shells
-from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh, have_distinct_corners
 
 if TYPE_CHECKING:
     from build123d import Shape
@@ -119,8 +119,7 @@ def tessellated(
     _, first = np.unique(vertex, return_index=True)
     welded = vertex[triangles]
     # At a pole or a tip a triangle has two corners in one place.
-    proper = (welded != np.roll(welded, 1, axis=1)).all(axis=1)
-    return TriangleMesh(points[first], welded[proper])
+    return TriangleMesh(points[first], welded[have_distinct_corners(welded)])
 
 
 def read_brep(path: Path) -> Shape:

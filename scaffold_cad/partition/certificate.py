@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors
+from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.vectors import dot, length, triple
 from scaffold_cad.partition.arcs import is_closed
-from scaffold_cad.partition.blocks import blocks
 
 MIN_CLEARANCE = 1e-9
 """Least clearance of a certified quad, rad: rounding moves a determinant by some 1e-15."""

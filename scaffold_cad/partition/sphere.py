@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from scaffold_cad.base.arguments import check_choice
 from scaffold_cad.base.arrays import Floats, Ints, UnitVectors, as_floats
+from scaffold_cad.base.blocks import blocks
 from scaffold_cad.errors import OptionError, PartitionError
-from scaffold_cad.partition.blocks import blocks
 from scaffold_cad.partition.certificate import (
     MIN_CLEARANCE,
     arc_normals,

@@ -25,6 +25,7 @@ from typing import Protocol
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points
+from scaffold_cad.base.blocks import cut
 from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import dot, length, normalize, triple
@@ -172,7 +173,7 @@ def _within_cones(scaffold: Sleeved) -> Bools:
     edge = scaffold.refinement.edge_of_edge
     for side in (0, 1):
         half_edge = 2 * edge + side  # (m',) of the skeleton
-        for part in _chunks(np.flatnonzero(scaffold.stars.corners[half_edge, 0] >= 0)):
+        for part in cut(np.flatnonzero(scaffold.stars.corners[half_edge, 0] >= 0), CHUNK):
             node = skeleton.nodes[skeleton.edges[edge[part], side]][:, None, :]
             quad = vertices[scaffold.stars.corners[half_edge[part]]] - node
             planes = np.cross(quad, np.roll(quad, -1, axis=1))  # (k, 4, 3)
@@ -184,7 +185,7 @@ def _within_cones(scaffold: Sleeved) -> Bools:
     # stays in front of it, the sleeve there and those that follow.
     for side, step in ((0, 1), (1, -1)):
         ends = refined.edges[:, side]
-        for part in _chunks(np.flatnonzero(refined.valency[ends] < 3)):
+        for part in cut(np.flatnonzero(refined.valency[ends] < 3), CHUNK):
             node = refined.nodes[ends[part]][:, None, :]
             section = vertices[scaffold.sleeves[part, side]]
             plane = np.cross(section[:, 2] - section[:, 0], section[:, 3] - section[:, 1])
@@ -210,11 +211,11 @@ def _uncrossed(scaffold: Sleeved) -> Bools:
     fine = np.zeros(len(refined.edges), dtype=np.bool_)
     rounding = rounding_of(scaffold.mesh.vertices)
     for fraction in STAR_CENTERS:
-        for part in _chunks(np.flatnonzero(~fine)):
+        for part in cut(np.flatnonzero(~fine), CHUNK):
             center = (1 - fraction) * start[part] + fraction * end[part]
             shell = _closed_sleeves(scaffold, part, sides[part])  # (k, 16, 3, 3)
             fine[part] = _seen_once(shell - center[:, None, None, :], rounding)
-    for part in _chunks(np.flatnonzero(~fine)):
+    for part in cut(np.flatnonzero(~fine), CHUNK):
         shell = _closed_sleeves(scaffold, part, sides[part])
         fine[part] = _whole(shell)
         for fraction in STAR_CENTERS:
@@ -369,7 +370,7 @@ def _conflicts(bodies: _Bodies, among: Bools | None = None) -> Edges:
         if among is not None:
             apart &= among[first] | among[second]
         pairs = np.stack([first[apart], second[apart]], axis=1)
-        found += [part[_meet(bodies, part)] for part in _chunks(pairs, PAIR_CHUNK)]
+        found += [part[_meet(bodies, part)] for part in cut(pairs, PAIR_CHUNK)]
     return np.concatenate(found)
 
 
@@ -398,8 +399,3 @@ def _overlap(bodies: _Bodies, i: Ints, j: Ints, planes: Floats) -> Bools:
     margin = MARGIN * size + ROUNDING * np.abs(bodies.points[i]).max(axis=(1, 2), initial=0.0)
     gap = np.maximum(b.min(axis=1) - a.max(axis=1), a.min(axis=1) - b.max(axis=1))  # (k, q)
     return np.asarray((gap <= margin[:, None]).all(axis=1))
-
-
-def _chunks(rows: Ints, size: int = CHUNK) -> list[Ints]:
-    """Return `rows` cut into parts of at most `size`."""
-    return np.array_split(rows, range(size, len(rows), size)) if len(rows) else []

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, Triangles, UnitVectors
-from scaffold_cad.base.vectors import any_perpendicular, dot, length, normalize, rotate
+from scaffold_cad.base.vectors import any_perpendicular, dot, four_around, length, normalize, rotate
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.scaffold.embedding import Embedding, stub_apexes
@@ -262,5 +262,4 @@ def _across(axis: UnitVectors, vectors: UnitVectors) -> UnitVectors:
 
 def _square(x: UnitVectors, axis: UnitVectors) -> Points:
     """Return four corners at distance 1 from 0 across `axis`, the first along `x`, (k, 4, 3)."""
-    y = np.cross(axis, x)
-    return np.stack([x, y, -x, -y], axis=1)
+    return four_around(x, np.cross(axis, x))

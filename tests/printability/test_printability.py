@@ -536,7 +536,7 @@ def test_a_report_is_a_table_and_json_with_the_same_findings() -> None:
         assert finding.name in report
         assert report[finding.name] is finding
     with pytest.raises(KeyError, match="'color' was not looked at"):
-        report["colour"]
+        report["color"]
 
 
 def test_the_keys_of_the_json_form_are_what_they_were() -> None:

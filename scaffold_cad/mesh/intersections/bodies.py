@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Ints, Points
+from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.visibility import in_front, rounding_of, seen
 from scaffold_cad.mesh.intersections.search import self_intersections
@@ -129,8 +130,7 @@ def _star_shaped(
         angle[:] += np.bincount(owner, angles, minlength=len(centers))
 
     vertices, owner = mesh.vertices, np.repeat(body, 2)
-    for start in range(0, len(owner), TRIANGLES_AT_ONCE):
-        part = slice(start, start + TRIANGLES_AT_ONCE)
+    for part in blocks(len(owner), 1, TRIANGLES_AT_ONCE):
         a, b, c = mesh.triangles[part].T
         add(vertices[a], vertices[b], vertices[c], owner[part])
     sides = rings.starts.shape[1]
@@ -145,8 +145,7 @@ def _in_cones(mesh: QuadMesh, body: Ints, centers: Points, rings: _Rings, roundi
     """Return where the second body lies in the convex cone of the first over a ring, (r,)."""
     corners, first, count = _corners_of(mesh, body, rings.high)
     inside = np.zeros(len(rings.low), dtype=np.bool_)
-    for start in range(0, len(inside), RINGS_AT_ONCE):
-        part = slice(start, start + RINGS_AT_ONCE)
+    for part in blocks(len(inside), 1, RINGS_AT_ONCE):
         # As many corners of each body as the largest has, some of them twice.
         high, starts, ends = rings.high[part], rings.starts[part], rings.ends[part]
         number = np.arange(count[high].max()) % count[high][:, None]
