@@ -52,7 +52,7 @@ from _common import skeleton  # noqa: E402
 INK = "#2b2f36"
 SAND = "#f8c977"
 BLUE = "#7db4e0"
-GREY = "#9aa4ae"
+GRAY = "#9aa4ae"
 CORAL = "#ef8a76"
 PASTELS = ("#f6c177", "#8fbfe0", "#a8d5a2", "#f2a7a0", "#c9b6e4", "#f3e08e", "#9fd8d2", "#d9b99b")
 
@@ -229,8 +229,8 @@ def _add_partition(stage: Stage, partition: Partition, center: Points) -> None:
         strut = pv.Cylinder(
             center=center + 1.15 * direction, direction=direction, radius=0.09, height=0.42
         )
-        stage.add(strut, GREY)
-        stage.add(pv.Sphere(radius=0.09, center=center + 1.36 * direction), GREY)
+        stage.add(strut, GRAY)
+        stage.add(pv.Sphere(radius=0.09, center=center + 1.36 * direction), GRAY)
     for rim in arcs:
         pairs = np.stack([np.arange(len(rim)), np.roll(np.arange(len(rim)), -1)], axis=1)
         stage.add(wires(center + rim, pairs, 0.016), INK, specular=0.0)
@@ -333,7 +333,7 @@ def draw_cells() -> None:
         frame = Skeleton(cell.nodes * cell.proportions, cell.edges, np.array(0.035))
         stage.add(_faceted(thicken(frame, 0.035, sides=16)), BLUE)
         corners = tile("sc", cell.proportions, 1, radius=0.01)
-        stage.add(wires(corners.nodes, corners.edges, 0.006), GREY, specular=0.0)
+        stage.add(wires(corners.nodes, corners.edges, 0.006), GRAY, specular=0.0)
         pictures[name] = stage.picture()
     _save(_sheet(pictures, columns=5), "cells")
 

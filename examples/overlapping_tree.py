@@ -1,6 +1,6 @@
 """A tree whose spheres intersect (figure 8 of the paper).
 
-It is the tree of `tree.py` with radii so large that the spheres of neighbouring nodes overlap. The
+It is the tree of `tree.py` with radii so large that the spheres of neighboring nodes overlap. The
 scaffold has the same quads as before, and the embedding report tells whether it crosses itself.
 """
 

@@ -33,7 +33,7 @@ def main(folder: Path) -> None:
 
 
 def cage(partition: Partition) -> Skeleton:
-    """Return the arcs of a partition on a sphere, and the branches from its centre."""
+    """Return the arcs of a partition on a sphere, and the branches from its center."""
     count = len(partition.vertices)
     ends = QuadMesh(partition.vertices, partition.quads).edges  # (a, 2)
     share = np.arange(1, STEPS)[:, None] / STEPS

@@ -54,13 +54,13 @@ CROSS = star([[10, 0, 0], [0, 10, 0], [-10, 0, 0], [0, -10, 0]])
 """A branch point with four edges in a plane, two opposite pairs."""
 
 TETRAPOD = star([[6, 6, 6], [6, -6, -6], [-6, 6, -6], [-6, -6, 6]])
-"""A branch point with four edges towards the corners of a regular tetrahedron."""
+"""A branch point with four edges toward the corners of a regular tetrahedron."""
 
 JACK = star([[10, 0, 0], [-10, 0, 0], [0, 10, 0], [0, -10, 0], [0, 0, 10], [0, 0, -10]])
 """A branch point with six edges along the axes, as in a simple cubic lattice."""
 
 BCC_STAR = star([[x, y, z] for x in (-6.0, 6.0) for y in (-6.0, 6.0) for z in (-6.0, 6.0)])
-"""A branch point with eight edges towards the corners of a cube."""
+"""A branch point with eight edges toward the corners of a cube."""
 
 K4 = Skeleton(
     np.array([[6, 6, 6], [6, -6, -6], [-6, 6, -6], [-6, -6, 6]]),

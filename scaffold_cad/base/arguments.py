@@ -54,8 +54,12 @@ def check_kind(what: object, *kinds: type | str) -> None:
     raise OptionError(f"got {_described(what)}; need a {' or a '.join(names)}{hint}")
 
 
-def check_choice(value: object, name: str, known: Iterable[str]) -> None:
+def check_choice(value: object, name: str, known: Iterable[str], *, or_else: str = "") -> None:
     """Check that the argument `name` has one of its `known` values.
+
+    Parameters
+    ----------
+    or_else : what else is accepted in place of them, for the message
 
     Raises
     ------
@@ -64,8 +68,8 @@ def check_choice(value: object, name: str, known: Iterable[str]) -> None:
     """
     known = list(known)
     if not isinstance(value, str) or value not in known:
-        hint = did_you_mean(value, known)
-        raise OptionError(f"{name} is {value!r}; need one of {', '.join(known)}{hint}")
+        end = (f", or {or_else}" if or_else else "") + did_you_mean(value, known)
+        raise OptionError(f"{name} is {value!r}; need one of {', '.join(known)}{end}")
 
 
 def did_you_mean(value: object, known: Iterable[str]) -> str:

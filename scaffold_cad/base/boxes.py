@@ -1,7 +1,7 @@
 """Which axis-aligned boxes overlap: the broad phase of every search for what meets.
 
-The boxes are the leaves of a complete binary tree, sorted so that neighbours in space are
-neighbours in it, and the tree is walked against itself level by level, with whole arrays.
+The boxes are the leaves of a complete binary tree, sorted so that neighbors in space are
+neighbors in it, and the tree is walked against itself level by level, with whole arrays.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def overlapping_boxes(low: Points, high: Points) -> Iterator[tuple[Ints, Ints]]:
 
 
 def order_in_space(low: Points, high: Points) -> Ints:
-    """Return an order of boxes (n, 3) in which neighbours in space are near each other, (n,)."""
+    """Return an order of boxes (n, 3) in which neighbors in space are near each other, (n,)."""
     return np.argsort(_sorting_keys(*_on_grid(low, high)), kind="stable")
 
 

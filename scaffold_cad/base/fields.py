@@ -75,6 +75,13 @@ class PointField:
 
     They are linear in the tetrahedra between the points; outside, or where all points lie in a
     plane, those of the nearest point.
+
+    Examples
+    --------
+    >>> from scaffold_cad import PointField
+    >>> stress = PointField([[0, 0, 0], [10, 0, 0]], [1.0, 3.0])
+    >>> stress([[9, 1, 0]])  # that of the nearest point: two points span no volume
+    array([3.])
     """
 
     def __init__(self, points: ArrayLike, values: ArrayLike) -> None:

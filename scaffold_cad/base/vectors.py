@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, UnitVectors
+from scaffold_cad.base.arrays import Floats, Ints, UnitVectors
 
 
 def dot(a: Floats, b: Floats) -> Floats:
@@ -49,6 +49,30 @@ def any_perpendicular(vectors: UnitVectors) -> UnitVectors:
     """
     axes = np.eye(3)[np.argmin(np.abs(vectors), axis=-1)]
     return normalize(axes - dot(axes, vectors)[..., None] * vectors)
+
+
+def four_around(x: Floats, y: Floats) -> Floats:
+    """Return x, y, -x and -y of each row (k, 3), the corners of a square: (k, 4, 3)."""
+    return np.stack([x, y, -x, -y], axis=1)
+
+
+def sums_by_row(values: Floats, rows: Ints, count: int) -> Floats:
+    """Return the sum of the `values` of each of `count` rows, shape (count, ...).
+
+    Parameters
+    ----------
+    values : (k, ...) float64
+    rows : (k,) intp, in 0..count-1: the row that each value is added to
+
+    Examples
+    --------
+    >>> sums_by_row(np.array([[1.0, 0.0], [2.0, 1.0], [5.0, 5.0]]), np.array([0, 0, 2]), 3).tolist()
+    [[3.0, 1.0], [0.0, 0.0], [5.0, 5.0]]
+    """
+    columns = values.reshape(len(values), -1).T
+    sums = [np.bincount(rows, weights=column, minlength=count) for column in columns]
+    table: Floats = np.stack(sums, axis=-1).astype(np.float64, copy=False)
+    return table.reshape(count, *values.shape[1:])
 
 
 def rotate(vectors: Floats, axes: UnitVectors, angles: Floats) -> Floats:

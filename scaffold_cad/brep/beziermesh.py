@@ -34,7 +34,7 @@ class BezierMesh(Frozen):
     """A mesh of Bézier patches of one degree d, one a quad.
 
     The first index of a patch's control points follows the quad's first side, from corner 0 to
-    corner 1, the second its last side, from corner 0 to corner 3. Neighbouring patches have the
+    corner 1, the second its last side, from corner 0 to corner 3. Neighboring patches have the
     same boundary control points.
     """
 
@@ -149,7 +149,7 @@ class BezierMesh(Frozen):
             worst = int(np.argmax(gaps))
             a, b = self.mesh.half_edges[worst].tolist()
             raise MeshError(
-                f"patch {worst // 4} is {gaps[worst]:g} mm off its neighbour along the edge "
+                f"patch {worst // 4} is {gaps[worst]:g} mm off its neighbor along the edge "
                 f"from vertex {a} to {b}; need at most {GAP_TOLERANCE:g} mm"
             )
 

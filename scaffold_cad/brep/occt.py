@@ -2,7 +2,7 @@
 
 Importing build123d and its OCP takes seconds: `brep.py` imports this module in its functions.
 
-Neighbouring faces share their `TopoDS_Edge` and `TopoDS_Vertex` from the start: there is nothing
+Neighboring faces share their `TopoDS_Edge` and `TopoDS_Vertex` from the start: there is nothing
 to sew, and every tolerance is `TOLERANCE`.
 """
 
@@ -48,6 +48,7 @@ from OCP.TopoDS import (
 )
 
 from scaffold_cad.base.arrays import Edges, Points, Triangles
+from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.vectors import length
 from scaffold_cad.brep.beziermesh import BezierMesh
 from scaffold_cad.errors import BrepError
@@ -106,7 +107,7 @@ def make_shape(
 
 
 def _faces(patches: BezierMesh) -> list[TopoDS_Face]:
-    """Return a face on each patch; neighbours share their edges."""
+    """Return a face on each patch; neighbors share their edges."""
     builder = BRep_Builder()
     mesh = patches.mesh
     edges = edges_between(mesh.vertices, mesh.edges, _curves(patches))
@@ -189,8 +190,7 @@ def _surfaces(patches: BezierMesh) -> Iterator[tuple[Geom_Surface, bool]]:
     places = [(i, j) for i in range(1, count + 1) for j in range(1, count + 1)]
     points = patches.control_points.reshape(-1, count**2, 3)
     normals = patches.plane_normals
-    for start in range(0, len(points), CHUNK):
-        chunk = slice(start, start + CHUNK)
+    for chunk in blocks(len(points), 1, CHUNK):
         for poles, normal in zip(points[chunk].tolist(), normals[chunk].tolist(), strict=True):
             if any(normal):
                 yield _plane(poles[0], poles[2], normal), False
@@ -201,7 +201,7 @@ def _surfaces(patches: BezierMesh) -> Iterator[tuple[Geom_Surface, bool]]:
 
 
 def _plane(origin: list[float], along: list[float], normal: list[float]) -> Geom_Plane:
-    """Return the plane through `origin` with x towards `along` and z along `normal`."""
+    """Return the plane through `origin` with x toward `along` and z along `normal`."""
     x = gp_Dir(*(b - a for a, b in zip(origin, along, strict=True)))
     return Geom_Plane(gp_Ax3(gp_Pnt(*origin), gp_Dir(*normal), x))
 
@@ -273,7 +273,7 @@ def tessellate(shape: Shape, distance: float, angle: float) -> tuple[Points, Tri
     ----------
     shape : a build123d shape with faces
     distance : largest distance of a triangle from its face that OCCT aims at, mm
-    angle : largest angle between neighbouring triangles of a face, rad
+    angle : largest angle between neighboring triangles of a face, rad
 
     Raises
     ------
@@ -355,7 +355,7 @@ def _restored(*settings: str) -> Iterator[None]:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep OCCT from printing what is no failure."""
+    """Keep OCCT from printing what is not a failure."""
     printers = list(Message.DefaultMessenger_s().Printers())
     before = [printer.GetTraceLevel() for printer in printers]
     try:

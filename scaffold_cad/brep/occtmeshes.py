@@ -40,7 +40,7 @@ def triangulated_face(points: Points, triangles: Triangles) -> Face:
 def solid_of_triangles(points: Points, triangles: Triangles, shell: Ints) -> Shape:
     """Return a solid of each closed shell of triangles, one plane face a triangle.
 
-    Neighbouring faces share their edges. Several solids are a Compound.
+    Neighboring faces share their edges. Several solids are a Compound.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def line_edges(points: Points, pairs: Edges) -> list[TopoDS_Edge]:
 
 
 def _faces(points: Points, triangles: Triangles, normals: UnitVectors) -> list[TopoDS_Face]:
-    """Return a plane face on each triangle; neighbours share their edges."""
+    """Return a plane face on each triangle; neighbors share their edges."""
     builder = BRep_Builder()
     sides = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
     used, index = np.unique(sides, return_inverse=True)

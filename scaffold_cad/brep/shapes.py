@@ -18,10 +18,10 @@ from scaffold_cad.base.topology import component_labels
 from scaffold_cad.base.vectors import length
 from scaffold_cad.brep.analytic import AnalyticBrep
 from scaffold_cad.brep.beziermesh import BezierMesh
-from scaffold_cad.errors import BrepError, FormatError, OptionError
+from scaffold_cad.errors import BrepError, FormatError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.shells import check_oriented, check_solid, quads_of_shells
-from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh, have_distinct_corners
 
 if TYPE_CHECKING:
     from build123d import Shape
@@ -40,15 +40,14 @@ TESSELLATION_DISTANCE = 0.01
 sphere be up to 2.2 times as far off."""
 
 TESSELLATION_ANGLE = 0.3
-"""Largest angle between neighbouring triangles of a face, rad. It makes rounds smaller than the
+"""Largest angle between neighboring triangles of a face, rad. It makes rounds smaller than the
 distance 21-gons, of 98.5 % of their area; a smaller angle takes up to 40 times as many triangles on
 the thin patches of a smooth strut."""
 
 
 def brep_of_patches(mesh: QuadMesh | BezierMesh, kind: Kind = "solid") -> Shape:
-    """Return the B-rep of `mesh`: what `cad.to_brep` returns of it, and raises."""
-    if kind not in get_args(Kind):
-        raise OptionError(f"kind is {kind!r}; need one of {', '.join(get_args(Kind))}")
+    """Return the B-rep of `mesh`: see `to_brep`."""
+    check_choice(kind, "kind", get_args(Kind))
     patches = BezierMesh.bilinear(mesh) if isinstance(mesh, QuadMesh) else mesh
     if kind == "solid":
         check_solid(patches.mesh)
@@ -145,7 +144,7 @@ def tessellated(
 
     Parameters
     ----------
-    angle : largest angle between neighbouring triangles of a face, rad
+    angle : largest angle between neighboring triangles of a face, rad
 
     Raises
     ------
@@ -160,8 +159,7 @@ def tessellated(
     _, first = np.unique(vertex, return_index=True)
     welded = vertex[triangles]
     # At a pole or a tip a triangle has two corners in one place.
-    proper = (welded != np.roll(welded, 1, axis=1)).all(axis=1)
-    return TriangleMesh(points[first], welded[proper])
+    return TriangleMesh(points[first], welded[have_distinct_corners(welded)])
 
 
 def read_brep(path: Path) -> Shape:
@@ -192,7 +190,7 @@ def export_step(shape: Shape, path: Path, *, write_pcurves: bool = False) -> Non
 
     Parameters
     ----------
-    shape : any build123d shape; its labels and colours are kept
+    shape : any build123d shape; its labels and colors are kept
     path : of the file; `write` writes it whole or not at all
     write_pcurves : whether each edge is also written in the parameters of its faces, for programs
         that ask for it; it doubles the file

@@ -97,7 +97,8 @@ def _edges_in(curves: Curves) -> Iterator[Edge]:
     strange = [shape for shape in shapes if not isinstance(shape, Shape)]
     if strange:
         raise OptionError(
-            f"a {type(strange[0]).__name__} is no shape of build123d; need edges, wires or sketches"
+            f"a {type(strange[0]).__name__} is not a shape of build123d; need edges, wires or "
+            "sketches"
         )
     return chain.from_iterable(shape.edges() for shape in shapes)
 

@@ -14,7 +14,7 @@ def size(text: str) -> Floats:
     """Return one number, or three: 8, 8x8x12 or 8,8,12."""
     numbers = _numbers(text)
     if numbers.shape not in {(1,), (3,)}:
-        raise argparse.ArgumentTypeError(f"{text!r} is no size; need 8 or 8x8x12")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a size; need 8 or 8x8x12")
     return numbers if len(numbers) == 3 else numbers[0]
 
 
@@ -22,7 +22,7 @@ def three_sizes(text: str) -> tuple[float, float, float]:
     """Return the sides of a box: 40x40x20 or 40,40,20, or 40 for a cube."""
     numbers = _numbers(text)
     if numbers.shape not in {(1,), (3,)}:
-        raise argparse.ArgumentTypeError(f"{text!r} is no box; need 40x40x20, or 40 for a cube")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a box; need 40x40x20, or 40 for a cube")
     x, y, z = np.broadcast_to(numbers, 3).tolist()
     return x, y, z
 
@@ -42,7 +42,7 @@ def direction(text: str) -> tuple[float, float, float]:
 
 
 def _numbers(text: str) -> Floats:
-    """Return the numbers of a text, shape (n,); none if a word is no number."""
+    """Return the numbers of a text, shape (n,); none if a word is not a number."""
     try:
         return np.array([float(word) for word in re.split("[xX,]", text)])
     except ValueError:

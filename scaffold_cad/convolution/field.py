@@ -82,13 +82,21 @@ class ConvolutionField:
     SkeletonError
         If `check_skeleton` refuses the skeleton.
     OptionError
-        If `kernel` has none of its values or `width` is out of its range.
+        If `kernel` has an unknown value or `width` is out of its range.
 
     References
     ----------
     Hubert, Cani, Convolution surfaces based on polygonal curve skeletons, JSC 47(6), 2012.
     Zanni, Bernhardt, Quiblier, Cani, SCALe-invariant integral surfaces, Computer Graphics Forum
     32(8), 2013.
+
+    Examples
+    --------
+    >>> from scaffold_cad import ConvolutionField, Skeleton
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> field = ConvolutionField(strut)
+    >>> field.value([[4.5, 1, 0]]).round(6)  # on the cylinder around the middle of the strut
+    array([1.])
     """
 
     skeleton: Skeleton

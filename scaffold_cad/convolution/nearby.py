@@ -1,4 +1,4 @@
-"""Which points are near which edges, found a block of neighbouring points at a time."""
+"""Which points are near which edges, found a block of neighboring points at a time."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints, Points
+from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.boxes import order_in_space, overlapping_boxes
 from scaffold_cad.base.vectors import dot, length
 
@@ -40,29 +41,27 @@ def nearby_pairs(
     high = np.maximum.reduceat(points[order], firsts, axis=0)
     block, edge = _overlaps(low, high, starts, ends, reaches)
 
-    centres, radii = (low + high) / 2, length(high - low) / 2
+    centers, radii = (low + high) / 2, length(high - low) / 2
     spans = ends - starts
-    offsets = centres[block] - starts[edge]
+    offsets = centers[block] - starts[edge]
     share = dot(offsets, spans[edge]) / dot(spans, spans)[edge]
     gaps = length(offsets - np.clip(share, 0, 1)[:, None] * spans[edge])
     near = gaps <= (radii[block] + reaches[edge]) * (1 + 1e-9)
     block, edge = block[near], edge[near]
     full = len(points) // BLOCK
     of_block = order[: full * BLOCK].reshape(full, BLOCK)
-    at_once = PAIRS_AT_ONCE // BLOCK
     in_full = np.flatnonzero(block < full)
-    for start in range(0, len(in_full), at_once):
-        part = in_full[start : start + at_once]
+    for some in blocks(len(in_full), BLOCK, PAIRS_AT_ONCE):
+        part = in_full[some]
         yield of_block[block[part]], edge[part, None]
     yield order[None, full * BLOCK :], edge[block == full, None]
 
 
 def all_pairs(point_count: int, edge_count: int) -> Iterator[tuple[Ints, Ints]]:
     """Yield all pairs of a point and an edge, as `nearby_pairs` does."""
-    at_once = max(PAIRS_AT_ONCE // edge_count, 1)
     edges = np.arange(edge_count)[None]
-    for start in range(0, point_count, at_once):
-        yield np.arange(start, min(start + at_once, point_count))[:, None], edges
+    for some in blocks(point_count, edge_count, PAIRS_AT_ONCE):
+        yield np.arange(some.start, some.stop)[:, None], edges
 
 
 def _overlaps(

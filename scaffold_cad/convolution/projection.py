@@ -66,7 +66,7 @@ def project(mesh: QuadMesh, field: ConvolutionField) -> QuadMesh:
     Raises
     ------
     OptionError
-        If `mesh` or `field` is none.
+        If `mesh` or `field` is of another type.
     MeshError
         If a vertex finds no place on the surface; it is named.
 
@@ -74,7 +74,16 @@ def project(mesh: QuadMesh, field: ConvolutionField) -> QuadMesh:
     -----
     The mesh must be near the surface in bends and forks too, as that of a scaffold with collars
     is. Where edges that do not meet are so close that their surfaces become one, the surface has
-    fewer holes than the scaffold, and the mesh crosses itself: `self_intersections` tells.
+    fewer holes than the scaffold, and the mesh crosses itself: `self_intersections` finds where.
+
+    Examples
+    --------
+    >>> from scaffold_cad import ConvolutionField, Skeleton, build_scaffold, project
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> mesh = build_scaffold(strut, collars=True).mesh
+    >>> field = ConvolutionField(strut)
+    >>> round(float(field.value(project(mesh, field).vertices).max()), 6)
+    1.0
     """
     check_kind(mesh, QuadMesh)
     check_kind(field, ConvolutionField)
@@ -128,7 +137,7 @@ def _spread(
     """Spread the vertices along the surface around quads that face it less than `least`.
 
     Folds come where the surface is far from where the mesh was, as in the crotch of a fork. Where
-    the worst corner is none the better for it all stays as it was.
+    the worst corner does not get better, all stays as it was.
     """
     facing = _facing(placed, quads)
     before, facing_before = placed.taken(np.arange(len(placed.points))), facing.copy()
@@ -177,7 +186,7 @@ def _around(quads: Quads, marked: Bools, count: int) -> tuple[Ints, Ints]:
 
 
 def _spreading(points: Points, quads: Quads, gradients: Floats) -> Points:
-    """Return the step of each vertex along the surface to between its neighbours, (v, 3), mm.
+    """Return the step of each vertex along the surface to between its neighbors, (v, 3), mm.
 
     Parameters
     ----------

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
+from scaffold_cad.base.arguments import check_choice
 from scaffold_cad.base.arrays import Floats, Points, as_floats
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.errors import OptionError, SkeletonError
@@ -72,7 +73,7 @@ def fill(
     radius : mm; one number, or a function of positions (n, 3) that returns radii (n,)
     keep : "clip" cuts struts at the surface, where they get a new node; "whole" keeps those
         whole that have their middle in the region, and drops the others
-    dangling : whether struts that end free, at the surface or for want of a neighbour, stay
+    dangling : whether struts that end free, at the surface or for want of a neighbor, stay
     crumbs : whether loose pieces stay that have less than half the struts of a cell, as the
         surface cuts them off at edges; the log says how many were left out
     bounds : lowest and highest corner of a box around the region; for a function only
@@ -83,15 +84,20 @@ def fill(
     Raises
     ------
     OptionError
-        If an argument is out of its range, the region is none of these, or its bounds hold more
+        If an argument is out of its range, the region is of another type, or its bounds hold more
         than 1e8 struts.
     MeshError
         If the mesh is not closed.
     SkeletonError
         If no strut is in the region.
+
+    Examples
+    --------
+    >>> from scaffold_cad import fill
+    >>> len(fill([[0, 0, 0], [10, 10, 10]], "bcc", 5.0, radius=0.5).edges)
+    64
     """
-    if keep not in get_args(Keep):
-        raise OptionError(f"keep is {keep!r}; need one of {', '.join(get_args(Keep))}")
+    check_choice(keep, "keep", get_args(Keep))
     cell = as_cell(cell)
     sizes = cell_size(cell, size)
     shortest = least_length(shortest, SHORTEST_FRACTION * float(sizes.min()))
@@ -119,7 +125,7 @@ def fill(
 def as_region(region: FillRegion, bounds: ArrayLike | None = None) -> Region:
     """Return `region` as one of those that struts can be clipped to; see `fill`."""
     if bounds is not None and not callable(region):
-        raise OptionError("bounds are given for a region that has its own; need them for none")
+        raise OptionError("bounds are given for a region that has its own; need a function")
     surface = surface_of(region)
     if surface is not None:
         return MeshRegion(TriangleMesh(surface.vertices, surface.triangles))

@@ -99,7 +99,7 @@ def delaunay_foam(
 ) -> Skeleton:
     """Return the edges of the Delaunay tetrahedra of random points: a random truss.
 
-    Tetrahedra count that have their circumcentre in the region: the others are flat ones at its
+    Tetrahedra count that have their circumcenter in the region: the others are flat ones at its
     surface. Struts that leave the region go. The truss is in one piece: others are left out.
 
     Parameters
@@ -115,6 +115,12 @@ def delaunay_foam(
         If a mesh is not closed.
     SkeletonError
         If no tetrahedron is in the region.
+
+    Examples
+    --------
+    >>> from scaffold_cad import delaunay_foam
+    >>> delaunay_foam(9, [[0, 0, 0], [9, 9, 9]], radius=0.3).component_count
+    1
     """
     return foams.delaunay_foam(
         count,

@@ -35,7 +35,7 @@ def face_map(face: Face, thickness: Height, offset: Height = 0.0) -> SurfaceMap:
     Raises
     ------
     OptionError
-        If `face` is none, or the thickness is 0.
+        If `face` is not a face, or the thickness is 0.
     BrepError
         If the face has no area in its parameters.
     MissingBackendError
@@ -64,11 +64,20 @@ def between_faces(lower: Face, upper: Face) -> BetweenMap:
     Raises
     ------
     OptionError
-        If one is no face, or only one of them closes.
+        If one is not a face, or only one of them closes.
     BrepError
         If a face has no area in its parameters.
     MissingBackendError
         If build123d is not installed.
+
+    Examples
+    --------
+    >>> from build123d import Location, Rectangle
+    >>> from scaffold_cad import between_faces, tile
+    >>> floor = Rectangle(20, 20).face()
+    >>> core = tile("bcc", 5.0, radius=0.5, on=between_faces(floor, Location((0, 0, 10)) * floor))
+    >>> float(core.nodes[:, 2].max()) <= 10
+    True
     """
     need("build123d", "a map of cells between its faces")
     from scaffold_cad.brep.facesurfaces import FaceSurface
@@ -98,7 +107,15 @@ def mesh_map(
     OptionError
         If triangles come without a size, or quads with one.
     MeshError
-        If the mesh is no surface.
+        If the mesh is not a surface.
+
+    Examples
+    --------
+    >>> from scaffold_cad import QuadMesh, mesh_map, tile
+    >>> square = QuadMesh([[0, 0, 0], [5, 0, 0], [5, 5, 0], [0, 5, 0]], [[0, 1, 2, 3]])
+    >>> layer = tile("bcc", counts=(1, 1, 1), radius=0.5, on=mesh_map(square, thickness=5.0))
+    >>> len(layer.edges)
+    8
     """
     if isinstance(mesh, QuadMesh) and size is None:
         return QuadMap(mesh, thickness, offset)

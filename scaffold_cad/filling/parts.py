@@ -96,6 +96,16 @@ def lattice_part(
         tightly curved, or the part crosses itself wherever the lattice is put; places are named.
     SkeletonError
         If no strut is in the body.
+
+    Examples
+    --------
+    >>> from scaffold_cad import TriangleMesh, lattice_part
+    >>> corners = [[x, y, z] for z in (0, 8) for y in (0, 8) for x in (0, 8)]
+    >>> sides = [[0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4]]
+    >>> sides += [[2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5]]
+    >>> part = lattice_part(TriangleMesh(corners, sides), "bcc", 8.0, radius=0.5, skin=1.0)
+    >>> 8**3 - 6**3 < part.volume() < 8**3
+    True
     """
     if skin is not None and not 0 < as_real(skin, "skin") < np.inf:
         raise OptionError(f"skin is {skin:g} mm; need > 0, or none")

@@ -6,7 +6,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Edges, Triangles
 from scaffold_cad.base.vectors import length
-from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
+from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted, have_distinct_corners
 
 
 def without_short_edges(
@@ -31,8 +31,7 @@ def without_short_edges(
         target = np.arange(len(mesh.vertices))
         target[chosen[:, 1]] = chosen[:, 0]
         triangles = target[mesh.triangles]
-        proper = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
-        mesh = compacted(mesh.vertices, triangles[proper])
+        mesh = compacted(mesh.vertices, triangles[have_distinct_corners(triangles)])
 
 
 def _short_edges(mesh: TriangleMesh, shortest: float) -> Edges:
@@ -66,7 +65,7 @@ def _independent(triangles: Triangles, edges: Edges) -> Edges:
                 neighbors[vertex] |= set(row)
     for a, b in edges.tolist():
         around = neighbors[a] | neighbors[b]
-        # Two common neighbours besides the ends themselves: the link condition.
+        # Two common neighbors besides the ends themselves: the link condition.
         if len(neighbors[a] & neighbors[b]) == 4 and not around & touched:
             touched |= around
             chosen.append((a, b))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Points
-from scaffold_cad.base.vectors import angle_between, dot, normalize
+from scaffold_cad.base.vectors import angle_between, dot, normalize, sums_by_row
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
@@ -50,10 +50,9 @@ def _steps(mesh: TriangleMesh, corners: Points, normals: Floats) -> Floats:
     ahead = normalize(np.roll(corners, -1, axis=1) - corners)
     angles = np.pi - angle_between(ahead, np.roll(ahead, 1, axis=1))  # (t, 3), at each corner
     planes = normals[:, None, :, None] * normals[:, None, None, :]  # (t, 1, 3, 3)
-    count = len(mesh.vertices)
-    matrices, sums = np.zeros((count, 3, 3)), np.zeros((count, 3))
-    np.add.at(matrices, mesh.triangles, angles[:, :, None, None] * planes)
-    np.add.at(sums, mesh.triangles, angles[:, :, None] * normals[:, None])
+    count, corner = len(mesh.vertices), mesh.triangles.reshape(-1)
+    matrices = sums_by_row((angles[:, :, None, None] * planes).reshape(-1, 3, 3), corner, count)
+    sums = sums_by_row((angles[:, :, None] * normals[:, None]).reshape(-1, 3), corner, count)
     inverses = np.linalg.pinv(matrices, rcond=FLAT, hermitian=True)
     steps: Floats = -np.einsum("vij,vj->vi", inverses, sums)
     return steps

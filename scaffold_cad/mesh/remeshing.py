@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, Triangles, UnitVectors
-from scaffold_cad.base.vectors import dot, length, normalize
+from scaffold_cad.base.vectors import dot, length, normalize, sums_by_row
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.collapse import without_short_edges
 from scaffold_cad.mesh.quadmesh import QuadMesh
@@ -185,23 +185,15 @@ def _apart(corners: Ints) -> Bools:
 
 
 def _relaxed(mesh: TriangleMesh, target: _Target) -> TriangleMesh:
-    """Return the mesh with its inner vertices in the middle of their neighbours, on the target."""
+    """Return the mesh with its inner vertices in the middle of their neighbors, on the target."""
     edges, of_side = _edges(mesh.triangles)
     uses = np.bincount(of_side.reshape(-1), minlength=len(edges))
     held = np.zeros(len(mesh.vertices), dtype=np.bool_)
     held[edges[uses == 1]] = True
     ends = np.concatenate([edges, edges[:, ::-1]])
     valency = np.bincount(ends[:, 0], minlength=len(held))
-    around = (
-        np.stack(
-            [
-                np.bincount(ends[:, 0], weights=column[ends[:, 1]], minlength=len(held))
-                for column in mesh.vertices.T
-            ],
-            axis=1,
-        )
-        / np.maximum(valency, 1)[:, None]
-    )
+    around = sums_by_row(mesh.vertices[ends[:, 1]], ends[:, 0], len(held))
+    around /= np.maximum(valency, 1)[:, None]
     normals = _vertex_normals(mesh)
     step = around - mesh.vertices
     moved = mesh.vertices + 0.7 * (step - dot(step, normals)[:, None] * normals)
@@ -212,10 +204,8 @@ def _relaxed(mesh: TriangleMesh, target: _Target) -> TriangleMesh:
 def _vertex_normals(mesh: TriangleMesh) -> UnitVectors:
     """Return the unit normal at each vertex, the mean of its triangles' by area, (v, 3)."""
     areas = np.repeat(_double_areas(mesh.vertices, mesh.triangles), 3, axis=0)
-    corner = mesh.triangles.reshape(-1)
-    count = len(mesh.vertices)
-    total = [np.bincount(corner, weights=column, minlength=count) for column in areas.T]
-    return normalize(np.stack(total, axis=1).astype(np.float64) + np.finfo(float).tiny)
+    total = sums_by_row(areas, mesh.triangles.reshape(-1), len(mesh.vertices))
+    return normalize(total + np.finfo(float).tiny)
 
 
 class _Target:

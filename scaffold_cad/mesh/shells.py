@@ -19,8 +19,8 @@ def shell_of_quad(mesh: QuadMesh) -> Ints:
     order = np.argsort(mesh.edge_of_half_edge, kind="stable")
     same_edge = np.diff(mesh.edge_of_half_edge[order]) == 0
     quad = order // 4
-    neighbours = np.stack([quad[:-1][same_edge], quad[1:][same_edge]], axis=1)
-    return component_labels(neighbours, len(mesh.quads))
+    neighbors = np.stack([quad[:-1][same_edge], quad[1:][same_edge]], axis=1)
+    return component_labels(neighbors, len(mesh.quads))
 
 
 def quads_of_shells(mesh: QuadMesh) -> list[Ints]:

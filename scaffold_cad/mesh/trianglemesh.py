@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arrays import (
+    Bools,
     Edges,
     Floats,
     Frozen,
@@ -66,8 +67,8 @@ class TriangleMesh(Frozen, Shown):
             return self
         places, place = np.unique(rounded + np.float32(0), axis=0, return_inverse=True)
         triangles = place.reshape(-1)[self.triangles]
-        proper = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
-        return TriangleMesh(places.astype(np.float64), triangles[proper])
+        proper = triangles[have_distinct_corners(triangles)]
+        return TriangleMesh(places.astype(np.float64), proper)
 
     def check_closed(self) -> None:
         """Raise unless each triangle side is met by one other that runs the opposite way.
@@ -100,6 +101,16 @@ class TriangleMesh(Frozen, Shown):
         repeated = np.unique(ahead[1:][ahead[1:] == ahead[:-1]])
         lonely = np.setdiff1d(ahead, back, assume_unique=len(repeated) == 0)
         return np.stack(np.divmod(repeated, count), 1), np.stack(np.divmod(lonely, count), 1)
+
+
+def have_distinct_corners(triangles: Triangles) -> Bools:
+    """Return whether the corners of each triangle are three vertices, shape (t,).
+
+    >>> have_distinct_corners(np.array([[0, 1, 2], [3, 3, 4]])).tolist()
+    [True, False]
+    """
+    distinct: Bools = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
+    return distinct
 
 
 def compacted(vertices: Points, triangles: Triangles) -> TriangleMesh:

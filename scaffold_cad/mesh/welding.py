@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from scaffold_cad.base.positions import equal_positions
 from scaffold_cad.errors import MeshError
-from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh, have_distinct_corners
 
 
 def welded(mesh: TriangleMesh) -> TriangleMesh:
@@ -26,5 +24,5 @@ def welded(mesh: TriangleMesh) -> TriangleMesh:
 def without_repeated_corners(mesh: TriangleMesh) -> TriangleMesh:
     """Return the mesh without the triangles that have a vertex twice, as welding leaves some."""
     rows = mesh.triangles
-    proper = (rows != np.roll(rows, 1, axis=1)).all(axis=1)
+    proper = have_distinct_corners(rows)
     return mesh if proper.all() else TriangleMesh(mesh.vertices, rows[proper])

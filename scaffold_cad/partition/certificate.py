@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors
+from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.vectors import dot, length, triple
 from scaffold_cad.partition.arcs import is_closed
-from scaffold_cad.partition.blocks import blocks
 
 MIN_CLEARANCE = 1e-9
 """Least clearance of a certified quad, rad: rounding moves a determinant by some 1e-15."""
@@ -71,7 +71,7 @@ def corners_of(vertices: UnitVectors, quads: Ints) -> UnitVectors:
 
 
 def arc_normals(corners: UnitVectors) -> UnitVectors:
-    """Return the unit normal, towards the quad, of each arc's great circle, (..., 4, 3).
+    """Return the unit normal, toward the quad, of each arc's great circle, (..., 4, 3).
 
     The normal of an arc between vertices that are nearly equal or opposite is not a number.
     """

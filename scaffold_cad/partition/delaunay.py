@@ -15,8 +15,8 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
+from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.vectors import dot, normalize
-from scaffold_cad.partition.blocks import blocks
 
 TIE_BREAK = 1e-11
 """How far directions are moved to choose the diagonals of facets with 4 or more corners.

@@ -225,20 +225,20 @@ def _gains(
     left = meshes.centers[row, half_edges // 3]
     right = meshes.centers[row, _taken(meshes.twins, half_edges) // 3]
     near, far = reach[row, tails], reach[row, heads]
-    arc = _levelled(angle_between(left, right) / np.sqrt(near * far), LONG_ARC)
+    arc = _leveled(angle_between(left, right) / np.sqrt(near * far), LONG_ARC)
     apart = angle_between(stars[row, tails], stars[row, heads])
-    gap = _levelled(apart / (near + far) - 1, WIDE_GAP)
+    gap = _leveled(apart / (near + far) - 1, WIDE_GAP)
     merging = np.maximum(1 - arc / TINY_ARC, 0)
     return 1 + 0.82 * arc - 1.4 * gap - 0.8 * merging, -1 + 0.37 * arc - 0.51 * gap
 
 
-def _levelled(values: Floats, limit: float) -> Floats:
+def _leveled(values: Floats, limit: float) -> Floats:
     """Return values that tend to `limit`, but so that no two different ones become equal.
 
     Equal gains would leave it to the order of the directions which edge is taken.
     """
-    levelled: Floats = values / np.sqrt(1 + (values / limit) ** 2)
-    return levelled
+    leveled: Floats = values / np.sqrt(1 + (values / limit) ** 2)
+    return leveled
 
 
 def edges_of(meshes: Triangulations) -> Ints:

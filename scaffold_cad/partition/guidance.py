@@ -38,7 +38,7 @@ def as_neighbors(pairs: ArrayLike, valency: int) -> Ints:
     for i, j in wanted.tolist():
         if not (0 <= i < valency and 0 <= j < valency and i != j):
             raise PartitionError(
-                f"neighbors {i} and {j} are no pair of directions; need two of 0 to {valency - 1}"
+                f"neighbors {i} and {j} are not two directions; need two of 0 to {valency - 1}"
             )
     wanted = np.unique(np.sort(wanted, axis=1), axis=0)
     uses = np.bincount(wanted.reshape(-1))

@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints, UnitVectors
-from scaffold_cad.base.vectors import any_perpendicular, dot, length, normalize
+from scaffold_cad.base.vectors import any_perpendicular, dot, four_around, length, normalize
 from scaffold_cad.partition.certificate import arc_normals
 
 SPLITS = np.array(
@@ -68,7 +68,7 @@ def _hemisphere_corners(stars: UnitVectors) -> UnitVectors:
     flat = length(above) < 1e-9
     east = normalize(np.where(flat[:, None], any_perpendicular(axes), above))
     north = np.cross(axes, east)
-    return np.stack([east, north, -east, -north], axis=1)
+    return four_around(east, north)
 
 
 def _midway(a: UnitVectors, b: UnitVectors) -> UnitVectors:

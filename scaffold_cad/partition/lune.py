@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints, UnitVectors
+from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.vectors import any_perpendicular, dot, normalize
-from scaffold_cad.partition.blocks import blocks
 from scaffold_cad.partition.star import nearest_angles
 
 AXES = 96

@@ -14,7 +14,15 @@ from scaffold_cad.partition.star import nearest_angles
 
 @dataclass(frozen=True, eq=False)
 class Partition(Frozen):
-    """A sphere cut into N quads, each star-shaped around one of N directions: certified."""
+    """A sphere cut into N quads, each star-shaped around one of N directions: certified.
+
+    Examples
+    --------
+    >>> from scaffold_cad import partition_sphere
+    >>> partition = partition_sphere([[1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    >>> partition.vertices.shape, partition.method
+    ((5, 3), 'dual')
+    """
 
     directions: UnitVectors
     """Unit vectors, shape (N, 3)."""

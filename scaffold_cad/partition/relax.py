@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints, UnitVectors
+from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.vectors import any_perpendicular
 from scaffold_cad.partition.arcs import arcs_of
-from scaffold_cad.partition.blocks import blocks
 
 SHORT_ARC = 0.4
 """An arc shorter than this part of the reach beside it counts as a shortfall."""

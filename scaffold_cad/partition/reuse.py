@@ -136,7 +136,7 @@ def circumscribed(stars: UnitVectors, quads: Ints) -> UnitVectors:
 
 
 def blended(stars: UnitVectors, quads: Ints) -> UnitVectors:
-    """Return a first guess: the circumscribed one drawn towards the vertices it is joined to."""
+    """Return a first guess: the circumscribed one drawn toward the vertices it is joined to."""
     guess = circumscribed(stars, quads)
     _, ends = sides(quads)
     neighbors = _summed(guess[np.arange(len(stars))[:, None], ends], quads)

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from scaffold_cad.base.arguments import check_choice
 from scaffold_cad.base.arrays import Floats, Ints, UnitVectors, as_floats
+from scaffold_cad.base.blocks import blocks
 from scaffold_cad.errors import OptionError, PartitionError
-from scaffold_cad.partition.blocks import blocks
 from scaffold_cad.partition.certificate import (
     MIN_CLEARANCE,
     arc_normals,
@@ -66,6 +66,14 @@ def partition_sphere(
         certified partition is found in which the `neighbors` are so.
     OptionError
         If there is no such method, or `neighbors` are given with another than "dual".
+
+    Examples
+    --------
+    >>> from scaffold_cad import partition_sphere
+    >>> axes = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]]
+    >>> partition = partition_sphere(axes)  # the cube
+    >>> partition.quads.shape, round(partition.relative_clearance, 6)
+    ((6, 4), 1.0)
     """
     alone = as_floats(directions, "directions", PartitionError)[None]  # (1, N, 3)
     if neighbors is None:
@@ -116,6 +124,13 @@ def partition_spheres(
         apart, or if no certified vertices are found for the quads of `like`; the star is named.
     OptionError
         If there is no such method, or `near` is given without `like`.
+
+    Examples
+    --------
+    >>> from scaffold_cad import partition_spheres
+    >>> star = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, -1, -1]]
+    >>> partition_spheres([star, star]).quads.shape
+    (2, 4, 4)
     """
     check_choice(method, "method", METHODS)
     if like is None and near is not None:

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arrays import Floats, Ints, UnitVectors, as_floats
+from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.vectors import angle_between, length
 from scaffold_cad.errors import PartitionError
-from scaffold_cad.partition.blocks import blocks
 from scaffold_cad.skeleton.repair import LEAST_ANGLE
 
 MIN_VALENCY = 3

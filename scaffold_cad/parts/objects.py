@@ -40,6 +40,14 @@ class ScaffoldSolid(SkeletonPart):
 
     Each extremity has a `RigidJoint` "extremity 7", named after its node: z leaves the strut, x
     points to the middle of a side of its section.
+
+    Examples
+    --------
+    >>> from scaffold_cad import ScaffoldSolid, Skeleton
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> solid = ScaffoldSolid(strut, label="pin")
+    >>> round(solid.volume, 6), sorted(solid.joints)
+    (36.0, ['extremity 0', 'extremity 1'])
     """
 
     @checks_keywords(SkeletonPart.__init__, build_scaffold)
@@ -82,6 +90,13 @@ class RoundStrutsSolid(SkeletonPart):
     """Round struts around a skeleton: cylinders and cones on its edges, blends at its nodes.
 
     It has the joints of a `ScaffoldSolid`, each in the center of a strut's last circle.
+
+    Examples
+    --------
+    >>> from scaffold_cad import RoundStrutsSolid, Skeleton
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> round(RoundStrutsSolid(strut).volume, 3)
+    28.274
     """
 
     @checks_keywords(SkeletonPart.__init__, round_struts)
@@ -126,6 +141,13 @@ class StrutFrame(SkeletonPart):
     """The edges of a skeleton, a scaffold or a quad mesh as struts of one radius.
 
     Joints are at the extremities of the skeleton, and of a scaffold's skeleton.
+
+    Examples
+    --------
+    >>> from scaffold_cad import StrutFrame, Skeleton
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> round(StrutFrame(strut, radius=0.5).volume, 6)
+    9.0
     """
 
     @checks_keywords(SkeletonPart.__init__)
@@ -171,6 +193,13 @@ class LatticeBox(SkeletonPart):
 
     It lines up with build123d's `Box` of the same size and `align`; what is in its sides stands
     out, struts by their radius and nodes by more.
+
+    Examples
+    --------
+    >>> from scaffold_cad import LatticeBox
+    >>> box = LatticeBox("bcc", 8.0, 8, 8, 8, radius=0.5)
+    >>> len(box.skeleton.edges), box.is_valid
+    (8, True)
     """
 
     @checks_keywords(SkeletonPart.__init__)
@@ -237,6 +266,14 @@ class LatticeFill(SkeletonPart):
 
     The ends of slanted struts stand out of the part by up to their radius: `LatticeFill(...) &
     part` trims them, slowly. `lattice_part` does so on triangles, and adds a skin.
+
+    Examples
+    --------
+    >>> from build123d import Cylinder
+    >>> from scaffold_cad import LatticeFill
+    >>> core = LatticeFill(Cylinder(20, 8), "bcc", 8.0, radius=0.5, keep="whole")
+    >>> core.is_valid
+    True
     """
 
     @checks_keywords(SkeletonPart.__init__)

@@ -1,7 +1,7 @@
 """Lattices without the cut struts that overlap others: what is left has a B-rep.
 
 Where the surface of a part cuts a strut close to its node, what is left of it is shorter than the
-node is wide and runs into its neighbours.
+node is wide and runs into its neighbors.
 """
 
 from __future__ import annotations

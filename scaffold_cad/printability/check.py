@@ -61,8 +61,15 @@ def check_printability(
     MeshError
         If there is no triangle.
     OptionError
-        If `what` has no surface, `skeleton` is none, or the process, the material or the
+        If `what` has no surface, `skeleton` is of another type, or the process, the material or the
         direction is not known.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, check_printability
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> check_printability(strut, "sls").printable
+    True
     """
     process = process_named(process)
     if skeleton is not None:
@@ -108,6 +115,12 @@ def assert_printable(what: Any, process: str | Process = "sls", **options: Any) 
     """Raise an AssertionError that holds the report unless `what` is printable; for tests.
 
     The options are those of `check_printability`.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, assert_printable
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> assert_printable(strut, "sls")
     """
     report = check_printability(what, process, **options)
     if not report.printable:

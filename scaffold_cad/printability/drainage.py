@@ -20,7 +20,7 @@ GRID_STEPS = 6
 MOST_CELLS = 10_000_000
 """Cells of a grid: some 100 MB."""
 MOST_POCKETS = 100
-"""How many pockets are told from solid, the largest first."""
+"""Number of pockets that are listed, the largest first."""
 
 
 def drainage_finding(surface: TriangleTopology, process: Process) -> Finding:
@@ -62,7 +62,7 @@ def drainage_finding(surface: TriangleTopology, process: Process) -> Finding:
 def _pockets(
     surface: TriangleTopology, low: Points, shape: Ints, step: float
 ) -> tuple[Points, Floats]:
-    """Return a point in each pocket (k, 3), and the volume open to a ball's centre there (k,)."""
+    """Return a point in each pocket (k, 3), and the volume open to a ball's center there (k,)."""
     touched = _touched(surface, low, shape, step)
     # The surface is up to half a step out of the cells that it touches.
     reach = (GRID_STEPS - 1) / 2

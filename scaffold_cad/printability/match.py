@@ -11,7 +11,7 @@ from scaffold_cad.skeleton import Skeleton
 
 
 def match_finding(skeleton: Skeleton, mesh: TriangleMesh) -> Finding:
-    """Return whether the struts are in a closed mesh: else what is said of them means nothing."""
+    """Return whether the struts are inside a closed mesh: otherwise findings on them are void."""
     middles = skeleton.nodes[skeleton.edges].mean(axis=1)
     outside = np.flatnonzero(~MeshRegion(mesh).contains(middles))
     count = len(skeleton.edges)
@@ -20,7 +20,7 @@ def match_finding(skeleton: Skeleton, mesh: TriangleMesh) -> Finding:
         text = (
             f"{len(outside)} of {counted(count, 'strut')} not in the part, strut {outside[0]} first"
         )
-        advice = "what is said of struts is of others than the part's: need its own skeleton"
+        advice = "the findings on struts are not about this part: need its own skeleton"
     return Finding(
         "struts_in_part",
         "lattice",

@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints, Points
+from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.visibility import seen
 from scaffold_cad.printability.triangletopology import TriangleTopology
 
@@ -62,9 +63,8 @@ def nesting(surface: TriangleTopology) -> Nesting:
 def winding_numbers(points: Points, corners: Floats) -> Floats:
     """Return how often triangles (t, 3, 3) go around each of `points` (k, 3), shape (k,)."""
     total = np.zeros(len(points))
-    step = max(1, TRIANGLES_AT_ONCE // max(len(points), 1))
-    for start in range(0, len(corners), step):
-        spokes = corners[None, start : start + step] - points[:, None, None]  # (k, t', 3, 3)
+    for part in blocks(len(corners), len(points), TRIANGLES_AT_ONCE):
+        spokes = corners[None, part] - points[:, None, None]  # (k, t', 3, 3)
         a, b, c = np.moveaxis(spokes, 2, 0)
         _, solid_angles = seen(a, b, c, rounding=0.0)
         total += solid_angles.sum(axis=1)

@@ -9,8 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 
-from scaffold_cad.base.arguments import as_number
-from scaffold_cad.errors import OptionError
+from scaffold_cad.base.arguments import as_number, check_choice
 
 
 @dataclass(frozen=True)
@@ -104,9 +103,7 @@ def process_named(process: str | Process) -> Process:
     """
     if isinstance(process, Process):
         return process
-    if not isinstance(process, str) or process not in PROCESSES:
-        known = ", ".join(PROCESSES)
-        raise OptionError(f"process is {process!r}; need one of {known}, or a Process")
+    check_choice(process, "process", PROCESSES, or_else="a Process")
     return PROCESSES[process]
 
 
@@ -118,6 +115,5 @@ def density_of(material: str) -> float:
     OptionError
         If it is not known.
     """
-    if not isinstance(material, str) or material not in MATERIALS:
-        raise OptionError(f"material is {material!r}; need one of {', '.join(MATERIALS)}")
+    check_choice(material, "material", MATERIALS)
     return MATERIALS[material]

@@ -52,7 +52,16 @@ class Finding(Frozen):
 
 @dataclass(frozen=True, eq=False)
 class Report(Frozen):
-    """Everything that a check found, in order."""
+    """Everything that a check found, in order.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, check_printability
+    >>> strut = Skeleton([[0, 0, 0], [0, 0, 9]], [[0, 1]], 0.2)
+    >>> report = check_printability(strut, "sls", name="pin")
+    >>> report.name, report.printable, report["strut_diameter"].verdict
+    ('pin', False, 'failure')
+    """
 
     name: str
     """What was checked, such as the name of a file."""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, UnitVectors, as_floats
-from scaffold_cad.base.vectors import any_perpendicular, length, normalize
+from scaffold_cad.base.vectors import any_perpendicular, length, normalize, sums_by_row
 from scaffold_cad.errors import OptionError
 from scaffold_cad.printability.processes import Process
 from scaffold_cad.printability.triangletopology import TriangleTopology
@@ -71,9 +71,7 @@ class Facets:
         steps = np.round(normals / SAME_NORMAL).astype(np.int64)
         keys = (steps[:, 0] << 42) + (steps[:, 1] << 21) + steps[:, 2]
         found, kind = np.unique(keys, return_inverse=True)
-        sums = np.zeros((len(found), 3))
-        np.add.at(sums, kind, self.area_vectors[proper])
-        return sums
+        return sums_by_row(self.area_vectors[proper], kind, len(found))
 
     @cached_property
     def _first_corners(self) -> Ints:

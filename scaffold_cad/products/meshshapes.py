@@ -16,7 +16,7 @@ def to_mesh_shape(what: Any) -> Face:
     """Return a mesh as one build123d Face that carries its triangles and no surface.
 
     It is what build123d's own `import_stl` returns: viewers show it and `export_stl` writes it,
-    however many triangles there are. It is no solid: it has no volume, booleans and fillets do
+    however many triangles there are. It is not a solid: it has no volume, booleans and fillets do
     nothing good with it, and a STEP file of it holds triangles at best.
 
     Parameters
@@ -29,9 +29,17 @@ def to_mesh_shape(what: Any) -> Face:
     MeshError
         If it has no triangles.
     OptionError
-        If it is no mesh.
+        If it is not a mesh.
     MissingBackendError
         If build123d is not installed.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, build_scaffold
+    >>> from scaffold_cad.products import to_mesh_shape
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> round(to_mesh_shape(build_scaffold(strut)).bounding_box().size.X, 6)
+    9.0
     """
     mesh = triangles_of(what)
     if len(mesh.triangles) == 0:

@@ -1,6 +1,6 @@
 """Where a scaffold is embedded: which struts keep to their own room, edge by edge.
 
-Every strut is a *tube*: its sleeves, closed at both ends towards its nodes. The tubes tile the
+Every strut is a *tube*: its sleeves, closed at both ends toward its nodes. The tubes tile the
 inside of the scaffold. No two faces meet outside shared edges if
 
 - each strut leaves each of its nodes within its own cone, the part of space that the spherical
@@ -25,6 +25,7 @@ from typing import Protocol
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points
+from scaffold_cad.base.blocks import cut
 from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import dot, length, normalize, triple
@@ -65,7 +66,7 @@ class Sleeved(Protocol):
         """The partitions of the branch points."""
 
 
-STAR_CENTRES = (0.5, 0.25, 0.75, 0.1, 0.9, 0.02, 0.98)
+STAR_CENTERS = (0.5, 0.25, 0.75, 0.1, 0.9, 0.02, 0.98)
 """Where on its axis a sleeve is tried to be star-shaped, as fractions of its length."""
 
 MOST_SLEEVES = 3
@@ -83,7 +84,15 @@ PAIR_CHUNK = 10_000
 
 @dataclass(frozen=True, eq=False)
 class Embedding(Frozen):
-    """Which struts of a scaffold keep to their own room."""
+    """Which struts of a scaffold keep to their own room.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, build_scaffold
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> build_scaffold(strut).embedding().certified
+    True
+    """
 
     within_cone: Bools
     """Whether each strut leaves each of its two nodes within its own cone, shape (m, 2)."""
@@ -164,7 +173,7 @@ def _within_cones(scaffold: Sleeved) -> Bools:
     edge = scaffold.refinement.edge_of_edge
     for side in (0, 1):
         half_edge = 2 * edge + side  # (m',) of the skeleton
-        for part in _chunks(np.flatnonzero(scaffold.stars.corners[half_edge, 0] >= 0)):
+        for part in cut(np.flatnonzero(scaffold.stars.corners[half_edge, 0] >= 0), CHUNK):
             node = skeleton.nodes[skeleton.edges[edge[part], side]][:, None, :]
             quad = vertices[scaffold.stars.corners[half_edge[part]]] - node
             planes = np.cross(quad, np.roll(quad, -1, axis=1))  # (k, 4, 3)
@@ -176,7 +185,7 @@ def _within_cones(scaffold: Sleeved) -> Bools:
     # stays in front of it, the sleeve there and those that follow.
     for side, step in ((0, 1), (1, -1)):
         ends = refined.edges[:, side]
-        for part in _chunks(np.flatnonzero(refined.valency[ends] < 3)):
+        for part in cut(np.flatnonzero(refined.valency[ends] < 3), CHUNK):
             node = refined.nodes[ends[part]][:, None, :]
             section = vertices[scaffold.sleeves[part, side]]
             plane = np.cross(section[:, 2] - section[:, 0], section[:, 3] - section[:, 1])
@@ -191,7 +200,7 @@ def _within_cones(scaffold: Sleeved) -> Bools:
 
 
 def _uncrossed(scaffold: Sleeved) -> Bools:
-    """Return whether each sleeve, closed towards its nodes, holds its axis and is whole, (m',).
+    """Return whether each sleeve, closed toward its nodes, holds its axis and is whole, (m',).
 
     Nearly all are star-shaped around a point of their axis: their triangles are all seen from one
     side and together cover the sphere of directions once.
@@ -201,17 +210,17 @@ def _uncrossed(scaffold: Sleeved) -> Bools:
     sides = scaffold.mesh.triangles[: 8 * len(refined.edges)].reshape(-1, 8, 3)
     fine = np.zeros(len(refined.edges), dtype=np.bool_)
     rounding = rounding_of(scaffold.mesh.vertices)
-    for fraction in STAR_CENTRES:
-        for part in _chunks(np.flatnonzero(~fine)):
-            centre = (1 - fraction) * start[part] + fraction * end[part]
+    for fraction in STAR_CENTERS:
+        for part in cut(np.flatnonzero(~fine), CHUNK):
+            center = (1 - fraction) * start[part] + fraction * end[part]
             shell = _closed_sleeves(scaffold, part, sides[part])  # (k, 16, 3, 3)
-            fine[part] = _seen_once(shell - centre[:, None, None, :], rounding)
-    for part in _chunks(np.flatnonzero(~fine)):
+            fine[part] = _seen_once(shell - center[:, None, None, :], rounding)
+    for part in cut(np.flatnonzero(~fine), CHUNK):
         shell = _closed_sleeves(scaffold, part, sides[part])
         fine[part] = _whole(shell)
-        for fraction in STAR_CENTRES:
-            centre = (1 - fraction) * start[part] + fraction * end[part]
-            fine[part] &= _solid_angle(shell - centre[:, None, None, :]) > 2 * np.pi
+        for fraction in STAR_CENTERS:
+            center = (1 - fraction) * start[part] + fraction * end[part]
+            fine[part] &= _solid_angle(shell - center[:, None, None, :]) > 2 * np.pi
     return fine
 
 
@@ -327,8 +336,8 @@ def _with_stubs(scaffold: Sleeved, tubes: _Bodies, left_out: Ints, kept_nodes: B
     apex = stub_apexes(scaffold, half_edges)
     axis = np.stack([skeleton.nodes[node], apex], axis=1)
     following = np.roll(quad, -1, axis=1)
-    centre, top = axis[:, :1], axis[:, 1:]
-    sides = np.cross(following - centre, quad - centre)
+    center, top = axis[:, :1], axis[:, 1:]
+    sides = np.cross(following - center, quad - center)
     caps = np.cross(following - top, quad - top)
     stubs = _Bodies(
         points=np.concatenate([quad, axis, quad], axis=1),
@@ -361,7 +370,7 @@ def _conflicts(bodies: _Bodies, among: Bools | None = None) -> Edges:
         if among is not None:
             apart &= among[first] | among[second]
         pairs = np.stack([first[apart], second[apart]], axis=1)
-        found += [part[_meet(bodies, part)] for part in _chunks(pairs, PAIR_CHUNK)]
+        found += [part[_meet(bodies, part)] for part in cut(pairs, PAIR_CHUNK)]
     return np.concatenate(found)
 
 
@@ -390,8 +399,3 @@ def _overlap(bodies: _Bodies, i: Ints, j: Ints, planes: Floats) -> Bools:
     margin = MARGIN * size + ROUNDING * np.abs(bodies.points[i]).max(axis=(1, 2), initial=0.0)
     gap = np.maximum(b.min(axis=1) - a.max(axis=1), a.min(axis=1) - b.max(axis=1))  # (k, q)
     return np.asarray((gap <= margin[:, None]).all(axis=1))
-
-
-def _chunks(rows: Ints, size: int = CHUNK) -> list[Ints]:
-    """Return `rows` cut into parts of at most `size`."""
-    return np.array_split(rows, range(size, len(rows), size)) if len(rows) else []

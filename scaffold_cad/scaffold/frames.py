@@ -120,6 +120,12 @@ def rotation_minimizing_frames(points: ArrayLike, first_x: ArrayLike | None = No
     OptionError
         If there are fewer than two points, two consecutive ones are equal, or `first_x` is no
         vector or along the polyline.
+
+    Examples
+    --------
+    >>> from scaffold_cad import rotation_minimizing_frames
+    >>> rotation_minimizing_frames([[0, 0, 0], [1, 0, 0], [2, 1, 0]], [0, 0, 1]).shape
+    (3, 3, 3)
     """
     points = as_points(points, "points", OptionError)
     if len(points) < 2:

@@ -49,7 +49,7 @@ def to_manifold(mesh: QuadMesh | TriangleMesh) -> Manifold:
     MeshError
         If the mesh is not closed, not outward, or manifold3d refuses it; the reason is named.
     OptionError
-        If it is no mesh.
+        If it is not a mesh.
     MissingBackendError
         If manifold3d is not installed.
     """
@@ -103,9 +103,16 @@ def to_trimesh(what: QuadMesh | TriangleMesh | Manifold) -> Trimesh:
     Raises
     ------
     OptionError
-        If it is none of these.
+        If it is of another type.
     MissingBackendError
         If trimesh is not installed.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, build_scaffold, to_trimesh
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> to_trimesh(build_scaffold(strut).mesh).is_watertight
+    True
     """
     if is_instance(what, "manifold3d", "Manifold"):
         what = manifold_triangles(what)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, Triangles, UnitVectors
-from scaffold_cad.base.vectors import any_perpendicular, dot, length, normalize, rotate
+from scaffold_cad.base.vectors import any_perpendicular, dot, four_around, length, normalize, rotate
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.scaffold.embedding import Embedding, stub_apexes
@@ -58,7 +58,7 @@ def solid_pieces(scaffold: Scaffold, embedded: Embedding, wobble: Floats) -> Pie
 
     Parameters
     ----------
-    wobble : (n,) float64; how much the prisms of struts left out are made unlike each other at
+    wobble : (n,) float64; relative perturbation of the prisms of struts left out at
         each node, as a fraction of their radius: faces that lie in one plane, or edges in one
         line, are hard to unite
     """
@@ -71,7 +71,7 @@ def solid_pieces(scaffold: Scaffold, embedded: Embedding, wobble: Floats) -> Pie
 
 
 def spread(count: int, axis: int) -> Floats:
-    """Return evenly spread numbers in [-1/2, 1/2), unlike for neighbours, (count,).
+    """Return evenly spread numbers in [-1/2, 1/2), unlike for neighbors, (count,).
 
     Multiples of the powers of the plastic number's inverse: Roberts's additive recurrence.
     """
@@ -208,9 +208,9 @@ def _prisms(scaffold: Scaffold, struts: _Struts) -> list[Points]:
     radii = skeleton.radii[struts.ends] * struts.width[:, None]  # (k, 2), of the corners
     further = np.where(skeleton.valency[struts.ends] > 1, OVERLAP * radii, 0.0)
     outward = np.stack([-struts.axis, struts.axis], axis=1)
-    centres = skeleton.nodes[struts.ends] + further[:, :, None] * outward  # (k, 2, 3)
+    centers = skeleton.nodes[struts.ends] + further[:, :, None] * outward  # (k, 2, 3)
     sections = _square(struts.x, struts.axis)[:, None] * radii[:, :, None, None]
-    return list((centres[:, :, None, :] + sections).reshape(-1, 8, 3))
+    return list((centers[:, :, None, :] + sections).reshape(-1, 8, 3))
 
 
 def _hubs(scaffold: Scaffold, struts: _Struts, kept: Bools) -> list[Points]:
@@ -262,5 +262,4 @@ def _across(axis: UnitVectors, vectors: UnitVectors) -> UnitVectors:
 
 def _square(x: UnitVectors, axis: UnitVectors) -> Points:
     """Return four corners at distance 1 from 0 across `axis`, the first along `x`, (k, 4, 3)."""
-    y = np.cross(axis, x)
-    return np.stack([x, y, -x, -y], axis=1)
+    return four_around(x, np.cross(axis, x))

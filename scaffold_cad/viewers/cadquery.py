@@ -1,4 +1,4 @@
-"""Shapes for CadQuery, and so for CQ-editor, which takes none of build123d's."""
+"""Shapes for CadQuery, and so for CQ-editor, which does not accept those of build123d."""
 
 from __future__ import annotations
 

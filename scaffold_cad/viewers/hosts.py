@@ -45,6 +45,11 @@ def show(what: Any, name: str | None = None) -> None:
         If there is no viewer; the message says what was looked for.
     OptionError
         If it is nothing that can be shown.
+
+    Examples
+    --------
+    >>> from scaffold_cad import show, tile
+    >>> show(tile("bcc", 8.0, 2, radius=1.0))  # doctest: +SKIP
     """
     caller = sys._getframe(1)
     display = _in_cq_editor(caller) or _in_loaded_ocp_viewer() or _in_notebook() or _in_ocp_viewer()
@@ -69,7 +74,7 @@ def _in_cq_editor(caller: FrameType) -> Display | None:
 
 
 def _cq_options(what: Any) -> dict[str, Any]:
-    """Return what CQ-editor calls the colour of a build123d shape."""
+    """Return what CQ-editor calls the color of a build123d shape."""
     color = getattr(what, "color", None)
     if color is None:
         return {}

@@ -13,7 +13,7 @@ from scaffold_cad.scaffold.stars import worst_clearance
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.webpage.scene import Dots, Layer, Lines, Part, Surface
 
-INK, GREY, SAND, BLUE, CRIMSON = "#2b2f36", "#8c96a1", "#e8b765", "#8ca8cc", "#c8102e"
+INK, GRAY, SAND, BLUE, CRIMSON = "#2b2f36", "#8c96a1", "#e8b765", "#8ca8cc", "#c8102e"
 
 VALENCIES = {
     3: "#2f6fd0",
@@ -55,8 +55,8 @@ def skeleton_layer(skeleton: Skeleton) -> ShownLayer:
     size = 11.0 if few else 7.0  # pixels
     others = np.flatnonzero(skeleton.valency < 3)
     if len(others):
-        parts.append(Dots(skeleton.nodes[others], GREY, 0.6 * size))
-        legend.append((GREY, f"{len(others)} joints and extremities"))
+        parts.append(Dots(skeleton.nodes[others], GRAY, 0.6 * size))
+        legend.append((GRAY, f"{len(others)} joints and extremities"))
     highest = max(VALENCIES)
     kinds = np.minimum(skeleton.valency, highest)
     for valency, color in VALENCIES.items():

@@ -178,7 +178,7 @@ def test_names_of_kinds_are_only_told_of() -> None:
         (lambda: SmoothScaffold(TRIPOD, radius=3), r"SmoothScaffold\(\) has no parameter 'radius'"),
         (lambda: SmoothScaffold(TRIPOD, cap="flat"), "'cap'; did you mean 'caps'"),
         (lambda: ScaffoldSolid(TRIPOD, collar=True), r"ScaffoldSolid\(\).*did you mean 'collars'"),
-        (lambda: StrutFrame(TRIPOD, 1.0, colour="red"), "did you mean 'color'"),
+        (lambda: StrutFrame(TRIPOD, 1.0, colours="red"), "did you mean 'color'"),
         (lambda: LatticeBox("bcc", 8, 8, 8, 8, 1, modus=1), "did you mean 'mode'"),
         (lambda: LatticeFill(BOX, "bcc", 8, 1, orgin=1), "did you mean 'origin'"),
     ],

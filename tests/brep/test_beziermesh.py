@@ -114,7 +114,7 @@ def test_control_points_that_are_not_finite_are_refused() -> None:
 def test_a_gap_between_patches_is_refused() -> None:
     points = elevated(CUBE, 2)
     points[4, 1, 0] += [0, 0, 1e-6]
-    message = "is 1e-06 mm off its neighbour along the edge from vertex"
+    message = "is 1e-06 mm off its neighbor along the edge from vertex"
     with pytest.raises(MeshError, match=message):
         BezierMesh(CUBE.quads, points)
 
@@ -122,5 +122,5 @@ def test_a_gap_between_patches_is_refused() -> None:
 def test_a_gap_at_a_vertex_that_joins_no_edges_is_refused() -> None:
     quads = np.concatenate([CUBE.quads, np.where(CUBE.quads == 0, 7, CUBE.quads + 8)])
     points = np.concatenate([elevated(CUBE, 1), elevated(CUBE, 1) + 2.5])
-    with pytest.raises(MeshError, match="mm off its neighbour"):
+    with pytest.raises(MeshError, match="mm off its neighbor"):
         BezierMesh(quads, points)

@@ -253,7 +253,7 @@ def test_triangles_of_curved_faces_are_near_and_closed() -> None:
 
 
 @pytest.mark.parametrize("radius", [1, 5, 20, 50])
-def test_triangles_are_within_a_hundredth_of_a_millimetre(radius: float) -> None:
+def test_triangles_are_within_a_hundredth_of_a_millimeter(radius: float) -> None:
     triangles = tessellated(build123d.Sphere(radius))
     triangles.check_closed()
     corners = triangles.vertices[triangles.triangles]

@@ -506,7 +506,7 @@ def test_vertex_inside_a_blend_comes_out() -> None:
     assert np.abs(field.value(moved.vertices) - 1).max() <= 1e-9
 
 
-def test_vertices_on_the_skeleton_find_a_way_out_between_their_neighbours() -> None:
+def test_vertices_on_the_skeleton_find_a_way_out_between_their_neighbors() -> None:
     mesh = around(JACK)
     points = np.array(mesh.vertices)
     points[[7, 9]] = 0.0  # between six edges, nothing else says which way is out

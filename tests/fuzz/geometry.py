@@ -95,7 +95,7 @@ def _nearly_straight(skeleton: Skeleton, near: float, rng: np.random.Generator) 
 
 
 def _nearly_twice(skeleton: Skeleton, near: float, rng: np.random.Generator) -> Skeleton:
-    """Put a new node `near` a node, joined to it or to a neighbour of it."""
+    """Put a new node `near` a node, joined to it or to a neighbor of it."""
     edge = int(rng.integers(0, len(skeleton.edges)))
     a, b = rng.permutation(skeleton.edges[edge]).tolist()
     step = rng.normal(size=3)

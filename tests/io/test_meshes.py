@@ -148,7 +148,7 @@ def test_a_list_longer_than_the_file_is_refused(tmp_path: Path) -> None:
 
 def test_nan_of_any_kind_is_a_node_without_a_place(tmp_path: Path) -> None:
     sound = SAMPLES["binary.stl"]
-    signalling = b"\x01\0\xa0\x7f"  # of the kind that processors warn of
-    content = sound[:96] + signalling + sound[100:]
+    signaling = b"\x01\0\xa0\x7f"  # of the kind that processors warn of
+    content = sound[:96] + signaling + sound[100:]
     raw = read_raw(written(tmp_path, "damaged.stl", content))
     assert np.isnan(raw.nodes).any(axis=1).sum() == 1

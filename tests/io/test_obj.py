@@ -63,7 +63,7 @@ def test_lines_may_come_before_their_vertices(tmp_path: Path) -> None:
     assert edges_of(tmp_path, "l 1 2 3\n" + SQUARE) == [[0, 1], [1, 2]]
 
 
-def test_vertices_may_have_weights_or_colours(tmp_path: Path) -> None:
+def test_vertices_may_have_weights_or_colors(tmp_path: Path) -> None:
     raw = read_raw(written(tmp_path, "w.obj", "v 0 0 1 1.0\nv 1e1 -.5 2 0.1 0.2 0.3\nl 1 2\n"))
     assert raw.nodes.tolist() == [[0, 0, 1], [10, -0.5, 2]]
     assert raw.radii is None

@@ -69,7 +69,7 @@ def test_every_format_that_is_read_has_a_sample() -> None:
 
 
 @pytest.mark.parametrize("name", SAMPLES)
-def test_a_sample_is_recognised_by_its_own_format_only(name: str) -> None:
+def test_a_sample_is_recognized_by_its_own_format_only(name: str) -> None:
     head = SAMPLES[name][: register.HEAD_SIZE]
     found = [known for known in known_formats() if known.recognises(head)]
     assert len(found) == 1

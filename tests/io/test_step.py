@@ -115,7 +115,7 @@ def test_numbers_are_those_of_step() -> None:
         assert re.fullmatch(r"-?\d+\.\d*(E[+-]\d+)?", text)  # ISO 10303-21, 6.4.2
 
 
-def test_the_file_is_in_millimetres(tmp_path: Path) -> None:
+def test_the_file_is_in_millimeters(tmp_path: Path) -> None:
     path = tmp_path / "cube.step"
     write_step(bilinear(CUBE), path, name="cube")
     assert "SI_UNIT(.MILLI.,.METRE.)" in path.read_text(encoding="ascii")

@@ -120,7 +120,7 @@ def test_a_lattice_without_a_radius_takes_that_of_the_nearest_beam(tmp_path: Pat
         ('unit="meter"', 1000),
     ],
 )
-def test_units_become_millimetres_in_positions_radii_and_transforms(
+def test_units_become_millimeters_in_positions_radii_and_transforms(
     tmp_path: Path, unit: str, factor: float
 ) -> None:
     item = '<item objectid="1" transform="1 0 0 0 1 0 0 0 1 0 0 7"/>'

@@ -115,7 +115,7 @@ def test_regular_points_keep_their_distance(count: int, seed: int, regularity: f
     points = random_points(count, BOX, seed, regularity)
     assert points.shape == (count, 3)
     nearest = cKDTree(points).query(points, 2)[0][:, 1]
-    # Neighbours in a body-centred cubic lattice of edge a, with 2 points an a³.
+    # Neighbors in a body-centered cubic lattice of edge a, with 2 points an a³.
     edge = np.cbrt(2 * np.prod(BOX[1]) / count)
     assert nearest.min() >= regularity * edge * np.sqrt(3) / 2 * (1 - 1e-12)
 

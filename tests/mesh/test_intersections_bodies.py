@@ -25,7 +25,7 @@ Cut = tuple[QuadMesh, NDArray[np.intp], NDArray[np.float64]]
 
 
 def cut(skeleton: Skeleton, *, levels: int = 1, collars: bool = True) -> Cut:
-    """Return a smooth surface, the body of each of its quads, and the centres of the bodies."""
+    """Return a smooth surface, the body of each of its quads, and the centers of the bodies."""
     scaffold = build_scaffold(skeleton, collars=collars)
     surface = smooth_mesh(scaffold, levels)
     return surface.mesh, *roundstruts._bodies(scaffold, surface)
@@ -86,27 +86,27 @@ def test_pairs_are_those_of_the_exact_test(
 def test_no_crossing_is_missed_in_a_surface_that_was_shaken(
     data: st.DataObject, amount: float, seed: int
 ) -> None:
-    mesh, body, centres = cut(data.draw(st.sampled_from([CUBE_SKELETON, STICK_FIGURE])))
+    mesh, body, centers = cut(data.draw(st.sampled_from([CUBE_SKELETON, STICK_FIGURE])))
     random = np.random.default_rng(seed)
     moved = random.random(len(mesh.vertices)) < data.draw(st.sampled_from([0.02, 0.2, 1.0]))
     offsets = amount * random.standard_normal(mesh.vertices.shape)
     shaken = mesh.moved(mesh.vertices + moved[:, None] * offsets)
     np.testing.assert_array_equal(
-        intersections_of_bodies(shaken, body, centres), self_intersections(shaken)
+        intersections_of_bodies(shaken, body, centers), self_intersections(shaken)
     )
 
 
 @given(st.data(), st.floats(0.3, 12.0))
 def test_no_crossing_of_swollen_bodies_is_missed(data: st.DataObject, factor: float) -> None:
-    mesh, body, centres = cut(data.draw(st.sampled_from([CUBE_SKELETON, STICK_FIGURE])))
+    mesh, body, centers = cut(data.draw(st.sampled_from([CUBE_SKELETON, STICK_FIGURE])))
     one = data.draw(st.sampled_from(np.unique(body).tolist()))
     own = np.setdiff1d(mesh.quads[body == one], mesh.quads[body != one])
     along = np.array(data.draw(st.tuples(*[st.sampled_from([0.0, 1.0])] * 3)))
     vertices = mesh.vertices.copy()
-    vertices[own] += (factor - 1) * along * (vertices[own] - centres[one])
+    vertices[own] += (factor - 1) * along * (vertices[own] - centers[one])
     swollen = mesh.moved(vertices)
     np.testing.assert_array_equal(
-        intersections_of_bodies(swollen, body, centres), self_intersections(swollen)
+        intersections_of_bodies(swollen, body, centers), self_intersections(swollen)
     )
 
 
@@ -132,7 +132,7 @@ def test_bodies_that_both_bulge_over_their_ring() -> None:
     np.testing.assert_array_equal(found, expected)
 
 
-def test_surface_that_goes_twice_around_its_centre() -> None:
+def test_surface_that_goes_twice_around_its_center() -> None:
     turns = 4 * np.pi / 5 * np.arange(5)
     ring = np.stack([np.cos(turns), np.sin(turns), np.zeros(5)], axis=1)
     mesh = QuadMesh(
@@ -147,9 +147,9 @@ def test_surface_that_goes_twice_around_its_centre() -> None:
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 60), st.floats(0.0, 3.0))
 def test_any_cut_and_any_centres_will_do(seed: int, count: int, amount: float) -> None:
-    mesh, body, centres = cut(CUBE_SKELETON)
+    mesh, body, centers = cut(CUBE_SKELETON)
     random = np.random.default_rng(seed)
-    other = random.integers(0, count, len(centres))[body]
+    other = random.integers(0, count, len(centers))[body]
     shaken = mesh.moved(mesh.vertices + amount * random.standard_normal(mesh.vertices.shape))
     where = random.choice(shaken.vertices, count)
     np.testing.assert_array_equal(
@@ -160,17 +160,17 @@ def test_any_cut_and_any_centres_will_do(seed: int, count: int, amount: float) -
 def test_one_body_is_enough() -> None:
     whole = np.zeros(len(CUBE.quads), dtype=np.intp)
     assert len(intersections_of_bodies(CUBE, whole, CUBE.vertices[:1])) == 0
-    centre = CUBE.vertices.mean(axis=0, keepdims=True)
-    assert len(intersections_of_bodies(CUBE, whole, centre)) == 0
+    center = CUBE.vertices.mean(axis=0, keepdims=True)
+    assert len(intersections_of_bodies(CUBE, whole, center)) == 0
 
 
 @given(st.integers(-6, 6), st.integers(-6, 6))
 def test_scale_and_place_do_not_matter(scale: int, offset: int) -> None:
-    mesh, body, centres = cut(STICK_FIGURE)
+    mesh, body, centers = cut(STICK_FIGURE)
     shift = 10.0**offset
     moved = mesh.moved(10.0**scale * mesh.vertices + shift)
     assume(len(np.unique(moved.vertices, axis=0)) == len(moved.vertices))
     np.testing.assert_array_equal(
-        intersections_of_bodies(moved, body, 10.0**scale * centres + shift),
+        intersections_of_bodies(moved, body, 10.0**scale * centers + shift),
         self_intersections(moved),
     )

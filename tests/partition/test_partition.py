@@ -370,8 +370,8 @@ def test_no_neighbors_ask_for_nothing() -> None:
 @pytest.mark.parametrize(
     ("neighbors", "message"),
     [
-        ([(0, 6)], "neighbors 0 and 6 are no pair of directions; need two of 0 to 5"),
-        ([(2, 2)], "neighbors 2 and 2 are no pair"),
+        ([(0, 6)], "neighbors 0 and 6 are not two directions; need two of 0 to 5"),
+        ([(2, 2)], "neighbors 2 and 2 are not two"),
         ([(0, 1, 2)], r"neighbors has shape \(1, 3\); need \(k, 2\)"),
         ([(0, 1), (2,)], "neighbors is not an array of indices"),
         ([("a", "b")], "neighbors has dtype <U1; need whole numbers"),

@@ -216,7 +216,7 @@ def test_parts_without_extremities_have_no_joints() -> None:
     assert ScaffoldSolid(BAR, with_joints=False).joints == {}
 
 
-def test_label_and_colour_are_the_parts() -> None:
+def test_label_and_color_are_the_parts() -> None:
     part = ScaffoldSolid(TRIPOD, label="tripod", color=bd.Color("red"))
     moved = bd.Pos(0, 0, 9) * part
     for one in (part, moved):

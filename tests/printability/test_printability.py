@@ -448,7 +448,7 @@ def test_a_jar_with_a_narrow_opening_keeps_its_powder(opening: float, pockets: i
     finding = report["drainage"]
     assert finding.value["pockets"] == pockets
     assert finding.verdict == ("warning" if pockets else "ok")
-    # The centre of a ball a third smaller than 3.5 mm has a cube of 13.7 mm, give or take a step of
+    # The center of a ball a third smaller than 3.5 mm has a cube of 13.7 mm, give or take a step of
     # 0.6 mm on either side.
     side = finding.value["volume_mm3"] ** (1 / 3)
     assert side == pytest.approx(pockets * 13.7, abs=pockets * 1.2)
@@ -535,8 +535,8 @@ def test_a_report_is_a_table_and_json_with_the_same_findings() -> None:
         assert finding.text in table
         assert finding.name in report
         assert report[finding.name] is finding
-    with pytest.raises(KeyError, match="'colour' was not looked at"):
-        report["colour"]
+    with pytest.raises(KeyError, match="'color' was not looked at"):
+        report["color"]
 
 
 def test_the_keys_of_the_json_form_are_what_they_were() -> None:

@@ -200,10 +200,10 @@ def test_the_scaffold_follows_when_the_skeleton_turns_moves_and_grows(
     )
     # The first section of a component without branch points is free to turn about its strut.
     rows = has_branch[scaffold.node_of_vertex]
-    centres = again.refined.nodes[scaffold.node_of_vertex]
+    centers = again.refined.nodes[scaffold.node_of_vertex]
     away = length(again.mesh.vertices - follow(scaffold.mesh.vertices))
     # Partitions are relaxed again and may settle a little elsewhere.
-    assert (away[rows] < 0.2 * length(again.mesh.vertices - centres)[rows]).all()
+    assert (away[rows] < 0.2 * length(again.mesh.vertices - centers)[rows]).all()
 
 
 @given(skeletons(), st.integers(0, 2**32 - 1), OPTIONS)

@@ -143,7 +143,7 @@ def test_a_skeleton_of_nothing_has_nothing() -> None:
 
 
 @given(skeletons())
-def test_directions_and_lengths_lead_from_each_node_to_its_neighbours(skeleton: Skeleton) -> None:
+def test_directions_and_lengths_lead_from_each_node_to_its_neighbors(skeleton: Skeleton) -> None:
     tails = skeleton.edges.reshape(-1)
     heads = tails[np.arange(len(tails)) ^ 1]
     reached = skeleton.nodes[tails] + skeleton.directions * np.repeat(skeleton.lengths, 2)[:, None]

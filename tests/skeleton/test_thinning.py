@@ -18,7 +18,7 @@ THIN = 1e-6
 
 
 def strays(points: Points, radii: Floats, keep: np.ndarray) -> float:
-    """Return how far a sample lies from the polyline of those kept between its neighbours."""
+    """Return how far a sample lies from the polyline of those kept between its neighbors."""
     samples = np.column_stack([points, radii])
     kept = np.flatnonzero(keep)
     worst = 0.0
@@ -56,14 +56,14 @@ def test_a_change_of_radius_keeps_its_sample() -> None:
     assert keep.tolist() == [True, False, False, False, True]
 
 
-def test_a_joint_closer_to_its_neighbour_than_its_radius_goes() -> None:
+def test_a_joint_closer_to_its_neighbor_than_its_radius_goes() -> None:
     points = np.array([[0, 0, 0], [2, 1, 0], [10, 0, 3], [19, 1, 0], [20, 0, 0]], float)
     keep = kept_samples(points, np.full(5, 3.0), 0.0)
     assert keep.tolist() == [True, False, True, False, True]
     assert kept_samples(points, np.full(5, 1.0), 0.0).all()
 
 
-def test_only_neighbours_along_the_chain_crowd_each_other() -> None:
+def test_only_neighbors_along_the_chain_crowd_each_other() -> None:
     # The second sample is near the end in space, not along the chain.
     points = np.array([[9, 0, 0], [0, 1, 0], [0, 9, 0], [-9, 0, 0], [0, 0, 0]], float)
     assert kept_samples(points, np.full(5, 2.0), 0.0).all()

@@ -56,7 +56,7 @@ def test_overlapping_struts_are_united_and_named(skeleton: Skeleton) -> None:
 def test_two_crossing_bars_have_the_volume_of_their_union() -> None:
     plus = Skeleton([[-10, 0, 0], [10, 0, 0], [0, -10, 0.5], [0, 10, 0.5]], [[0, 1], [2, 3]], 1.0)
     manifold = to_solid(build_scaffold(plus))
-    # Square bars of side 2 and length 20, apart by half a millimetre: 2 x 2 x 1.5 in common.
+    # Square bars of side 2 and length 20, apart by half a millimeter: 2 x 2 x 1.5 in common.
     assert manifold.volume() == pytest.approx(2 * 80 - 6, rel=1e-3)
     assert manifold.genus() == 0
 

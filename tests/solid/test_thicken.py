@@ -25,10 +25,10 @@ def test_struts_of_a_frame_have_the_section_asked_for() -> None:
     scaffold = frame_scaffold(CUBE, 0.1)
     middle = scaffold.refined.joints
     corners = scaffold.mesh.vertices[np.isin(scaffold.node_of_vertex, middle)]
-    centres = scaffold.refined.nodes[
+    centers = scaffold.refined.nodes[
         scaffold.node_of_vertex[np.isin(scaffold.node_of_vertex, middle)]
     ]
-    np.testing.assert_allclose(np.linalg.norm(corners - centres, axis=1), 0.1 * np.sqrt(2))
+    np.testing.assert_allclose(np.linalg.norm(corners - centers, axis=1), 0.1 * np.sqrt(2))
 
 
 def test_a_scaffolds_frame_has_a_strut_an_edge_of_its_mesh() -> None:

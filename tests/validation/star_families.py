@@ -42,7 +42,7 @@ def flattened(random: Random, count: int, valency: int) -> Stars:
 
 
 def hemispherical(random: Random, count: int, valency: int) -> Stars:
-    """Return directions in one half of the sphere: their hull is far from the centre."""
+    """Return directions in one half of the sphere: their hull is far from the center."""
     stars = uniform(random, count, valency)
     stars[..., 2] = np.abs(stars[..., 2])
     return stars

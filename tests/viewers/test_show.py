@@ -150,9 +150,9 @@ def test_open_ocp_viewer_gets_shapes_under_their_names(
     show(tripod)
     show(tripod, name="legs")
     show(bd.Box(1, 1, 1))
-    labelled = [bd.Box(1, 1, 1)]
-    labelled[0].label = "cube"
-    show(labelled[0])
+    labeled = [bd.Box(1, 1, 1)]
+    labeled[0].label = "cube"
+    show(labeled[0])
     assert [name for _, name in viewer.shown] == ["tripod", "legs", "Box", "cube"]
     assert len(viewer.shown[0][0].edges()) == 3
 
@@ -223,7 +223,7 @@ from_within()
 
 
 @pytest.mark.skipif(not HAS_CADQUERY, reason="CadQuery is not installed")
-def test_cq_editor_gets_cadquery_shapes_with_names_and_colours() -> None:
+def test_cq_editor_gets_cadquery_shapes_with_names_and_colors() -> None:
     import cadquery
 
     (box, name, options), (small, other, none) = run_in_cq_editor(PROGRAM)

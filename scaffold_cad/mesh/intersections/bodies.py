@@ -1,12 +1,12 @@
 """Where a closed mesh that is put together from star-shaped bodies meets itself.
 
 The quads of each body and a fan of triangles in every ring of edges where it meets another body
-make a closed surface. If all its triangles are seen from the body's centre, and together cover the
+make a closed surface. If all its triangles are seen from the body's center, and together cover the
 sphere of directions once, then it does not cross itself, and all that is inside it is seen as well.
 
 Let such bodies A and B share a ring, and let all corners of B lie in a convex cone over the ring
-with its tip at the centre of A. In this cone A ends at the fan. Of B nothing lies behind the fan,
-as the fan is seen from its centre: A and B share the ring and nothing else. Two bodies that keep to
+with its tip at the center of A. In this cone A ends at the fan. Of B nothing lies behind the fan,
+as the fan is seen from its center: A and B share the ring and nothing else. Two bodies that keep to
 such cones of the same A share nothing, as these cones have different rays.
 
 Bodies whose boxes are apart are apart. Whatever is not settled so is left to the exact test.
@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Ints, Points
+from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.visibility import in_front, rounding_of, seen
 from scaffold_cad.mesh.intersections.search import self_intersections
@@ -47,29 +48,29 @@ class _Rings:
     """Tips of the fans, shape (r, 3), mm."""
 
 
-def intersections_of_bodies(mesh: QuadMesh, body: Ints, centres: Points) -> Edges:
+def intersections_of_bodies(mesh: QuadMesh, body: Ints, centers: Points) -> Edges:
     """Return what `self_intersections` does, sooner where a mesh is made of star-shaped bodies.
 
     Parameters
     ----------
     mesh : closed
     body : (f,) intp, the body that each quad is of, whatever way the mesh is cut
-    centres : (b, 3) float64, a point in each body, mm. Of two bodies that meet, the one of
-        lower number should be the one that the other one leaves straight from its centre
+    centers : (b, 3) float64, a point in each body, mm. Of two bodies that meet, the one of
+        lower number should be the one that the other one leaves straight from its center
 
     Returns
     -------
     (k, 2) intp, pairs of rows of `mesh.triangles`, as `self_intersections`
     """
-    rings, whole = _rings(mesh, body, len(centres))
-    rounding = rounding_of(np.concatenate([mesh.vertices, centres]))
-    star_shaped = whole & _star_shaped(mesh, body, centres, rings, rounding)
+    rings, whole = _rings(mesh, body, len(centers))
+    rounding = rounding_of(np.concatenate([mesh.vertices, centers]))
+    star_shaped = whole & _star_shaped(mesh, body, centers, rings, rounding)
     held = star_shaped[rings.low] & star_shaped[rings.high]
-    held &= _in_cones(mesh, body, centres, rings, rounding)
+    held &= _in_cones(mesh, body, centers, rings, rounding)
 
     doubtful = ~star_shaped
     doubtful[rings.low[~held]] = doubtful[rings.high[~held]] = True
-    doubtful[_near_each_other(mesh, body, len(centres), rings, held)] = True
+    doubtful[_near_each_other(mesh, body, len(centers), rings, held)] = True
     rows = np.flatnonzero(np.repeat(doubtful[body], 2))
     if len(rows) == 0:
         return np.zeros((0, 2), dtype=np.intp)
@@ -117,20 +118,19 @@ def _borders(mesh: QuadMesh, body: Ints) -> tuple[Edges, Ints]:
 
 
 def _star_shaped(
-    mesh: QuadMesh, body: Ints, centres: Points, rings: _Rings, rounding: float
+    mesh: QuadMesh, body: Ints, centers: Points, rings: _Rings, rounding: float
 ) -> Bools:
-    """Return which bodies, closed by the fans, are seen from their centres and only once, (b,)."""
-    hidden, angle = np.zeros(len(centres)), np.zeros(len(centres))
+    """Return which bodies, closed by the fans, are seen from their centers and only once, (b,)."""
+    hidden, angle = np.zeros(len(centers)), np.zeros(len(centers))
 
     def add(a: Points, b: Points, c: Points, owner: Ints) -> None:
-        at = centres[owner]
+        at = centers[owner]
         visible, angles = seen(a - at, b - at, c - at, rounding)
-        hidden[:] += np.bincount(owner, ~visible, minlength=len(centres))
-        angle[:] += np.bincount(owner, angles, minlength=len(centres))
+        hidden[:] += np.bincount(owner, ~visible, minlength=len(centers))
+        angle[:] += np.bincount(owner, angles, minlength=len(centers))
 
     vertices, owner = mesh.vertices, np.repeat(body, 2)
-    for start in range(0, len(owner), TRIANGLES_AT_ONCE):
-        part = slice(start, start + TRIANGLES_AT_ONCE)
+    for part in blocks(len(owner), 1, TRIANGLES_AT_ONCE):
         a, b, c = mesh.triangles[part].T
         add(vertices[a], vertices[b], vertices[c], owner[part])
     sides = rings.starts.shape[1]
@@ -141,17 +141,16 @@ def _star_shaped(
     return np.asarray((hidden == 0) & (np.abs(angle - 4 * np.pi) < 1e-3))
 
 
-def _in_cones(mesh: QuadMesh, body: Ints, centres: Points, rings: _Rings, rounding: float) -> Bools:
+def _in_cones(mesh: QuadMesh, body: Ints, centers: Points, rings: _Rings, rounding: float) -> Bools:
     """Return where the second body lies in the convex cone of the first over a ring, (r,)."""
     corners, first, count = _corners_of(mesh, body, rings.high)
     inside = np.zeros(len(rings.low), dtype=np.bool_)
-    for start in range(0, len(inside), RINGS_AT_ONCE):
-        part = slice(start, start + RINGS_AT_ONCE)
+    for part in blocks(len(inside), 1, RINGS_AT_ONCE):
         # As many corners of each body as the largest has, some of them twice.
         high, starts, ends = rings.high[part], rings.starts[part], rings.ends[part]
         number = np.arange(count[high].max()) % count[high][:, None]
         points = corners[first[high][:, None] + number]  # (k, p)
-        tip = centres[rings.low[part]][:, None]
+        tip = centers[rings.low[part]][:, None]
         planes = np.cross(mesh.vertices[ends] - tip, mesh.vertices[starts] - tip)  # (k, s, 3)
         fine = in_front(planes, mesh.vertices[points] - tip, rounding)  # (k, p, s)
         fine |= points[:, :, None] == starts[:, None]

@@ -152,7 +152,7 @@ def _axis(faces: Faces, i: Ints, j: Ints, number: int) -> Floats:
     """Return one of the axes on which two triangles must be disjoint if they do not meet, (k, 3).
 
     These are their normals, the normals of their edges in their planes, and the common normals
-    of their edges; but first the line between their centres, which most often is one.
+    of their edges; but first the line between their centers, which most often is one.
     """
     if number == 0:
         return faces.centers[j] - faces.centers[i]

@@ -88,6 +88,13 @@ def self_intersections(
     -----
     The cost is O(t log t) and the pairs of triangles with overlapping boxes, of which a vertex of
     valence d brings d²/2.
+
+    Examples
+    --------
+    >>> from scaffold_cad import TriangleMesh, self_intersections
+    >>> flat, upright = [[0, 0, 0], [3, 0, 0], [0, 3, 0]], [[1, 1, -1], [1, 1, 1], [2, 2, 0]]
+    >>> self_intersections(TriangleMesh(flat + upright, [[0, 1, 2], [3, 4, 5]]))
+    array([[0, 1]])
     """
     if not hasattr(mesh, "triangles"):
         check_kind(mesh, TriangleMesh, "QuadMesh")
