@@ -1,0 +1,261 @@
+"""Which cells the surface may pass: an octree around it, refined by the radii of the struts.
+
+Cells come in groups of eight, the children of one cell. A cell is left out where bounds on the
+distances prove that the whole of it, with the ball around it, is inside one strut or outside all
+fillets; a group is kept while any of its cells is. Leaves that touch differ by one level at most.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints
+from scaffold_cad.base.threads import in_order
+from scaffold_cad.errors import OptionError
+from scaffold_cad.solid.field.lattice import Lattice, least_cells
+from scaffold_cad.solid.field.union import (
+    FilletedUnion,
+    Lists,
+    any_of,
+    filleted,
+    merged_groups,
+    values,
+)
+
+PAIRS_AT_ONCE = 1 << 14
+"""Pairs of group and strut refined together."""
+
+SAFETY = 1.0 + 1e-9
+"""Factor on radii of balls around cells, for rounding."""
+
+CHILDREN = np.array([[c & 1, c >> 1 & 1, c >> 2] for c in range(8)])
+"""Place of each of a group's cells in it, shape (8, 3)."""
+
+MOST_GROUPS = 12_000_000
+"""Groups of eight cells of one solid: more do not fit in some 20 GB."""
+
+
+@dataclass(frozen=True, eq=False)
+class Level(Frozen):
+    """Groups of one size, and the struts that matter in each."""
+
+    groups: Ints
+    """Place of each group, in its own sizes from the grid's corner, shape (g, 3)."""
+    lists: Lists
+    """Struts of each group."""
+    leaf: Bools
+    """Which of its cells are not refined, shape (g, 8)."""
+    centers: Floats
+    """F at the center of each cell, shape (g, 8)."""
+
+
+def levels_of(
+    union: FilletedUnion, lattice: Lattice, wanted: Callable[[Floats, Ints], Floats]
+) -> list[Level]:
+    """Return the groups of each level, those of two finest cells a side first.
+
+    Parameters
+    ----------
+    wanted : gives the cell size that a strut asks for from its local radius and its number
+
+    Raises
+    ------
+    OptionError
+        If there are more than `MOST_GROUPS`.
+    """
+    everything = np.arange(union.rows.shape[1])
+    level = Level(
+        groups=np.zeros((1, 3), dtype=np.intp),
+        lists=Lists(np.array([0, len(everything)]), everything),
+        leaf=np.zeros((1, 8), dtype=np.bool_),
+        centers=np.zeros((1, 8)),
+    )
+    groups, lists, found, total = level.groups, level.lists, [], 0
+    for size in range(lattice.levels, 0, -1):
+        level, groups, lists = _refined(union, lattice, wanted, size, groups, lists)
+        total += len(level.groups)
+        if total + len(groups) * min(size - 1, 4) > MOST_GROUPS:
+            raise OptionError(
+                f"the solid needs more than {MOST_GROUPS * 8:.3g} cells, some 20 GB; take larger "
+                "cells, larger radii or fewer struts"
+            )
+        found.append(level)
+    return balanced(union, lattice, _with_left_out(found[::-1]))
+
+
+def _with_left_out(levels: list[Level]) -> list[Level]:
+    """Return the levels where cells that were to be refined but hold nothing are leaves."""
+    result = levels[:1]
+    for fine, coarse in pairwise(levels):
+        cells = packed(2 * coarse.groups[:, None] + CHILDREN)  # (g, 8)
+        leaf = coarse.leaf | ~np.isin(cells, packed(fine.groups))
+        result.append(Level(coarse.groups, coarse.lists, leaf, coarse.centers))
+    return result
+
+
+def _refined(
+    union: FilletedUnion,
+    lattice: Lattice,
+    wanted: Callable[[Floats, Ints], Floats],
+    size: int,
+    groups: Ints,
+    lists: Lists,
+) -> tuple[Level, Ints, Lists]:
+    """Return the level of some groups, and the groups of the next finer level."""
+    parts = list(
+        in_order(
+            lambda some: _refine_some(union, lattice, wanted, size, groups[some], _sub(lists, some)),
+            _blocks(lists),
+        )
+    )
+    kept = [part[0] for part in parts]
+    finer = [part[1] for part in parts]
+    level = Level(
+        groups=np.concatenate([part.groups for part in kept]) if kept else groups[:0],
+        lists=joined_lists([part.lists for part in kept]),
+        leaf=np.concatenate([part.leaf for part in kept]) if kept else np.zeros((0, 8), np.bool_),
+        centers=np.concatenate([part.centers for part in kept]) if kept else np.zeros((0, 8)),
+    )
+    next_groups = np.concatenate([part[0] for part in finer]) if finer else groups[:0]
+    return level, next_groups, joined_lists([part[1] for part in finer])
+
+
+def _refine_some(
+    union: FilletedUnion,
+    lattice: Lattice,
+    wanted: Callable[[Floats, Ints], Floats],
+    size: int,
+    groups: Ints,
+    lists: Lists,
+) -> tuple[Level, tuple[Ints, Lists]]:
+    """Do as `_refined` for a block of groups."""
+    cells = (2 * groups[:, None] + CHILDREN).reshape(-1, 3)  # (8 g, 3)
+    edge = lattice.cell * 2.0 ** (size - 1)
+    ball = np.sqrt(0.75) * edge * SAFETY
+    which, struts, starts = lists.of(np.repeat(np.arange(len(groups)), 8))
+    centers = (cells + 0.5) * edge
+    distance, place = union.distances(centers[which], struts)
+    blend = union.blend[struts]
+    near = distance - ball  # the least distance in the cell
+    whole = any_of(distance + ball < 0, starts)
+    value, least = _bounds(union, which, struts, distance / blend, near / blend, starts)
+    active = ~whole & (least <= 0)
+    kept = (near < blend) & active[which]
+    refine = np.zeros(len(cells), dtype=np.bool_)
+    if size > 1:
+        asked = np.full(len(which), np.inf)
+        radii = union.local_radii(place[kept], struts[kept], ball)
+        asked[kept] = wanted(radii, struts[kept])
+        smallest = np.minimum.reduceat(asked, starts)
+        refine = active & (edge > smallest * SAFETY)
+        far = least_cells(np.abs(centers + lattice.origin) + edge)
+        refine &= edge / 2 >= far
+    some = active.reshape(-1, 8).any(axis=1)
+    rows = np.flatnonzero(some)
+    level = Level(
+        groups=groups[rows],
+        lists=_sub(lists, rows),
+        leaf=~refine.reshape(-1, 8)[rows],
+        centers=value.reshape(-1, 8)[rows],
+    )
+    pairs = kept & refine[which]
+    counts = np.add.reduceat(pairs.astype(np.intp), starts)[refine]
+    return level, (cells[refine], Lists(np.append(0, np.cumsum(counts)), struts[pairs]))
+
+
+def _bounds(
+    union: FilletedUnion,
+    which: Ints,
+    struts: Ints,
+    ratio: Floats,
+    near: Floats,
+    starts: Ints,
+) -> tuple[Floats, Floats]:
+    """Return F at the centers of cells, and its least in them."""
+    merged, first = merged_groups(union, which, struts, ratio, starts)
+    value = filleted(1.0 - merged, merged, first)
+    merged, first = merged_groups(union, which, struts, near, starts)
+    return value, filleted(1.0 - merged, merged, first)
+
+
+def balanced(union: FilletedUnion, lattice: Lattice, levels: list[Level]) -> list[Level]:
+    """Return the levels with leaves refined until those that touch differ by one level at most."""
+    used = [k for k, level in enumerate(levels) if len(level.groups) and level.leaf.any()]
+    if len(used) < 2:
+        return levels
+    needed = [np.zeros(0, dtype=np.int64)]  # cells that hold neighbors of groups one level below
+    for level in levels[:-1]:
+        cells = unpacked(np.union1d(packed(level.groups), needed[-1]))
+        around = [(cells + 2 * corner - 1) >> 1 for corner in CHILDREN]
+        needed.append(np.unique(packed(np.concatenate(around))))
+    result = list(levels)
+    for k in range(len(levels) - 1, 0, -1):
+        result[k - 1 : k + 1] = _split(union, lattice, k, result[k - 1], result[k], needed[k - 1])
+    return result
+
+
+def _split(
+    union: FilletedUnion,
+    lattice: Lattice,
+    k: int,
+    fine: Level,
+    coarse: Level,
+    needed: NDArray[np.int64],
+) -> list[Level]:
+    """Return two levels, of sizes k and k + 1, with the leaves refined whose keys are needed."""
+    cells = 2 * coarse.groups[:, None] + CHILDREN  # (g, 8, 3)
+    split = coarse.leaf & np.isin(packed(cells), needed)
+    if not split.any():
+        return [fine, coarse]
+    parents = np.nonzero(split)[0]
+    groups = cells[split]
+    lists = _sub(coarse.lists, parents)
+    edge = lattice.cell * 2.0 ** (k - 1)
+    centers = (2 * groups[:, None] + CHILDREN + 0.5).reshape(-1, 3) * edge
+    found = values(union, centers, np.repeat(np.arange(len(groups)), 8), lists)
+    finer = Level(
+        groups=np.concatenate([fine.groups, groups]),
+        lists=joined_lists([fine.lists, lists]),
+        leaf=np.concatenate([fine.leaf, np.ones((len(groups), 8), dtype=np.bool_)]),
+        centers=np.concatenate([fine.centers, found.reshape(-1, 8)]),
+    )
+    return [finer, Level(coarse.groups, coarse.lists, coarse.leaf & ~split, coarse.centers)]
+
+
+def packed(cells: NDArray[np.integer]) -> NDArray[np.int64]:
+    """Return whole numbers (..., 3), from -1 up, as one number each, (...)."""
+    c = cells.astype(np.int64) + 1
+    return c[..., 0] | c[..., 1] << 21 | c[..., 2] << 42
+
+
+def unpacked(keys: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the whole numbers that were `packed`, shape (..., 3)."""
+    mask = (1 << 21) - 1
+    return np.stack([keys & mask, keys >> 21 & mask, keys >> 42], axis=-1) - 1
+
+
+def joined_lists(lists: list[Lists]) -> Lists:
+    """Return lists one after the other."""
+    if not lists:
+        return Lists(np.zeros(1, dtype=np.intp), np.zeros(0, dtype=np.intp))
+    counts = np.concatenate([np.diff(part.starts) for part in lists])
+    return Lists(np.append(0, np.cumsum(counts)), np.concatenate([part.struts for part in lists]))
+
+
+def _sub(lists: Lists, rows: Ints | slice) -> Lists:
+    """Return the lists of some rows."""
+    owners = np.arange(len(lists))[rows]
+    _, struts, starts = lists.of(owners)
+    return Lists(np.append(starts, len(struts)), struts)
+
+
+def _blocks(lists: Lists) -> list[slice]:
+    """Return blocks of lists of some `PAIRS_AT_ONCE` struts together."""
+    marks = np.searchsorted(lists.starts, np.arange(0, lists.starts[-1], PAIRS_AT_ONCE))
+    bounds = np.unique(np.append(marks, len(lists)))
+    return [slice(a, b) for a, b in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True)]
