@@ -1,15 +1,15 @@
 """Which cells the surface may pass: an octree around it, refined by the radii of the struts.
 
-Cells come in groups of eight, the children of one cell. A cell is left out where bounds on the
-distances prove that the whole of it, with the ball around it, is inside one strut or outside all
-fillets; a group is kept while any of its cells is. Leaves that touch differ by one level at most.
+Cells come in groups of eight, the children of one cell. Bounds on the distances prove of most cells
+that the whole of them, with the ball around them, is inside one strut or outside all fillets. A
+group is kept where this is not so for one of its leaves, the cells that are not refined, and then
+all its leaves are kept. Leaves that touch differ by one level at most.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,6 +53,13 @@ class Level(Frozen):
     centers: Floats
     """F at the center of each cell, shape (g, 8)."""
 
+    def has_leaves(self, groups: Ints, children: Ints | int) -> Bools:
+        """Return whether a child of each of some groups (k,) is a leaf; group -1 has none."""
+        there = np.flatnonzero(groups >= 0)
+        result = np.zeros(len(groups), dtype=np.bool_)
+        result[there] = self.leaf[groups[there], np.broadcast_to(children, groups.shape)[there]]
+        return result
+
 
 def levels_of(
     union: FilletedUnion, lattice: Lattice, wanted: Callable[[Floats, Ints], Floats]
@@ -85,17 +92,7 @@ def levels_of(
                 "cells, larger radii or fewer struts"
             )
         found.append(level)
-    return balanced(union, lattice, _with_left_out(found[::-1]))
-
-
-def _with_left_out(levels: list[Level]) -> list[Level]:
-    """Return the levels where cells that were to be refined but hold nothing are leaves."""
-    result = levels[:1]
-    for fine, coarse in pairwise(levels):
-        cells = packed(2 * coarse.groups[:, None] + CHILDREN)  # (g, 8)
-        leaf = coarse.leaf | ~np.isin(cells, packed(fine.groups))
-        result.append(Level(coarse.groups, coarse.lists, leaf, coarse.centers))
-    return result
+    return balanced(union, lattice, found[::-1])
 
 
 def _refined(
@@ -155,8 +152,7 @@ def _refine_some(
         refine = active & (edge > smallest * SAFETY)
         far = least_cells(np.abs(centers + lattice.origin) + edge)
         refine &= edge / 2 >= far
-    some = active.reshape(-1, 8).any(axis=1)
-    rows = np.flatnonzero(some)
+    rows = np.flatnonzero((active & ~refine).reshape(-1, 8).any(axis=1))
     level = Level(
         groups=groups[rows],
         lists=_sub(lists, rows),

@@ -11,10 +11,10 @@ from scaffold_cad.base.arrays import Floats, Frozen, Ints
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.field.cells import levels_of
-from scaffold_cad.solid.field.grid import grid_of, tetrahedra_of
+from scaffold_cad.solid.field.grid import grid_of
 from scaffold_cad.solid.field.lattice import lattice_over
-from scaffold_cad.solid.field.marching import surface
 from scaffold_cad.solid.field.struts import FieldStruts
+from scaffold_cad.solid.field.surface import surface_of
 from scaffold_cad.solid.field.union import filleted_union
 
 DEFAULT_FRACTION = 0.4
@@ -34,6 +34,5 @@ def field_solid(struts: FieldStruts, *, fraction=DEFAULT_FRACTION, size=None, ro
     wanted = lambda radii, numbers: fraction * radii
     levels = levels_of(union, lattice, wanted)
     grid = grid_of(union, lattice, levels)
-    tetrahedra = tetrahedra_of(grid)
-    vertices, triangles = surface(union, grid, tetrahedra, rounds)
+    vertices, triangles = surface_of(union, grid, rounds)
     return FieldSolid(TriangleMesh(vertices + lattice.origin, triangles), lattice.cell)

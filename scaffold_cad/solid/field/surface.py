@@ -1,0 +1,153 @@
+"""Where the surface cuts grid edges, and the triangles between."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Floats, Ints
+from scaffold_cad.base.threads import in_order
+from scaffold_cad.solid.field.faces import polygons_of
+from scaffold_cad.solid.field.grid import Grid
+from scaffold_cad.solid.field.lattice import FINEST_FRACTION, steps_on_edges
+from scaffold_cad.solid.field.marching import Polygons
+from scaffold_cad.solid.field.slots import Slots
+from scaffold_cad.solid.field.union import FilletedUnion, values
+
+EDGES_AT_ONCE = 1 << 18
+"""Grid edges looked at together."""
+
+
+def surface_of(union: FilletedUnion, grid: Grid, rounds: int) -> tuple[Floats, Ints]:
+    """Return the vertices, local (v, 3) mm, and the triangles (t, 3) of the zero set.
+
+    Parameters
+    ----------
+    rounds : times that F is evaluated along a grid edge to place its vertex
+    """
+    slots = Slots(grid)
+    parts = polygons_of(grid, slots)
+    used = _used(parts, slots)
+    vertices = np.concatenate(
+        [
+            np.zeros((0, 3)),
+            *in_order(
+                lambda some: _vertices(union, grid, slots, used[some : some + EDGES_AT_ONCE], rounds),
+                range(0, len(used), EDGES_AT_ONCE),
+            ),
+        ]
+    )
+    rank = Ranks(used, slots)
+    triangles = []
+    while parts:
+        part = parts.pop()
+        quads = rank.of(part.quads)
+        triangles += [rank.of(part.triangles), _halves(vertices, quads)]
+    return vertices, np.concatenate(triangles)
+
+
+def _used(parts: list[Polygons], slots: Slots) -> Ints:
+    """Return the numbers of all edges that are cut, ascending, shape (e,)."""
+    marks = np.zeros(slots.rare, dtype=np.bool_)
+    rare = []
+    for part in parts:
+        for numbers in (part.triangles, part.quads):
+            common = numbers < slots.rare
+            marks[numbers[common]] = True
+            rare.append(numbers[~common])
+    return np.concatenate([np.flatnonzero(marks), np.unique(np.concatenate(rare))])
+
+
+class Ranks:
+    """Gives edges that are cut their place among them."""
+
+    def __init__(self, used: Ints, slots: Slots) -> None:
+        self.limit = slots.rare
+        self.common = int(np.searchsorted(used, slots.rare))
+        self.table = np.zeros(slots.rare, dtype=np.int32)
+        self.table[used[: self.common]] = np.arange(self.common, dtype=np.int32)
+        self.rare = used[self.common :]
+
+    def of(self, numbers: Ints) -> Ints:
+        """Return the places of edges among those that are cut."""
+        if len(self.rare) == 0:
+            return self.table[numbers].astype(np.intp)
+        common = numbers < self.limit
+        near = self.table[np.where(common, numbers, 0)]
+        return np.where(common, near, self.common + np.searchsorted(self.rare, numbers))
+
+
+def _halves(vertices: Floats, quads: Ints) -> Ints:
+    """Return the triangles of quads (q, 4), each cut along its shorter diagonal."""
+    p = [vertices[quads[:, i]] for i in range(4)]
+    first = ((p[0] - p[2]) ** 2).sum(axis=1) <= ((p[1] - p[3]) ** 2).sum(axis=1)
+    one, other = quads[first], quads[~first]
+    return np.concatenate(
+        [one[:, [0, 1, 2]], one[:, [0, 2, 3]], other[:, [0, 1, 3]], other[:, [1, 2, 3]]]
+    )
+
+
+def _vertices(
+    union: FilletedUnion, grid: Grid, slots: Slots, edges: Ints, rounds: int
+) -> Floats:
+    """Return where the surface cuts grid edges, on them and exact in 32 bits, (e, 3) mm."""
+    start, end, owner, put_in = slots.ends(edges)
+    place_a = grid.places[start].astype(np.intp)
+    place_b = grid.places[np.where(put_in, 0, end)].astype(np.intp)
+    size = 2 << (np.searchsorted(grid.first, owner[put_in], side="right") - 1)
+    way = end[put_in]
+    step = np.where(way & 1, size, -size)[:, None] * np.eye(3, dtype=np.intp)[way >> 1]
+    place_b[put_in] = place_a[put_in] + step
+    a, b = grid.lattice.places(place_a), grid.lattice.places(place_b)
+    at_a, at_b = grid.field[start], grid.field[np.where(put_in, 0, end)]
+    if put_in.any():
+        at_b[put_in] = values(union, b[put_in], owner[put_in], grid.lists)
+    t = _roots(union, grid, (a, b - a), (at_a, at_b), owner, rounds)
+    steps = steps_on_edges(grid.lattice, place_a, place_b)
+    scale = np.ldexp(1.0, steps)
+    margin = np.ldexp(1.0, -np.minimum(steps, FINEST_FRACTION))
+    t = np.round(np.clip(t, margin, 1.0 - margin) * scale) / scale
+    return a + t[:, None] * (b - a)
+
+
+def _roots(
+    union: FilletedUnion,
+    grid: Grid,
+    line: tuple[Floats, Floats],
+    ends: tuple[Floats, Floats],
+    owner: Ints,
+    rounds: int,
+) -> Floats:
+    """Return where F is 0 on lines (start and way along), as a part of the way, shape (e,).
+
+    Each round evaluates F where the line through the last values, and then the parabola, has its
+    root; the root stays between values of different sign.
+    """
+    swap = ends[0] >= 0
+    low, high = swap.astype(np.float64), (~swap).astype(np.float64)  # inside, outside
+    f_low, f_high = np.where(swap, ends[1], ends[0]), np.where(swap, ends[0], ends[1])
+    t = _secant(low, high, f_low, f_high)
+    for _ in range(rounds):
+        f = values(union, line[0] + t[:, None] * line[1], owner, grid.lists)
+        guess = _parabola((low, t, high), (f_low, f, f_high))
+        inside = f < 0
+        low, f_low = np.where(inside, t, low), np.where(inside, f, f_low)
+        high, f_high = np.where(inside, high, t), np.where(inside, f_high, f)
+        between = (guess - low) * (guess - high) < 0
+        t = np.where(between, guess, _secant(low, high, f_low, f_high))
+    return t
+
+
+def _secant(low: Floats, high: Floats, f_low: Floats, f_high: Floats) -> Floats:
+    rise = f_high - f_low
+    steep = rise > 0
+    return low + (high - low) * np.where(steep, -f_low / np.where(steep, rise, 1.0), 0.5)
+
+
+def _parabola(x: tuple[Floats, Floats, Floats], f: tuple[Floats, Floats, Floats]) -> Floats:
+    """Return the root nearest x[1] of the parabolas through three points each, nan where none."""
+    with np.errstate(all="ignore"):
+        before, behind = (f[1] - f[0]) / (x[1] - x[0]), (f[2] - f[1]) / (x[2] - x[1])
+        bend = (behind - before) / (x[2] - x[0])
+        slope = before + bend * (x[1] - x[0])
+        root = np.sqrt(slope * slope - 4.0 * bend * f[1])
+        return x[1] - 2.0 * f[1] / (slope + np.copysign(root, slope))
