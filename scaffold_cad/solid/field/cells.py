@@ -36,8 +36,14 @@ SAFETY = 1.0 + 1e-9
 CHILDREN = np.array([[c & 1, c >> 1 & 1, c >> 2] for c in range(8)])
 """Place of each of a group's cells in it, shape (8, 3)."""
 
-MOST_GROUPS = 12_000_000
-"""Groups of eight cells of one solid: more do not fit in some 20 GB."""
+MOST_GROUPS = 10_000_000
+"""Most groups of eight cells of one solid."""
+
+GROUP_BYTES = 2500
+"""Memory that a group takes at the peak, with its triangles."""
+
+GROWTH = 2
+"""Groups of the next finer level, at least, for each group to be refined."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,13 +68,13 @@ class Level(Frozen):
 
 
 def levels_of(
-    union: FilletedUnion, lattice: Lattice, wanted: Callable[[Floats, Ints], Floats]
+    union: FilletedUnion, lattice: Lattice, wanted: Callable[[Floats], Floats]
 ) -> list[Level]:
     """Return the groups of each level, those of two finest cells a side first.
 
     Parameters
     ----------
-    wanted : gives the cell size that a strut asks for from its local radius and its number
+    wanted : gives the largest cell, mm, from the local radius of a strut
 
     Raises
     ------
@@ -86,19 +92,24 @@ def levels_of(
     for size in range(lattice.levels, 0, -1):
         level, groups, lists = _refined(union, lattice, wanted, size, groups, lists)
         total += len(level.groups)
-        if total + len(groups) * min(size - 1, 4) > MOST_GROUPS:
-            raise OptionError(
-                f"the solid needs more than {MOST_GROUPS * 8:.3g} cells, some 20 GB; take larger "
-                "cells, larger radii or fewer struts"
-            )
+        _check_size(total + len(groups) * GROWTH ** (size - 1))
         found.append(level)
     return balanced(union, lattice, found[::-1])
+
+
+def _check_size(groups: float) -> None:
+    if groups > MOST_GROUPS:
+        memory = groups * GROUP_BYTES / 1e9
+        raise OptionError(
+            f"the solid needs some {8 * groups:.2g} cells or more and {memory:.0f} GB; need at "
+            f"most {8 * MOST_GROUPS:.2g} cells: take larger cells, fewer struts, or blocks of them"
+        )
 
 
 def _refined(
     union: FilletedUnion,
     lattice: Lattice,
-    wanted: Callable[[Floats, Ints], Floats],
+    wanted: Callable[[Floats], Floats],
     size: int,
     groups: Ints,
     lists: Lists,
@@ -125,7 +136,7 @@ def _refined(
 def _refine_some(
     union: FilletedUnion,
     lattice: Lattice,
-    wanted: Callable[[Floats, Ints], Floats],
+    wanted: Callable[[Floats], Floats],
     size: int,
     groups: Ints,
     lists: Lists,
@@ -147,7 +158,7 @@ def _refine_some(
     if size > 1:
         asked = np.full(len(which), np.inf)
         radii = union.local_radii(place[kept], struts[kept], ball)
-        asked[kept] = wanted(radii, struts[kept])
+        asked[kept] = wanted(radii)
         smallest = np.minimum.reduceat(asked, starts)
         refine = active & (edge > smallest * SAFETY)
         far = least_cells(np.abs(centers + lattice.origin) + edge)

@@ -3,7 +3,8 @@
 A cell has the size m 2^k with m in 4..7, and grid points are multiples of half of it from the
 origin of coordinates. A vertex stands at a multiple of 2^-n of its grid edge, with n as the
 spacing of 32-bit numbers at that place allows. So every vertex is exactly on its grid edge after
-it is rounded to 32 bits, and a surface between tetrahedra stays free of crossings.
+it is rounded to 32 bits, and a surface between tetrahedra stays free of crossings. Far from the
+origin, where that spacing is not much less than a cell, m is 4.
 """
 
 from __future__ import annotations
@@ -16,14 +17,23 @@ from numpy.typing import NDArray
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
 from scaffold_cad.errors import OptionError
 
-LEAST_STEPS = 32
-"""Least size of a cell, in steps between 32-bit numbers at its place: 16 a half edge."""
+LEAST_STEPS = 8
+"""Least size of a cell, in steps between 32-bit numbers at its place: 4 a half edge."""
+
+FEW_STEPS = 256
+"""With fewer steps a cell, sizes are powers of two: then all steps are places for vertices."""
 
 MANTISSA = 24
 """Bits of a 32-bit number's mantissa."""
 
+LEAST_EXPONENT = -149
+"""The least 32-bit number is 2^-149."""
+
 KEY_BITS = 21
 """Bits of each coordinate of a grid point, counted in half cells of the finest size."""
+
+MOST_CELLS_ASIDE = 2 ** (KEY_BITS - 2)
+"""Most of the finest cells along a side of the whole."""
 
 FINEST_FRACTION = 5
 """Vertices stand at least 2^-5 of their grid edge away from its ends."""
@@ -50,17 +60,17 @@ class Lattice(Frozen):
         return halves * (self.cell / 2)
 
 
-def representable_size(size: float) -> float:
-    """Return the largest m 2^k <= `size` with m in 4..7."""
+def representable_size(size: float, power: bool) -> float:
+    """Return the largest m 2^k <= `size` with m in 4..7, or with m = 4."""
     mantissa, exponent = np.frexp(size)  # size = mantissa 2^exponent, mantissa in [0.5, 1)
-    return float(np.ldexp(np.floor(mantissa * 8), int(exponent) - 3))
+    return float(np.ldexp(4.0 if power else np.floor(mantissa * 8), int(exponent) - 3))
 
 
 def spacing_exponents(coordinates: Floats) -> NDArray[np.int32]:
     """Return k where 32-bit numbers of the size of the largest coordinate are 2^k apart, (n,)."""
     largest = np.abs(coordinates).max(axis=-1)
     exponents: NDArray[np.int32] = np.frexp(largest)[1] - MANTISSA
-    return np.maximum(exponents, -126 - MANTISSA + 2).astype(np.int32)
+    return np.maximum(exponents, LEAST_EXPONENT).astype(np.int32)
 
 
 def least_cells(points: Floats) -> Floats:
@@ -68,22 +78,22 @@ def least_cells(points: Floats) -> Floats:
     return np.ldexp(float(LEAST_STEPS), spacing_exponents(points))
 
 
-def lattice_over(low: Floats, high: Floats, size: float) -> Lattice:
-    """Return the grid of cells of about `size` that covers a box.
+def lattice_over(low: Floats, high: Floats, size: float, power: bool) -> Lattice:
+    """Return the grid of cells of about `size`, or a power of two, that covers a box.
 
     Raises
     ------
     OptionError
         If the box has more cells a side than the keys of grid points can hold.
     """
-    cell = representable_size(size)
+    cell = representable_size(size, power)
     corner = np.floor(low / cell) - 2
     needed = float((np.ceil(high / cell) + 2 - corner).max())
     levels = max(int(np.ceil(np.log2(needed))), 2)
     if levels > KEY_BITS - 2:
         raise OptionError(
             f"cells of {cell:g} mm over {needed * cell:g} mm are {needed:.3g} a side; "
-            f"need at most {2 ** (KEY_BITS - 2)}: take larger cells or radii"
+            f"need at most {MOST_CELLS_ASIDE}: take larger cells or radii"
         )
     return Lattice(cell, 2 * corner.astype(np.intp), levels)
 
@@ -98,8 +108,8 @@ def steps_on_edges(lattice: Lattice, start: Ints, end: Ints) -> NDArray[np.int32
     apart = np.abs(end - start)
     least = np.where(apart > 0, apart, apart.max(axis=1)[:, None]).min(axis=1)  # a power of two
     half = lattice.cell / 2
-    odd = half / np.ldexp(1.0, int(np.frexp(half)[1]) - 3)  # half is odd 2^k, odd in 4..7
-    unit = np.log2(half / odd)
+    mantissa, exponent = np.frexp(half)  # half is m 2^k, and m = 8 mantissa
+    unit = int(exponent) - (1 if mantissa == 0.5 else 3)
     far = np.maximum(np.abs(start + lattice.corner), np.abs(end + lattice.corner)) * half
     steps = np.log2(least) + unit - spacing_exponents(far)
     return np.clip(np.floor(steps + 1e-9), 1, 16).astype(np.int32)

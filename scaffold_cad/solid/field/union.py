@@ -16,8 +16,11 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points
 from scaffold_cad.base.threads import in_order
-from scaffold_cad.base.vectors import dot, length
+from scaffold_cad.base.vectors import length
 from scaffold_cad.solid.field.struts import FieldStruts
+
+NO_LENGTH = 1e-12
+"""A strut shorter than this part of its radius is a ball."""
 
 POINTS_AT_ONCE = 1 << 14
 """Points looked at together: their arrays stay in the processor's cache."""
@@ -78,23 +81,25 @@ class FilletedUnion(Frozen):
 
 
 def filleted_union(struts: FieldStruts, origin: Floats, swell: Floats) -> FilletedUnion:
-    """Return the function of `struts`, each thicker by its `swell` (m,), mm."""
+    """Return the function of `struts` with their radii times 1 + `swell` (m,)."""
     start, end = struts.ends[:, 0] - origin, struts.ends[:, 1] - origin
     extent = length(end - start)
-    ball = extent <= 1e-12 * struts.radii.max(axis=1)
-    axis = np.where(ball[:, None], [1.0, 0.0, 0.0], (end - start) / np.where(ball, 1, extent)[:, None])
+    ball = extent <= NO_LENGTH * struts.radii.max(axis=1)
+    reach = np.where(ball, 1.0, extent)
+    axis = np.where(ball[:, None], [1.0, 0.0, 0.0], (end - start) / reach[:, None])
     extent = np.where(ball, 0.0, extent)
     radii = np.where(ball[:, None], struts.radii.max(axis=1)[:, None], struts.radii)
-    slope = np.where(ball, 0.0, (radii[:, 1] - radii[:, 0]) / np.where(ball, 1, extent))
+    slope = (radii[:, 1] - radii[:, 0]) / reach * (1.0 + swell)
     cosine = 1.0 / np.sqrt(1.0 + slope * slope)
     flat = struts.flat & ~ball[:, None]
     low, high = np.where(flat[:, 0], -np.inf, 0.0), np.where(flat[:, 1], np.inf, extent)
-    rows = [*start.T, *axis.T, low, high, radii[:, 0] * cosine + swell, slope * cosine, slope]
-    caps = [np.where(flat[:, 0], 0.0, -np.inf), np.where(flat[:, 1], -extent, -np.inf)]
+    first = radii[:, 0] * (1.0 + swell) * cosine
     return FilletedUnion(
         origin=origin,
-        rows=np.array(rows),
-        caps=np.array(caps),
+        rows=np.array([*start.T, *axis.T, low, high, first, slope * cosine, slope]),
+        caps=np.array(
+            [np.where(flat[:, 0], 0.0, -np.inf), np.where(flat[:, 1], -extent, -np.inf)]
+        ),
         blend=struts.blend,
         section=np.array([radii[:, 0], slope, extent, radii.min(axis=1)]),
         groups=struts.groups,

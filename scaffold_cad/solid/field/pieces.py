@@ -1,0 +1,45 @@
+"""The connected surfaces of a closed mesh: bodies, and voids in them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from scaffold_cad.base.arrays import Floats, Frozen, Ints
+from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted, cone_volumes
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces(Frozen):
+    """Connected surfaces of a mesh."""
+
+    piece_of: Ints
+    """Surface of each vertex, shape (v,)."""
+    volumes: Floats
+    """Volume inside each surface, shape (p,), mm³; < 0 where it bounds a void."""
+
+
+def pieces_of(mesh: TriangleMesh) -> Pieces:
+    """Return the connected surfaces of a closed mesh, whose vertices are all used."""
+    corners = mesh.triangles.astype(np.int32)
+    ends = np.concatenate([corners[:, :2], corners[:, 1:]])  # (2 t, 2)
+    count = len(mesh.vertices)
+    marks = np.ones(len(ends), dtype=np.int8)
+    graph = coo_array((marks, (ends[:, 0], ends[:, 1])), shape=(count, count)).tocsr()
+    pieces, labels = connected_components(graph, directed=False)
+    volumes = np.bincount(
+        labels[corners[:, 0]], cone_volumes(mesh.vertices, mesh.triangles), minlength=pieces
+    )
+    return Pieces(labels.astype(np.intp), volumes)
+
+
+def without_small_cavities(mesh: TriangleMesh, pieces: Pieces, volume: float) -> TriangleMesh:
+    """Return the mesh without the surfaces of voids smaller than a volume, mm³."""
+    small = (pieces.volumes < 0) & (pieces.volumes > -volume)
+    if not small.any():
+        return mesh
+    kept = ~small[pieces.piece_of[mesh.triangles[:, 0]]]
+    return compacted(mesh.vertices, mesh.triangles[kept])
