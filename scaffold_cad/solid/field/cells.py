@@ -185,9 +185,9 @@ def _bounds(
 ) -> tuple[Floats, Floats]:
     """Return F at the centers of cells, and its least in them."""
     merged, first = merged_groups(union, which, struts, ratio, starts)
-    value = filleted(1.0 - merged, merged, first)
+    value = filleted(merged, first)
     merged, first = merged_groups(union, which, struts, near, starts)
-    return value, filleted(1.0 - merged, merged, first)
+    return value, filleted(merged, first)
 
 
 def balanced(union: FilletedUnion, lattice: Lattice, levels: list[Level]) -> list[Level]:

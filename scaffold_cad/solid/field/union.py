@@ -129,14 +129,17 @@ class Lists(Frozen):
         return which, self.struts[np.arange(len(which)) + np.repeat(first - starts, counts)], starts
 
 
-def filleted(depth: Floats, ratio: Floats | None, starts: Ints) -> Floats:
-    """Return F of each list from 1 - d / ρ of its struts (p,), and d / ρ where it may be > 1."""
-    inside = np.maximum(depth, 0.0)
-    total = np.add.reduceat(inside * inside, starts)
-    value = 1.0 - np.sqrt(total)
-    if ratio is None:
-        return value
-    return np.where(total > 0, value, np.minimum.reduceat(ratio, starts))
+def filleted(ratio: Floats, starts: Ints) -> Floats:
+    """Return F of each list from d / ρ of its struts (p,).
+
+    F is scaled so that it falls as fast as d / ρ of the nearest strut where several are as near;
+    else a line through two values would not lead to its root.
+    """
+    inside = np.maximum(1.0 - ratio, 0.0)
+    size = np.sqrt(np.add.reduceat(inside * inside, starts))
+    least = np.minimum.reduceat(ratio, starts)
+    near = size > 0
+    return np.where(near, (1.0 - size) * (1.0 - least) / np.where(near, size, 1.0), least)
 
 
 def merged_groups(
@@ -165,7 +168,7 @@ def values(union: FilletedUnion, points: Points, owners: Ints, lists: Lists) -> 
         distance, _ = union.distances(points[block][which], struts)
         ratio = distance / union.blend[struts]
         ratio, starts = merged_groups(union, which, struts, ratio, starts)
-        result[block] = filleted(1.0 - ratio, ratio, starts)
+        result[block] = filleted(ratio, starts)
 
     for _ in in_order(some, range(0, len(points), POINTS_AT_ONCE)):
         pass
