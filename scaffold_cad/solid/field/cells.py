@@ -36,6 +36,10 @@ SAFETY = 1.0 + 1e-9
 CHILDREN = np.array([[c & 1, c >> 1 & 1, c >> 2] for c in range(8)])
 """Place of each of a group's cells in it, shape (8, 3)."""
 
+RIM_FRACTION = 0.25
+"""Size of cells at the rim of a flat end, as a part of that elsewhere: the rim is cut off there by
+some tenths of a cell."""
+
 MOST_GROUPS = 10_000_000
 """Most groups of eight cells of one solid."""
 
@@ -117,7 +121,9 @@ def _refined(
     """Return the level of some groups, and the groups of the next finer level."""
     parts = list(
         in_order(
-            lambda some: _refine_some(union, lattice, wanted, size, groups[some], _sub(lists, some)),
+            lambda some: _refine_some(
+                union, lattice, wanted, size, groups[some], _sub(lists, some)
+            ),
             _blocks(lists),
         )
     )
@@ -157,8 +163,10 @@ def _refine_some(
     refine = np.zeros(len(cells), dtype=np.bool_)
     if size > 1:
         asked = np.full(len(which), np.inf)
-        radii = union.local_radii(place[kept], struts[kept], ball)
-        asked[kept] = wanted(radii)
+        asked[kept] = wanted(union.local_radii(place[kept], struts[kept], ball))
+        if union.capped:
+            rim = union.rim_distances(centers[which[kept]], struts[kept]) < ball
+            asked[kept] *= np.where(rim, RIM_FRACTION, 1.0)
         smallest = np.minimum.reduceat(asked, starts)
         refine = active & (edge > smallest * SAFETY)
         far = least_cells(np.abs(centers + lattice.origin) + edge)

@@ -92,9 +92,7 @@ class Faces:
         unmet = level.has_leaves(groups, child) & ~met
         return self._border(k, groups[unmet], child, axis, ahead=False)
 
-    def _equal(
-        self, k: int, low: Ints, child: int, high: Ints, other: int, axis: int
-    ) -> Polygons:
+    def _equal(self, k: int, low: Ints, child: int, high: Ints, other: int, axis: int) -> Polygons:
         first, corners = self.grid.first[k], self.grid.corners
         before, behind = 8 * (low + first) + child, 8 * (high + first) + other
         rim = self.grid.corner_of[(low + first)[:, None], rim_of(child, axis, True)]
@@ -247,5 +245,3 @@ class Faces:
 def _some(cells: Cells, rows: Bools) -> Cells:
     numbers = None if cells.numbers is None else cells.numbers[rows]
     return Cells(numbers, cells.inside[rows], cells.rim)
-
-

@@ -21,14 +21,15 @@ RIM_STEPS = ((0, 0), (1, 0), (1, 1), (0, 1))
 
 
 def rim_corners(axis: int, ahead: bool) -> Ints:
-    """Return the corners 0..7 of a cell on a face of it, counter-clockwise seen from ahead, (4,)."""
+    """Return the corners 0..7 of a cell on a face, counter-clockwise seen from ahead, (4,)."""
     u, v = (axis + 1) % 3, (axis + 2) % 3
     return np.array([(i << u) + (j << v) + (int(ahead) << axis) for i, j in RIM_STEPS])
 
 
 def rim_of(child: int, axis: int, ahead: bool) -> Ints:
     """Return `rim_corners` of a cell of a group as points in `AROUND`, shape (4,)."""
-    return (CHILDREN[child] + CHILDREN[rim_corners(axis, ahead)]) @ np.array([1, 3, 9])
+    around: Ints = (CHILDREN[child] + CHILDREN[rim_corners(axis, ahead)]) @ np.array([1, 3, 9])
+    return around
 
 
 class Register:
@@ -128,7 +129,7 @@ def _corners(level: Level, register: Register) -> tuple[Ints, Ints, Ints]:
     low = 2 * level.groups[:, None]
     lost, lost_keys = [], []
     for corner in CHILDREN:
-        these = np.flatnonzero((AROUND >> 1 == corner).all(axis=1))
+        these = np.flatnonzero((corner == AROUND >> 1).all(axis=1))
         owner = register.find(level.groups + corner) if corner.any() else np.arange(count)
         inner = AROUND[these] & 1
         point[:, these] = 8 * owner[:, None] + inner @ np.array([1, 2, 4])

@@ -53,11 +53,11 @@ class Lattice(Frozen):
     @property
     def origin(self) -> Floats:
         """Lowest corner of the whole, shape (3,), mm, exact."""
-        return self.corner * (self.cell / 2)
+        return np.asarray(self.corner * (self.cell / 2), dtype=np.float64)
 
     def places(self, halves: NDArray[np.integer]) -> Floats:
         """Return local positions of grid points given in half cells, (..., 3), mm."""
-        return halves * (self.cell / 2)
+        return np.asarray(halves * (self.cell / 2), dtype=np.float64)
 
 
 def representable_size(size: float, power: bool) -> float:
@@ -69,8 +69,8 @@ def representable_size(size: float, power: bool) -> float:
 def spacing_exponents(coordinates: Floats) -> NDArray[np.int32]:
     """Return k where 32-bit numbers of the size of the largest coordinate are 2^k apart, (n,)."""
     largest = np.abs(coordinates).max(axis=-1)
-    exponents: NDArray[np.int32] = np.frexp(largest)[1] - MANTISSA
-    return np.maximum(exponents, LEAST_EXPONENT).astype(np.int32)
+    exponents = np.frexp(largest)[1] - MANTISSA
+    return np.asarray(np.maximum(exponents, LEAST_EXPONENT), dtype=np.int32)
 
 
 def least_cells(points: Floats) -> Floats:
@@ -112,4 +112,5 @@ def steps_on_edges(lattice: Lattice, start: Ints, end: Ints) -> NDArray[np.int32
     unit = int(exponent) - (1 if mantissa == 0.5 else 3)
     far = np.maximum(np.abs(start + lattice.corner), np.abs(end + lattice.corner)) * half
     steps = np.log2(least) + unit - spacing_exponents(far)
-    return np.clip(np.floor(steps + 1e-9), 1, 16).astype(np.int32)
+    whole: NDArray[np.int32] = np.clip(np.floor(steps + 1e-9), 1, 16).astype(np.int32)
+    return whole

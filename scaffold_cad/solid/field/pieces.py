@@ -30,9 +30,9 @@ def pieces_of(mesh: TriangleMesh) -> Pieces:
     marks = np.ones(len(ends), dtype=np.int8)
     graph = coo_array((marks, (ends[:, 0], ends[:, 1])), shape=(count, count)).tocsr()
     pieces, labels = connected_components(graph, directed=False)
-    volumes = np.bincount(
-        labels[corners[:, 0]], cone_volumes(mesh.vertices, mesh.triangles), minlength=pieces
-    )
+    cones = cone_volumes(mesh.vertices, mesh.triangles)
+    volumes: Floats = np.zeros(pieces)
+    np.add.at(volumes, labels[corners[:, 0]], cones)
     return Pieces(labels.astype(np.intp), volumes)
 
 

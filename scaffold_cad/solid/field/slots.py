@@ -99,7 +99,8 @@ class Slots:
     def _corner(self, cell: Ints, number: Ints) -> Ints:
         child = cell % 8
         around = sum(((child >> a & 1) + (number >> a & 1)) * 3**a for a in range(3))
-        return self.grid.corner_of[cell // 8, around].astype(np.intp)
+        corners: Ints = self.grid.corner_of[cell // 8, around].astype(np.intp)
+        return corners
 
     def _across(self, cell: Ints, way: Ints) -> tuple[Ints, Bools]:
         """Return the centers across faces, or the directions where there is none."""
@@ -112,7 +113,9 @@ class Slots:
         for k in np.unique(level).tolist():
             these = np.flatnonzero(level == k)
             beside = group[these] - self.grid.first[k]
-            step = np.where(ahead[these] > 0, 1, -1)[:, None] * np.eye(3, dtype=np.intp)[axis[these]]
+            step = (
+                np.where(ahead[these] > 0, 1, -1)[:, None] * np.eye(3, dtype=np.intp)[axis[these]]
+            )
             out = ~inner[these]
             at = self.grid.levels[k].groups[beside[out]] + step[out]
             beside[out] = self.grid.registers[k].find(at)

@@ -10,7 +10,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.solid.field.cells import levels_of
+from scaffold_cad.solid.field.cells import RIM_FRACTION, levels_of
 from scaffold_cad.solid.field.grid import grid_of
 from scaffold_cad.solid.field.lattice import (
     FEW_STEPS,
@@ -23,7 +23,7 @@ from scaffold_cad.solid.field.lattice import (
 from scaffold_cad.solid.field.pieces import Pieces, pieces_of, without_small_cavities
 from scaffold_cad.solid.field.struts import FieldStruts
 from scaffold_cad.solid.field.surface import surface_of
-from scaffold_cad.solid.field.union import FilletedUnion, filleted_union
+from scaffold_cad.solid.field.union import filleted_union
 
 CELL_FRACTION = 0.6
 """Size of a cell where none is given, as a part of the radius of the struts there, at most: a ring
@@ -126,7 +126,7 @@ def field_solid(
     used = np.flatnonzero([len(level.groups) > 0 for level in levels])
     return FieldSolid(
         mesh=TriangleMesh(vertices + lattice.origin, triangles),
-        cells=lattice.cell * 2.0 ** used[[0, -1]],
+        cells=np.array([lattice.cell * 2.0**k for k in used[[0, -1]].tolist()]),
         cell_count=grid.cells,
         blend=struts.blend,
         thickened=thickened,
@@ -154,11 +154,14 @@ def _thick_enough(struts: FieldStruts, extent: float) -> tuple[FieldStruts, Ints
 
 def _lattice(struts: FieldStruts, cell: float | None) -> Lattice:
     sizes = wanted_cells(struts.radii, cell)  # (m, 2)
+    sizes = np.where(struts.flat.any(axis=1, keepdims=True), RIM_FRACTION, 1.0) * sizes
     steps = np.ldexp(1.0, spacing_exponents(struts.ends))
     few = bool((sizes < FEW_STEPS * steps).any())
-    least = max(float(sizes.min()), float(LEAST_STEPS * steps.min()))
     low, high = struts.box()
-    return lattice_over(low, high, least, few)
+    least = max(
+        LEAST_STEPS * float(steps.min()), 2.0 * float((high - low).max()) / MOST_CELLS_ASIDE
+    )
+    return lattice_over(low, high, max(float(sizes.min()), least), few)
 
 
 def _swell(struts: FieldStruts, lattice: Lattice, cell: float | None) -> Floats:

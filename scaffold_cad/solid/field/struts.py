@@ -41,7 +41,8 @@ class FieldStruts(Frozen):
     @property
     def areas(self) -> Floats:
         """Area of each strut's round side and half of a ball at each end, shape (m,), mm²."""
-        return np.pi * self.radii.sum(axis=1) * (self.lengths + self.radii.sum(axis=1))
+        both: Floats = self.radii.sum(axis=1)
+        return np.pi * both * (self.lengths + both)
 
     def box(self) -> tuple[Floats, Floats]:
         """Return the lowest and highest corner of all struts with their fillets, two (3,), mm."""
@@ -124,12 +125,12 @@ def _blends(blend: ArrayLike | None, radii: Floats, name: str) -> Floats:
     """Return the fillet radius of each strut, shape (m,), mm."""
     least = radii.min(axis=1, initial=np.inf)
     if blend is None:
-        return DEFAULT_BLEND * least
+        return np.asarray(DEFAULT_BLEND * least)
     given = _spread(as_floats(blend, name, OptionError), least.shape, name)
     bad = np.flatnonzero(~(np.isfinite(given) & (given >= 0)))
     if len(bad):
         raise OptionError(f"{name} of strut {bad[0]} is {given[bad[0]]:g} mm; need >= 0")
-    return np.maximum(given, LEAST_BLEND * least)
+    return np.asarray(np.maximum(given, LEAST_BLEND * least))
 
 
 def _spread(values: np.ndarray, shape: tuple[int, ...], name: str) -> np.ndarray:

@@ -27,15 +27,9 @@ def surface_of(union: FilletedUnion, grid: Grid, rounds: int) -> tuple[Floats, I
     slots = Slots(grid)
     parts = polygons_of(grid, slots)
     used = _used(parts, slots)
-    vertices = np.concatenate(
-        [
-            np.zeros((0, 3)),
-            *in_order(
-                lambda some: _vertices(union, grid, slots, used[some : some + EDGES_AT_ONCE], rounds),
-                range(0, len(used), EDGES_AT_ONCE),
-            ),
-        ]
-    )
+    blocks = (used[i : i + EDGES_AT_ONCE] for i in range(0, len(used), EDGES_AT_ONCE))
+    found = in_order(lambda block: _vertices(union, grid, slots, block, rounds), blocks)
+    vertices = np.concatenate([np.zeros((0, 3)), *found])
     rank = Ranks(used, slots)
     triangles = []
     while parts:
@@ -86,9 +80,7 @@ def _halves(vertices: Floats, quads: Ints) -> Ints:
     )
 
 
-def _vertices(
-    union: FilletedUnion, grid: Grid, slots: Slots, edges: Ints, rounds: int
-) -> Floats:
+def _vertices(union: FilletedUnion, grid: Grid, slots: Slots, edges: Ints, rounds: int) -> Floats:
     """Return where the surface cuts grid edges, on them and exact in 32 bits, (e, 3) mm."""
     start, end, owner, put_in = slots.ends(edges)
     place_a = grid.places[start].astype(np.intp)

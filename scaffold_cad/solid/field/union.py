@@ -16,7 +16,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points
 from scaffold_cad.base.threads import in_order
-from scaffold_cad.base.vectors import length
+from scaffold_cad.base.vectors import dot, length
 from scaffold_cad.solid.field.struts import FieldStruts
 
 NO_LENGTH = 1e-12
@@ -54,9 +54,7 @@ class FilletedUnion(Frozen):
         The distance is that to the balls along the strut's axis that touch its side: exact for
         round ends, and for flat ends the larger of that and the distance to the end's plane.
         """
-        px, py, pz, ax, ay, az, low, high, radius, sine, slope = (
-            row[struts] for row in self.rows
-        )
+        px, py, pz, ax, ay, az, low, high, radius, sine, slope = (row[struts] for row in self.rows)
         px, py, pz = x[:, 0] - px, x[:, 1] - py, x[:, 2] - pz
         along = px * ax + py * ay + pz * az
         square = px * px + py * py + pz * pz
@@ -77,7 +75,18 @@ class FilletedUnion(Frozen):
         """Return the least section radius of a strut within a distance of a place on its axis."""
         start, slope, extent, least = (row[struts] for row in self.section)
         radii = start + slope * np.clip(place, 0.0, extent) - np.abs(slope) * within
-        return np.maximum(radii, least)
+        return np.asarray(np.maximum(radii, least))
+
+    def rim_distances(self, x: Points, struts: Ints) -> Floats:
+        """Return the distance of each point (k, 3) to the nearest rim of its strut's flat ends."""
+        way = x - self.rows[:3, struts].T
+        along = dot(way, self.rows[3:6, struts].T)
+        away = np.sqrt(np.maximum(dot(way, way) - along * along, 0.0))
+        start, slope, extent, _ = (row[struts] for row in self.section)
+        before, behind = np.isfinite(self.caps[:, struts])
+        first = np.hypot(along, away - start)
+        last = np.hypot(along - extent, away - start - slope * extent)
+        return np.minimum(np.where(before, first, np.inf), np.where(behind, last, np.inf))
 
 
 def filleted_union(struts: FieldStruts, origin: Floats, swell: Floats) -> FilletedUnion:
@@ -97,9 +106,7 @@ def filleted_union(struts: FieldStruts, origin: Floats, swell: Floats) -> Fillet
     return FilletedUnion(
         origin=origin,
         rows=np.array([*start.T, *axis.T, low, high, first, slope * cosine, slope]),
-        caps=np.array(
-            [np.where(flat[:, 0], 0.0, -np.inf), np.where(flat[:, 1], -extent, -np.inf)]
-        ),
+        caps=np.array([np.where(flat[:, 0], 0.0, -np.inf), np.where(flat[:, 1], -extent, -np.inf)]),
         blend=struts.blend,
         section=np.array([radii[:, 0], slope, extent, radii.min(axis=1)]),
         groups=struts.groups,
