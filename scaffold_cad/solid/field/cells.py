@@ -22,9 +22,7 @@ from scaffold_cad.solid.field.union import (
     FilletedUnion,
     Lists,
     any_of,
-    filleted,
-    merged_groups,
-    values,
+    least_values,
 )
 
 PAIRS_AT_ONCE = 1 << 14
@@ -60,8 +58,6 @@ class Level(Frozen):
     """Struts of each group."""
     leaf: Bools
     """Which of its cells are not refined, shape (g, 8)."""
-    centers: Floats
-    """F at the center of each cell, shape (g, 8)."""
 
     def has_leaves(self, groups: Ints, children: Ints | int) -> Bools:
         """Return whether a child of each of some groups (k,) is a leaf; group -1 has none."""
@@ -90,7 +86,6 @@ def levels_of(
         groups=np.zeros((1, 3), dtype=np.intp),
         lists=Lists(np.array([0, len(everything)]), everything),
         leaf=np.zeros((1, 8), dtype=np.bool_),
-        centers=np.zeros((1, 8)),
     )
     groups, lists, found, total = level.groups, level.lists, [], 0
     for size in range(lattice.levels, 0, -1):
@@ -98,7 +93,7 @@ def levels_of(
         total += len(level.groups)
         _check_size(total + len(groups) * GROWTH ** (size - 1))
         found.append(level)
-    return balanced(union, lattice, found[::-1])
+    return balanced(found[::-1])
 
 
 def _check_size(groups: float) -> None:
@@ -133,7 +128,6 @@ def _refined(
         groups=np.concatenate([part.groups for part in kept]) if kept else groups[:0],
         lists=joined_lists([part.lists for part in kept]),
         leaf=np.concatenate([part.leaf for part in kept]) if kept else np.zeros((0, 8), np.bool_),
-        centers=np.concatenate([part.centers for part in kept]) if kept else np.zeros((0, 8)),
     )
     next_groups = np.concatenate([part[0] for part in finer]) if finer else groups[:0]
     return level, next_groups, joined_lists([part[1] for part in finer])
@@ -157,7 +151,7 @@ def _refine_some(
     blend = union.blend[struts]
     near = distance - ball  # the least distance in the cell
     whole = any_of(distance + ball < 0, starts)
-    value, least = _bounds(union, which, struts, distance / blend, near / blend, starts)
+    least = least_values(near / blend, starts)
     active = ~whole & (least <= 0)
     kept = (near < blend) & active[which]
     refine = np.zeros(len(cells), dtype=np.bool_)
@@ -176,29 +170,13 @@ def _refine_some(
         groups=groups[rows],
         lists=_sub(lists, rows),
         leaf=~refine.reshape(-1, 8)[rows],
-        centers=value.reshape(-1, 8)[rows],
     )
     pairs = kept & refine[which]
     counts = np.add.reduceat(pairs.astype(np.intp), starts)[refine]
     return level, (cells[refine], Lists(np.append(0, np.cumsum(counts)), struts[pairs]))
 
 
-def _bounds(
-    union: FilletedUnion,
-    which: Ints,
-    struts: Ints,
-    ratio: Floats,
-    near: Floats,
-    starts: Ints,
-) -> tuple[Floats, Floats]:
-    """Return F at the centers of cells, and its least in them."""
-    merged, first = merged_groups(union, which, struts, ratio, starts)
-    value = filleted(merged, first)
-    merged, first = merged_groups(union, which, struts, near, starts)
-    return value, filleted(merged, first)
-
-
-def balanced(union: FilletedUnion, lattice: Lattice, levels: list[Level]) -> list[Level]:
+def balanced(levels: list[Level]) -> list[Level]:
     """Return the levels with leaves refined until those that touch differ by one level at most."""
     used = [k for k, level in enumerate(levels) if len(level.groups) and level.leaf.any()]
     if len(used) < 2:
@@ -210,19 +188,16 @@ def balanced(union: FilletedUnion, lattice: Lattice, levels: list[Level]) -> lis
         needed.append(np.unique(packed(np.concatenate(around))))
     result = list(levels)
     for k in range(len(levels) - 1, 0, -1):
-        result[k - 1 : k + 1] = _split(union, lattice, k, result[k - 1], result[k], needed[k - 1])
+        result[k - 1 : k + 1] = _split(result[k - 1], result[k], needed[k - 1])
     return result
 
 
 def _split(
-    union: FilletedUnion,
-    lattice: Lattice,
-    k: int,
     fine: Level,
     coarse: Level,
     needed: NDArray[np.int64],
 ) -> list[Level]:
-    """Return two levels, of sizes k and k + 1, with the leaves refined whose keys are needed."""
+    """Return two levels that follow each other, with the leaves refined whose keys are needed."""
     cells = 2 * coarse.groups[:, None] + CHILDREN  # (g, 8, 3)
     split = coarse.leaf & np.isin(packed(cells), needed)
     if not split.any():
@@ -230,16 +205,12 @@ def _split(
     parents = np.nonzero(split)[0]
     groups = cells[split]
     lists = _sub(coarse.lists, parents)
-    edge = lattice.cell * 2.0 ** (k - 1)
-    centers = (2 * groups[:, None] + CHILDREN + 0.5).reshape(-1, 3) * edge
-    found = values(union, centers, np.repeat(np.arange(len(groups)), 8), lists)
     finer = Level(
         groups=np.concatenate([fine.groups, groups]),
         lists=joined_lists([fine.lists, lists]),
         leaf=np.concatenate([fine.leaf, np.ones((len(groups), 8), dtype=np.bool_)]),
-        centers=np.concatenate([fine.centers, found.reshape(-1, 8)]),
     )
-    return [finer, Level(coarse.groups, coarse.lists, coarse.leaf & ~split, coarse.centers)]
+    return [finer, Level(coarse.groups, coarse.lists, coarse.leaf & ~split)]
 
 
 def packed(cells: NDArray[np.integer]) -> NDArray[np.int64]:

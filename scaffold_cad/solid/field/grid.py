@@ -99,15 +99,16 @@ def grid_of(union: FilletedUnion, lattice: Lattice, levels: list[Level]) -> Grid
         keys, kept, number = np.unique(packed(corners), return_index=True, return_inverse=True)
         corners, owners, corner_of = corners[kept], owners[kept], number[corner_of]
     lists = joined_lists([level.lists for level in levels])
-    field = values(union, lattice.places(corners), owners, lists)
+    places_of = np.concatenate([corners, *centers])
+    owners = np.concatenate([owners, np.repeat(np.arange(int(first[-1])), 8)])
     return Grid(
         lattice=lattice,
         levels=levels,
         registers=registers,
         first=first,
         lists=lists,
-        places=np.concatenate([corners, *centers]),
-        field=np.concatenate([field, *(level.centers.reshape(-1) for level in levels)]),
+        places=places_of,
+        field=values(union, lattice.places(places_of), owners, lists),
         corners=len(corners),
         keys=keys,
         corner_of=corner_of.astype(np.int32),

@@ -78,7 +78,7 @@ def field_solid(
     *,
     cell: float | None = None,
     equal_volume: bool = True,
-    rounds: int = 1,
+    rounds: int = 3,
 ) -> FieldSolid:
     """Return the solid of the filleted union of struts.
 
@@ -93,7 +93,7 @@ def field_solid(
         Whether vertices stand outside of round surfaces by as much as gives the mesh their
         volume; otherwise they are on them.
     rounds : int >= 0
-        Times that each vertex is improved along its grid edge.
+        Most times that each vertex is improved along its grid edge.
 
     Raises
     ------

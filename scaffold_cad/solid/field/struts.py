@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, as_floats, as_points
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, as_floats, as_points
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import OptionError
 
@@ -30,8 +30,6 @@ class FieldStruts(Frozen):
     """Whether the strut ends in a flat disc there, shape (m, 2); otherwise it is round."""
     blend: Floats
     """Fillet radius of each strut, shape (m,), mm, > 0."""
-    groups: Ints
-    """Struts of equal number meet sharply, without a fillet, shape (m,)."""
 
     @property
     def lengths(self) -> Floats:
@@ -60,7 +58,6 @@ def field_struts(
     ball_radii: ArrayLike = 0.0,
     blend: ArrayLike | None = None,
     ball_blend: ArrayLike | None = None,
-    groups: ArrayLike | None = None,
 ) -> FieldStruts:
     """Return struts and balls as one set, checked.
 
@@ -78,8 +75,6 @@ def field_struts(
     ball_radii : (n,) or a number, mm
     blend, ball_blend : (m,), (n,) or a number, mm
         Fillet radius; by default `DEFAULT_BLEND` of the smaller radius. 0 is sharp.
-    groups : (m,) whole numbers
-        Struts of one number meet without a fillet; by default each has its own.
 
     Raises
     ------
@@ -106,9 +101,6 @@ def field_struts(
         raise OptionError("there are no struts and no balls; need at least one")
     everything = np.concatenate([both, np.stack([sizes, sizes], axis=1)])
     _check_positive(everything, "radius", "> 0")
-    number = np.arange(count) if groups is None else np.asarray(groups, dtype=np.intp)
-    number = _spread(number, (count,), "groups")
-    first = number.max(initial=-1) + 1
     fillets = np.concatenate(
         [_blends(blend, both, "blend"), _blends(ball_blend, everything[count:], "ball_blend")]
     )
@@ -117,7 +109,6 @@ def field_struts(
         radii=everything,
         flat=np.concatenate([discs, np.zeros((len(centers), 2), dtype=np.bool_)]),
         blend=fillets,
-        groups=np.concatenate([number, first + np.arange(len(centers))]).astype(np.intp),
     )
 
 

@@ -13,6 +13,9 @@ from scaffold_cad.solid.field.marching import Polygons
 from scaffold_cad.solid.field.slots import Slots
 from scaffold_cad.solid.field.union import FilletedUnion, values
 
+NEAR_ENOUGH = 0.05
+"""|F| from which one more round leads to the root."""
+
 EDGES_AT_ONCE = 1 << 18
 """Grid edges looked at together."""
 
@@ -118,14 +121,19 @@ def _roots(
     low, high = swap.astype(np.float64), (~swap).astype(np.float64)  # inside, outside
     f_low, f_high = np.where(swap, ends[1], ends[0]), np.where(swap, ends[0], ends[1])
     t = _secant(low, high, f_low, f_high)
+    rows = np.arange(len(t))
     for _ in range(rounds):
-        f = values(union, line[0] + t[:, None] * line[1], owner, grid.lists)
-        guess = _parabola((low, t, high), (f_low, f, f_high))
+        x = t[rows]
+        f = values(union, line[0][rows] + x[:, None] * line[1][rows], owner[rows], grid.lists)
+        ends_x, ends_f = (low[rows], high[rows]), (f_low[rows], f_high[rows])
+        guess = _parabola((ends_x[0], x, ends_x[1]), (ends_f[0], f, ends_f[1]))
         inside = f < 0
-        low, f_low = np.where(inside, t, low), np.where(inside, f, f_low)
-        high, f_high = np.where(inside, high, t), np.where(inside, f_high, f)
-        between = (guess - low) * (guess - high) < 0
-        t = np.where(between, guess, _secant(low, high, f_low, f_high))
+        low[rows], f_low[rows] = np.where(inside, x, ends_x[0]), np.where(inside, f, ends_f[0])
+        high[rows], f_high[rows] = np.where(inside, ends_x[1], x), np.where(inside, ends_f[1], f)
+        between = (guess - low[rows]) * (guess - high[rows]) < 0
+        secant = _secant(low[rows], high[rows], f_low[rows], f_high[rows])
+        t[rows] = np.where(between, guess, secant)
+        rows = rows[np.abs(f) > NEAR_ENOUGH]
     return t
 
 

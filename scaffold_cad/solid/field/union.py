@@ -1,11 +1,17 @@
 """The filleted union of struts as a function of space, at many points at once.
 
-For struts at distances d_j (negative inside) with fillet radii ρ_j it is
-``F = 1 - |max(1 - d_j / ρ_j, 0)|₂`` where some d_j < ρ_j, and otherwise the least d_j / ρ_j:
-continuous with its derivative where d_j are, independent of the struts' order, and d_i / ρ_i where
-no other strut is within its ρ. With one ρ for all, the zero set is that of
-``ρ - |max(ρ - d_j, 0)|₂``: a rolling-ball fillet of radius ρ where surfaces meet at right angles.
-Where ρ differ the fillet is a quarter of an ellipse, and a strut swells by its own ρ at most.
+For struts at distances d_j (negative inside) with fillet radii ρ_j let h_j = 1 - d_j / ρ_j. Then
+F = 1 - h, where h is the largest of all h_j and, for each two struts with h_j > 0 whose distances
+grow in directions with the cosine c, taken as 0 if it is negative, of
+
+    sqrt((h_i² + h_j² - 2 c h_i h_j) / (1 - c²))    where h_i > c h_j and h_j > c h_i
+
+which is the distance to the line where a ball of radius ρ touches both surfaces, taken as planes:
+a rolling-ball fillet, that of ρ - |max(ρ - d_j, 0)|₂ for two struts at right angles. Surfaces that
+go the same way, such as those of struts that run on straight, of balls at the end of several
+struts, or of struts in the same place, have no fillet and no bulge. F is continuous, independent
+of the struts' order, at most d_i / ρ_i, and d_i / ρ_i where no other strut is within its ρ. Where
+ρ differ the fillet is a quarter of an ellipse, and a strut swells by its own ρ at most.
 """
 
 from __future__ import annotations
@@ -14,13 +20,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.base.threads import in_order
-from scaffold_cad.base.vectors import dot, length
+from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.solid.field.struts import FieldStruts
 
 NO_LENGTH = 1e-12
 """A strut shorter than this part of its radius is a ball."""
+
+ALONG = 1.0 - 1e-9
+"""Largest cosine between directions that are not the same."""
 
 POINTS_AT_ONCE = 1 << 14
 """Points looked at together: their arrays stay in the processor's cache."""
@@ -42,11 +51,8 @@ class FilletedUnion(Frozen):
     """Fillet radii, shape (m,), mm."""
     section: Floats
     """Section radius at the start, its slope, length, least radius; shape (4, m)."""
-    groups: Ints
-    """Struts of one number have no fillet between them, shape (m,)."""
     tapered: bool
     capped: bool
-    grouped: bool
 
     def distances(self, x: Points, struts: Ints) -> tuple[Floats, Floats]:
         """Return the distance of each point (k, 3) to its strut, and the place on its axis.
@@ -70,6 +76,19 @@ class FilletedUnion(Frozen):
             before, behind = (row[struts] for row in self.caps)
             distance = np.maximum(distance, np.maximum(before - along, along + behind))
         return distance, place
+
+    def gradients(self, x: Points, struts: Ints) -> UnitVectors:
+        """Return the direction in which each distance grows, shape (k, 3)."""
+        distance, place = self.distances(x, struts)
+        axis = self.rows[3:6, struts].T
+        way = x - self.rows[:3, struts].T
+        gradient = normalize(way - place[:, None] * axis)
+        if self.capped:
+            along = dot(way, axis)
+            before, behind = self.caps[:, struts]
+            gradient = np.where((distance == before - along)[:, None], -axis, gradient)
+            gradient = np.where((distance == along + behind)[:, None], axis, gradient)
+        return gradient
 
     def local_radii(self, place: Floats, struts: Ints, within: float) -> Floats:
         """Return the least section radius of a strut within a distance of a place on its axis."""
@@ -109,10 +128,8 @@ def filleted_union(struts: FieldStruts, origin: Floats, swell: Floats) -> Fillet
         caps=np.array([np.where(flat[:, 0], 0.0, -np.inf), np.where(flat[:, 1], -extent, -np.inf)]),
         blend=struts.blend,
         section=np.array([radii[:, 0], slope, extent, radii.min(axis=1)]),
-        groups=struts.groups,
         tapered=bool((slope != 0).any()),
         capped=bool(flat.any()),
-        grouped=len(np.unique(struts.groups)) < len(struts.groups),
     )
 
 
@@ -136,35 +153,6 @@ class Lists(Frozen):
         return which, self.struts[np.arange(len(which)) + np.repeat(first - starts, counts)], starts
 
 
-def filleted(ratio: Floats, starts: Ints) -> Floats:
-    """Return F of each list from d / ρ of its struts (p,).
-
-    F is scaled so that it falls as fast as d / ρ of the nearest strut where several are as near;
-    else a line through two values would not lead to its root.
-    """
-    inside = np.maximum(1.0 - ratio, 0.0)
-    size = np.sqrt(np.add.reduceat(inside * inside, starts))
-    least = np.minimum.reduceat(ratio, starts)
-    near = size > 0
-    return np.where(near, (1.0 - size) * (1.0 - least) / np.where(near, size, 1.0), least)
-
-
-def merged_groups(
-    union: FilletedUnion, which: Ints, struts: Ints, ratio: Floats, starts: Ints
-) -> tuple[Floats, Ints]:
-    """Return the least ratio of each group of struts of each list, and where lists start."""
-    if not union.grouped:
-        return ratio, starts
-    group = union.groups[struts]
-    order = np.lexsort((group, which))
-    which, group, ratio = which[order], group[order], ratio[order]
-    new = np.ones(len(which), dtype=np.bool_)
-    new[1:] = (which[1:] != which[:-1]) | (group[1:] != group[:-1])
-    first = np.flatnonzero(new)
-    rank = np.cumsum(new) - 1
-    return np.minimum.reduceat(ratio, first), rank[starts]
-
-
 def values(union: FilletedUnion, points: Points, owners: Ints, lists: Lists) -> Floats:
     """Return F at `points` (k, 3), each seen by the struts on its owner's list, shape (k,)."""
     result = np.empty(len(points))
@@ -172,14 +160,51 @@ def values(union: FilletedUnion, points: Points, owners: Ints, lists: Lists) -> 
     def some(begin: int) -> None:
         block = slice(begin, begin + POINTS_AT_ONCE)
         which, struts, starts = lists.of(owners[block])
-        distance, _ = union.distances(points[block][which], struts)
+        x = points[block][which]
+        distance, _ = union.distances(x, struts)
         ratio = distance / union.blend[struts]
-        ratio, starts = merged_groups(union, which, struts, ratio, starts)
-        result[block] = filleted(ratio, starts)
+        least = np.minimum.reduceat(ratio, starts)
+        # The fillet matters outside of all struts, where two of them are near.
+        near = (ratio < 1.0) & (least > 0.0)[which]
+        near &= (np.add.reduceat(near.astype(np.intp), starts) > 1)[which]
+        rows = np.flatnonzero(near)
+        if len(rows):
+            ways = union.gradients(x[rows], struts[rows])
+            filleted, height = _heights(which[rows], 1.0 - ratio[rows], ways)
+            least[filleted] = np.minimum(least[filleted], 1.0 - height)
+        result[block] = least
 
     for _ in in_order(some, range(0, len(points), POINTS_AT_ONCE)):
         pass
     return result
+
+
+def _heights(which: Ints, heights: Floats, ways: UnitVectors) -> tuple[Ints, Floats]:
+    """Return the points that have several entries, and the largest h of two of their entries.
+
+    Parameters
+    ----------
+    which : (p,) point of each entry, ascending, each at least twice
+    """
+    first = np.flatnonzero(np.append(True, which[1:] != which[:-1]))
+    counts = np.diff(np.append(first, len(which)))
+    rest = np.repeat(first + counts, counts) - np.arange(len(which)) - 1  # entries that follow
+    one = np.repeat(np.arange(len(which)), rest)
+    begin = np.cumsum(rest) - rest
+    other = one + 1 + np.arange(len(one)) - begin[one]
+    a, b = heights[one], heights[other]
+    cosine = np.clip(dot(ways[one], ways[other]), 0.0, ALONG)
+    meet = np.minimum(a, b) > cosine * np.maximum(a, b)
+    square = (a * a + b * b - 2.0 * cosine * a * b) / (1.0 - cosine * cosine)
+    height = np.where(meet, np.sqrt(np.maximum(square, 0.0)), np.maximum(a, b))
+    return which[first], np.maximum.reduceat(height, begin[first])
+
+
+def least_values(ratio: Floats, starts: Ints) -> Floats:
+    """Return what F of each list (k,) is not less than, from d / ρ of its struts (p,)."""
+    inside = np.maximum(1.0 - ratio, 0.0)
+    size = np.sqrt(np.add.reduceat(inside * inside, starts))
+    return np.where(size > 0, 1.0 - size, np.minimum.reduceat(ratio, starts))
 
 
 def any_of(marks: Bools, starts: Ints) -> Bools:
