@@ -36,6 +36,9 @@ SWELL = 0.0219
 """A mesh with its vertices on a cylinder of radius r, in cells of size h, has the volume of a
 cylinder that is thinner by this times h² / r; twice of it for a ball (both measured)."""
 
+OCTAVE_MEAN = 0.66
+"""Size of cells along a cone, as a part of those wanted: sizes are doubled from level to level."""
+
 
 @dataclass(frozen=True, eq=False)
 class FieldSolid(Frozen):
@@ -166,7 +169,9 @@ def _lattice(struts: FieldStruts, cell: float | None) -> Lattice:
 
 def _swell(struts: FieldStruts, lattice: Lattice, cell: float | None) -> Floats:
     """Return by which part of their radii struts are thicker, for equal volume, shape (m,)."""
-    radii = np.sqrt(struts.radii[:, 0] * struts.radii[:, 1])
-    level = np.floor(np.log2(wanted_cells(radii, cell) / lattice.cell) + 1e-9)
-    sizes = lattice.cell * 2.0 ** np.maximum(level, 0)
-    return SWELL * (sizes / radii) ** 2 * np.where(struts.lengths > 0, 1, 2)
+    wanted = wanted_cells(struts.radii, cell)  # (m, 2)
+    level = np.floor(np.log2(wanted[:, 0] / lattice.cell) + 1e-9)
+    even = lattice.cell * 2.0 ** np.maximum(level, 0) / struts.radii[:, 0]
+    tapered = OCTAVE_MEAN * (wanted / struts.radii).mean(axis=1)
+    parts = np.where(struts.radii[:, 0] == struts.radii[:, 1], even, tapered)
+    return SWELL * parts**2 * np.where(struts.lengths > 0, 1, 2)

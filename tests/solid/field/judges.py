@@ -1,0 +1,68 @@
+"""Judges of field solids that share no code with them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.solid.field import FieldStruts
+
+
+def check_as_written(mesh: TriangleMesh) -> None:
+    """Assert that the mesh is closed and free of crossings in 32 bits, equal places welded."""
+    places = mesh.vertices.astype(np.float32)
+    assert (places == mesh.vertices).all()
+    assert len(np.unique(places, axis=0)) == len(places)
+    mesh.check_closed()
+    assert crossing_faces(mesh) == 0
+
+
+def crossing_faces(mesh: TriangleMesh) -> int:
+    """Return how many faces cross others, by MeshLab; 0 where it is not installed."""
+    try:
+        import pymeshlab
+    except ImportError:
+        return 0
+    judge = pymeshlab.MeshSet()
+    judge.add_mesh(pymeshlab.Mesh(mesh.vertices, mesh.triangles.astype(np.int32)))
+    judge.compute_selection_by_self_intersections_per_face()
+    return int(judge.current_mesh().selected_face_number())
+
+
+def manifold_vertices(mesh: TriangleMesh) -> bool:
+    """Return whether the triangles around each vertex are one fan, by trimesh."""
+    trimesh = pytest.importorskip("trimesh")
+    read = trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
+    ring = np.roll(read.faces, -1, axis=1), np.roll(read.faces, 1, axis=1)
+    after = dict(zip(zip(read.faces.ravel(), ring[0].ravel(), strict=True), ring[1].ravel(),
+                     strict=True))  # fmt: skip
+    around: dict[int, list[int]] = {}
+    for vertex, neighbor in after:
+        around.setdefault(vertex, []).append(neighbor)
+    for vertex, neighbors in around.items():
+        at, steps = neighbors[0], 0
+        while steps == 0 or at != neighbors[0]:
+            at, steps = after[vertex, at], steps + 1
+        if steps != len(neighbors):
+            return False
+    return True
+
+
+def sampled_volume(struts: FieldStruts, count: int = 400_000) -> tuple[float, float]:
+    """Return the volume of the union of round-ended cylinders and its standard error, mm³.
+
+    It counts points at random that are within the radius of a segment: no cones, no flat ends.
+    """
+    assert (struts.radii[:, 0] == struts.radii[:, 1]).all()
+    assert not struts.flat.any()
+    low = (struts.ends - struts.radii[:, :, None]).min(axis=(0, 1))
+    high = (struts.ends + struts.radii[:, :, None]).max(axis=(0, 1))
+    points = np.random.default_rng(0).uniform(low, high, size=(count, 3))
+    inside = np.zeros(count, dtype=np.bool_)
+    for (start, end), (radius, _) in zip(struts.ends, struts.radii, strict=True):
+        along = end - start
+        t = np.clip((points - start) @ along / max(along @ along, 1e-300), 0, 1)
+        inside |= ((points - start - t[:, None] * along) ** 2).sum(axis=1) < radius**2
+    part, box = inside.mean(), np.prod(high - low)
+    return float(part * box), float(box * np.sqrt(part * (1 - part) / count))
