@@ -31,7 +31,7 @@ def random_struts(seed: int, *, spread: float = 10.0) -> tuple[np.ndarray, np.nd
 
 @pytest.mark.parametrize("radius", [1.0, 1.13, 17.5])
 def test_a_cylinder_has_its_volume(radius: float) -> None:
-    ends = SLANTED * radius
+    ends = SLANTED * radius / 4
     solid = field_solid(field_struts(ends, radius, flat=True), cell=radius / 6)
     exact = np.pi * radius**2 * np.linalg.norm(ends[0, 1] - ends[0, 0])
     assert solid.mesh.signed_volume == pytest.approx(exact, rel=1e-3)
