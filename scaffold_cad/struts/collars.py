@@ -1,0 +1,117 @@
+"""Collars: where a strut leaves its node, on an exact circle across its axis.
+
+The collar of a strut stands as near to the node as it can while every other strut, and the
+node's ball, is ρ away all around the circle: there, and from there on, the filleted union is the
+strut itself. On a circle about strut i the distance to another cone is a concave function of the
+height along that cone's axis, so it is least at the two points of the circle in the plane of
+both axes. In that plane the distances are those to a line and to a point, which have closed forms.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Bools, Floats, Frozen
+from scaffold_cad.struts.distances import Union
+
+LEAST_BLEND = 0.1
+"""Least ρ over the mean radius of the node's struts: where that has no room, nothing has."""
+HALVINGS = 40
+"""Halvings of the range that the largest ρ with room is searched in."""
+NEVER = 1e9
+"""Collar distance over the radius that stands for struts that never part."""
+
+
+@dataclass(frozen=True, eq=False)
+class Collars(Frozen):
+    """Where the N struts of each of M nodes begin."""
+
+    distances: Floats
+    """Distance of each collar from the node along its strut, mm, shape (M, N)."""
+    radii: Floats
+    """Radius of each collar, mm, shape (M, N)."""
+    blends: Floats
+    """ρ that has room, mm, shape (M,)."""
+    has_room: Bools
+    """Whether every collar is as near as asked for, shape (M,)."""
+
+
+def collars(union: Union, most: Floats) -> Collars:
+    """Return the nearest collars; where they lie beyond `most` (M, N), ρ shrinks.
+
+    Where even a ρ of `LEAST_BLEND` mean radii has no room, that is the ρ, and `has_room` is false.
+    """
+    wanted = union.blends
+    least = np.minimum(wanted, LEAST_BLEND * union.radii.mean(axis=1))
+    nearest = collar_distances(union, wanted)
+    blends = wanted.copy()
+    short = np.flatnonzero((nearest > most).any(axis=1))
+    has_room = np.ones(len(wanted), dtype=np.bool_)
+    if len(short):
+        part = Union(
+            union.directions[:, short],
+            union.radii[short],
+            union.slopes[short],
+            union.balls[short],
+            wanted[short],
+        )
+        low, high = least[short], wanted[short]
+        has_room[short] = (collar_distances(part, low) <= most[short]).all(axis=1)
+        for _ in range(HALVINGS):
+            middle = (low + high) / 2
+            fits = (collar_distances(part, middle) <= most[short]).all(axis=1)
+            low, high = np.where(fits, middle, low), np.where(fits, high, middle)
+        blends[short] = low
+        nearest[short] = collar_distances(part, low)
+    return Collars(nearest, union.radii + union.slopes * nearest, blends, has_room)
+
+
+def collar_distances(union: Union, blends: Floats) -> Floats:
+    """Return the nearest collar of each strut for `blends` (M,), mm, shape (M, N).
+
+    It is `NEVER` radii where two struts do not part.
+    """
+    count = union.radii.shape[1]
+    nearest = np.zeros_like(union.radii)
+    for strut in range(count):
+        for other in range(count):
+            if other != strut:
+                for side in (1.0, -1.0):
+                    clear = _clear(union, blends, strut, other, side)
+                    np.maximum(nearest[:, strut], clear, out=nearest[:, strut])
+    ball = np.where(union.balls > 0, union.balls + blends, 0.0)[:, None]
+    return np.maximum(nearest, _outside(union.radii, union.slopes, ball))
+
+
+def _clear(union: Union, blends: Floats, strut: int, other: int, side: float) -> Floats:
+    """Return where the circle's point towards the other strut, or away, is clear of it, (M,)."""
+    axes = union.directions
+    cosine = np.clip((axes[:, :, strut] * axes[:, :, other]).sum(axis=0), -1, 1)
+    sine = np.sqrt(1 - cosine**2)
+    radius, slope = union.radii[:, strut], union.slopes[:, strut]
+    turn = union.cosines[:, other]
+    lean = turn * union.slopes[:, other]
+    inscribed = union.radii[:, other] * turn
+    # The point is (c, side (r + s c)); its height along the other axis and its distance from
+    # that axis are linear in c.
+    height, height_rate = side * radius * sine, cosine + side * slope * sine
+    width, width_rate = -side * radius * cosine, sine - side * slope * cosine
+    tau, tau_rate = height * turn + width * lean, height_rate * turn + width_rate * lean
+    rate = width_rate * turn - height_rate * lean
+    offset = width * turn - height * lean - inscribed
+    never = NEVER * radius
+    line = np.where(rate > 1e-9, (blends - offset) / np.maximum(rate, 1e-9), never)
+    ball = _outside(radius[:, None], slope[:, None], (inscribed + blends)[:, None])[:, 0]
+    is_ball = tau + tau_rate * ball <= 0
+    return np.where(is_ball, ball, np.minimum(line, never))
+
+
+def _outside(radii: Floats, slopes: Floats, size: Floats) -> Floats:
+    """Return the c from which on the circle of radius r + s c is `size` from the node."""
+    lead = 1 + slopes**2
+    half = radii * slopes
+    root = half**2 - lead * (radii**2 - size**2)
+    far = (np.sqrt(np.maximum(root, 0)) - half) / lead
+    return np.where(root > 0, np.maximum(far, 0.0), 0.0)

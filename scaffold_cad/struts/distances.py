@@ -1,0 +1,183 @@
+"""Distances from the struts of a node, and the filleted union of the struts.
+
+A strut is the region swept by a ball that moves out from the node along a half line while its
+radius changes evenly: a cone (or a cylinder) with a spherical end at the node. In the half plane
+with t along the axis and q across it, the cone with radius r + s t and tan α = s has the distance
+q cos α − t sin α − r cos α where τ = t cos α + q sin α is positive; elsewhere the ball of radius
+r cos α about the node is nearest. Both agree at τ = 0 with their gradients.
+
+The filleted union is the zero set of ρ − |max(ρ − d_j, 0)| over all distances d_j: a fillet of
+radius ρ where two struts meet at right angles, the strut itself where only one is nearer than ρ.
+
+Coordinates come first and nodes second in all arrays here: (3, M, S) for S points at each of
+M nodes, all relative to their node.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Floats, Frozen
+
+NEAR_AXIS = 1e-9
+"""Part of the radius that points are taken to be away from an axis, where it has no normal."""
+LEAST_SLOPE = 0.1
+"""Least length of the gradient that a step divides by: between struts it can vanish."""
+
+
+@dataclass(frozen=True, eq=False)
+class Union(Frozen):
+    """Filleted unions of N struts, and of a ball, at M nodes."""
+
+    directions: Floats
+    """Unit vectors, shape (3, M, N)."""
+    radii: Floats
+    """Radius of each strut in the plane across it through the node, mm, shape (M, N)."""
+    slopes: Floats
+    """Growth of the radius along the strut, mm a mm, shape (M, N)."""
+    balls: Floats
+    """Radius of the ball, mm, 0 where there is none, shape (M,)."""
+    blends: Floats
+    """ρ, mm, shape (M,)."""
+
+    def __getitem__(self, item: slice) -> Union:
+        return Union(
+            self.directions[:, item],
+            self.radii[item],
+            self.slopes[item],
+            self.balls[item],
+            self.blends[item],
+        )
+
+    @property
+    def cosines(self) -> Floats:
+        """Cos α of each strut, shape (M, N)."""
+        cosines: Floats = 1 / np.sqrt(1 + self.slopes**2)
+        return cosines
+
+    def nearest(self, points: Floats) -> Floats:
+        """Return the distance of `points` (3, M, S) to the union without fillets, (M, S)."""
+        square = _square(points)
+        nearest = np.full(square.shape, np.inf)
+        for distance, _, _ in self._parts(points, square):
+            np.minimum(nearest, distance, out=nearest)
+        return nearest
+
+    def value_and_slope(self, points: Floats) -> tuple[Floats, Floats]:
+        """Return f at `points` (3, M, S), shape (M, S), and its gradient, (3, M, S)."""
+        square = _square(points)
+        parts = list(self._parts(points, square))
+        nearest = parts[0][0].copy()
+        for distance, _, _ in parts[1:]:
+            np.minimum(nearest, distance, out=nearest)
+        blends = self.blends[:, None]
+        # Far from all struts f is the distance to the nearest one.
+        reach = np.maximum(blends, nearest + 1e-6 * blends)
+        total = np.zeros_like(nearest)
+        along_point = np.zeros_like(nearest)
+        gradient = np.zeros_like(points)
+        for strut, (distance, by_point, by_axis) in enumerate(parts):
+            depth = np.maximum(reach - distance, 0.0)
+            total += depth * depth
+            along_point += depth * by_point
+            if by_axis is not None:
+                depth *= by_axis
+                for k in range(3):
+                    gradient[k] += depth * self.directions[k, :, strut, None]
+        norm = np.sqrt(total)
+        for k in range(3):
+            gradient[k] += along_point * points[k]
+        gradient /= norm
+        return reach - norm, gradient
+
+    def projected(self, points: Floats, steps: int) -> Floats:
+        """Return `points` (3, M, S) moved towards f = 0 by Newton steps along the gradient."""
+        for _ in range(steps):
+            value, gradient = self.value_and_slope(points)
+            square = _square(gradient)
+            points = points - value / np.maximum(square, LEAST_SLOPE) * gradient
+        return points
+
+    def reached(self, directions: Floats, steps: int = 8) -> Floats:
+        """Return how far f = 0 is from the node along unit `directions` (3, M, S), mm, (M, S).
+
+        Along a ray all distances grow in proportion, so that |max(ρ − d_j, 0)| is convex and
+        falls: Newton steps from the surface of the union go up to the root and not past it.
+        """
+        cosines, blends = self.cosines, self.blends[:, None]
+        growth, start = [], []
+        for strut in range(self.radii.shape[1]):
+            cosine = cosines[:, strut, None]
+            sine = cosine * self.slopes[:, strut, None]
+            t = _along(directions, self.directions[:, :, strut])
+            q = np.sqrt(np.maximum(1 - t * t, 0))
+            cone = q * cosine - t * sine
+            growth.append(np.where(t * cosine + q * sine > 0, np.maximum(cone, 1e-3), 1.0))
+            start.append(self.radii[:, strut, None] * cosine)
+        growth.append(np.ones_like(growth[0]))
+        start.append(np.where(self.balls > 0, self.balls, -np.inf)[:, None])
+        far = start[0] / growth[0]
+        for rate, radius in zip(growth, start, strict=True):
+            far = np.maximum(far, radius / rate)
+        for _ in range(steps):
+            total, slope = np.zeros_like(far), np.zeros_like(far)
+            for rate, radius in zip(growth, start, strict=True):
+                depth = np.maximum(blends - far * rate + radius, 0.0)
+                total += depth * depth
+                slope += depth * rate
+            norm = np.sqrt(total)
+            far = far + (norm - blends) * norm / np.maximum(slope, 1e-9 * norm)
+        return far
+
+    def _parts(
+        self, points: Floats, square: Floats
+    ) -> list[tuple[Floats, Floats, Floats | None]]:
+        """Return each strut's and the ball's distance and gradient, all (M, S).
+
+        The gradient is given by its part along the point and its part along the axis.
+        """
+        cosines = self.cosines
+        size = np.sqrt(np.maximum(square, 1e-300))
+        inverse = 1 / size
+        parts: list[tuple[Floats, Floats, Floats | None]] = []
+        straight = (self.slopes == 0).all(axis=0)
+        for strut in range(self.radii.shape[1]):
+            radius = self.radii[:, strut, None]
+            t = _along(points, self.directions[:, :, strut])
+            least = (NEAR_AXIS * radius) ** 2
+            q = np.sqrt(np.maximum(square - t * t, least))
+            if straight[strut]:
+                is_beside = t > 0
+                distance = np.where(is_beside, q, size) - radius
+                by_point = np.where(is_beside, 1 / q, inverse)
+                by_axis = np.where(is_beside, -t * by_point, 0.0)
+            else:
+                cosine = cosines[:, strut, None]
+                sine = cosine * self.slopes[:, strut, None]
+                is_beside = t * cosine + q * sine > 0
+                cone = q * cosine - t * sine
+                distance = np.where(is_beside, cone, size) - radius * cosine
+                by_point = np.where(is_beside, cosine / q, inverse)
+                by_axis = np.where(is_beside, -t * by_point - sine, 0.0)
+            parts.append((distance, by_point, by_axis))
+        if (self.balls > 0).any():
+            ball = np.where(self.balls > 0, self.balls, -np.inf)[:, None]
+            parts.append((size - ball, inverse, None))
+        return parts
+
+
+def _square(points: Floats) -> Floats:
+    square: Floats = points[0] * points[0]
+    square += points[1] * points[1]
+    square += points[2] * points[2]
+    return square
+
+
+def _along(points: Floats, axes: Floats) -> Floats:
+    """Return the parts of `points` (3, M, S) along `axes` (3, M), shape (M, S)."""
+    along: Floats = points[0] * axes[0][:, None]
+    along += points[1] * axes[1][:, None]
+    along += points[2] * axes[2][:, None]
+    return along
