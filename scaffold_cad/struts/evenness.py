@@ -15,6 +15,10 @@ from scaffold_cad.base.vectors import any_perpendicular, dot, normalize, triple
 from scaffold_cad.partition.certificate import certify, corners_of
 
 STEPS = 60
+OPENNESS = 0.0
+"""Weight of the pull away from near directions against that towards squares."""
+SHARPNESS = 8.0
+"""Of the soft maximum of cosines that tells which directions are near a vertex."""
 STEP = 0.3
 """Part of the way to the wanted place that a vertex goes at once."""
 HALVINGS = 6
@@ -38,6 +42,7 @@ def even(directions: UnitVectors, vertices: UnitVectors, quads: Ints) -> UnitVec
     least = _least(directions, current, quads)
     for _ in range(STEPS):
         pull = _wanted(directions, frame_x, frame_y, current, quads) - current
+        pull -= OPENNESS * _crowding(directions, current)
         bound = np.minimum(LEAST_SINE, KEPT * least)
         step = np.full(len(current), STEP)
         open_rows = np.arange(len(current))
@@ -53,6 +58,19 @@ def even(directions: UnitVectors, vertices: UnitVectors, quads: Ints) -> UnitVec
     lost = ~certify(directions, current, quads).valid
     current[lost] = vertices[lost]
     return current
+
+
+def _crowding(directions: UnitVectors, vertices: UnitVectors) -> Floats:
+    """Return which way each vertex comes nearer to the directions around it, (M, V, 3).
+
+    It is the gradient of a soft maximum of their cosines. Towards near directions the surface lies
+    far out, between struts that have not yet parted.
+    """
+    cosines = vertices @ directions.transpose(0, 2, 1)  # (M, V, N)
+    weights = np.exp(SHARPNESS * (cosines - cosines.max(axis=2, keepdims=True)))
+    weights /= weights.sum(axis=2, keepdims=True)
+    mean = weights @ directions
+    return np.asarray(mean - dot(mean, vertices)[..., None] * vertices)
 
 
 def _wanted(

@@ -9,7 +9,6 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.base.vectors import any_perpendicular
-from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.partition.arcs import side_twins
 from scaffold_cad.partition.certificate import corners_of
 from scaffold_cad.struts.collars import Collars, collars
@@ -17,14 +16,19 @@ from scaffold_cad.struts.distances import Union
 from scaffold_cad.struts.evenness import even, phases
 from scaffold_cad.struts.joins import types_of
 from scaffold_cad.struts.proof import prove
-from scaffold_cad.struts.quarter import ARC, DEGREE
 from scaffold_cad.struts.rows import Rings, given_rows, rings
-from scaffold_cad.struts.system import System, sample_parameters, system_of
+from scaffold_cad.struts.system import Layout, System, system_of
 
+LAYOUT = Layout(1, 1, 6)
+SKEW = 1.0
 STIFFNESS = (1e-2, 1e-3, 1e-3)
 """Weight of the thin-plate energy in each round."""
 FIRST_STEPS, STEPS = 4, 1
 """Newton steps of the first samples, and of those of each round."""
+MOMENTUM = 0.7
+"""Part of its last move that a sample goes on along the surface."""
+BEHIND = 0.5
+"""How far a collar stands beyond the corners of its patches, in radii, where there is room."""
 BLOCK = 16384
 """Samples treated at once: their arrays stay in the processor's cache."""
 SAME = 1e-9
@@ -115,11 +119,11 @@ def blends(stars: Stars) -> Blends:
     vertices = even(own.directions, own.vertices, own.quads)
     kinds = types_of(own.quads)
     count = 4 * own.directions.shape[1]
-    room = max(1, BLOCK // (count * len(sample_parameters()[0]) ** 2))
+    room = max(1, BLOCK // (count * len(LAYOUT.weights)))
     solved: list[tuple[Ints, _Solved]] = []
     for kind in range(len(kinds.twins)):
         members = np.flatnonzero(kinds.type_of == kind)
-        systems = [system_of(kinds.twins[kind], stiffness) for stiffness in STIFFNESS]
+        systems = [system_of(kinds.twins[kind], LAYOUT, stiffness) for stiffness in STIFFNESS]
         pieces = [members[at : at + room] for at in range(0, len(members), room)]
 
         def solve(piece: Ints, systems: list[System] = systems) -> tuple[Ints, _Solved]:
@@ -180,16 +184,18 @@ def _solve(stars: Stars, vertices: UnitVectors, sides: Ints, systems: list[Syste
     first = _first(stars, row, strut)
     fitted = collars(first, stars.most[row, strut])
     union = Union(first.directions, first.radii, first.slopes, first.balls, fitted.blends)
+    fitted = _longer(union, fitted, corners, stars.most[row, strut])
     ring = rings(union, fitted, _leading(frame_x), _leading(frame_y), phase)
-    arcs = _arcs(_leading(corners))  # (3, m, N, 4, n + 2) directions
-    reached = union.reached(arcs.reshape(3, len(stars), -1)).reshape(arcs.shape[1:])
-    on_arcs = reached * arcs
-    rows = _rows(union, fitted, ring, on_arcs)
-    points = _fitted(union, rows, on_arcs[..., 1:-1], systems)  # (3, m, count)
-    control = points[:, :, systems[0].net.number]  # (3, m, 4 N, D + 1, D + 1)
-    misfit, depth = _errors(union, control)
+    layout = systems[0].layout
+    at = np.concatenate([[0.0, 0.5], layout.at_u])
+    arcs = _arcs(_leading(corners), at)  # (3, m, N, 4, n + 2) directions
+    on_arcs = union.reached(arcs.reshape(3, len(stars), -1)).reshape(arcs.shape[1:]) * arcs
+    rows = _rows(union, fitted, ring, on_arcs[..., :2], layout)
+    points = _fitted(union, rows, on_arcs[..., 2:], systems)  # (3, m, count)
+    control = points[:, :, systems[0].net.number]  # (3, m, 4 N, n_u, n_v)
+    misfit, depth = _errors(union, control, layout)
     control = np.moveaxis(control, 0, -1)
-    proof = prove(control, fitted.distances, fitted.radii)
+    proof = prove(_pieces(control, layout), fitted.distances, fitted.radii)
     own_control, own_corners = np.empty_like(control), np.empty_like(corners)
     own_control[row, sides] = control
     own_corners[row[..., None], strut[..., None], turned] = np.moveaxis(ring.corners, 0, -1)
@@ -210,6 +216,24 @@ def _solve(stars: Stars, vertices: UnitVectors, sides: Ints, systems: list[Syste
     )
 
 
+def _longer(union: Union, fitted: Collars, corners: UnitVectors, most: Floats) -> Collars:
+    """Return the collars moved out to where the corners of their patches lie behind them."""
+    flat = _leading(corners.reshape(len(corners), -1, 3))  # (3, m, 4 N)
+    points = (union.reached(flat) * flat).reshape(3, *corners.shape[:3])
+    along = (points * union.directions[..., None]).sum(axis=0).max(axis=2)  # (m, N)
+    distances = np.maximum(fitted.distances, np.minimum(along + BEHIND * fitted.radii, most))
+    radii = union.radii + union.slopes * distances
+    return Collars(distances, radii, fitted.blends, fitted.has_room)
+
+
+def _pieces(control: Floats, layout: Layout) -> Floats:
+    """Return the Bézier pieces of patches (m, 4 N, n_u, n_v, 3), (m, pieces, D + 1, D + 1, 3)."""
+    pieces = np.einsum(
+        "aiu,mpuvx,bjv->mpabijx", layout.u.extraction, control, layout.v.extraction, optimize=True
+    )
+    return np.asarray(pieces.reshape(len(control), -1, *pieces.shape[-3:]))
+
+
 def _leading(vectors: Floats) -> Floats:
     """Return `vectors` (..., 3) with their coordinates first."""
     return np.ascontiguousarray(np.moveaxis(vectors, -1, 0))
@@ -226,51 +250,57 @@ def _first(stars: Stars, row: Ints, strut: Ints) -> Union:
     )
 
 
-def _arcs(corners: Floats) -> Floats:
-    """Return directions on the arcs from `corners` (3, m, N, 4), shape (3, m, N, 4, n + 2)."""
-    at = np.concatenate([[0.0], sample_parameters()[0], [1.0]])
+def _arcs(corners: Floats, at: Floats) -> Floats:
+    """Return directions at `at` (n,) on the arcs from `corners` (3, m, N, 4), (3, m, N, 4, n)."""
     start, end = corners[..., None], np.roll(corners, -1, axis=3)[..., None]
-    cosine = np.clip((start * end).sum(axis=0), -1, 1)
-    angle = np.arccos(cosine)
-    sine = np.sin(angle)
-    arcs: Floats = (np.sin((1 - at) * angle) * start + np.sin(at * angle) * end) / sine
+    angle = np.arccos(np.clip((start * end).sum(axis=0), -1, 1))
+    arcs: Floats = (np.sin((1 - at) * angle) * start + np.sin(at * angle) * end) / np.sin(angle)
     return arcs
 
 
-def _rows(union: Union, fitted: Collars, ring: Rings, on_arcs: Floats) -> Floats:
-    """Return the given rows (3, m, 4 N, D + 1, D + 1); the other control points are 0."""
-    along = (on_arcs * union.directions[..., None, None]).sum(axis=0)  # (m, N, 4, n + 2)
+def _rows(union: Union, fitted: Collars, ring: Rings, on_arcs: Floats, layout: Layout) -> Floats:
+    """Return the given rows among control points (3, m, 4 N, n_u, n_v); the others are 0.
+
+    Parameters
+    ----------
+    on_arcs : (3, m, N, 4, 2) float64, start and middle of each arc on the surface
+    """
+    along = (on_arcs * union.directions[..., None, None]).sum(axis=0)  # (m, N, 4, 2)
     lengths = fitted.distances[:, :, None, None] - along
-    middle = lengths[..., 1:-1]
-    half = middle.shape[-1] // 2
-    middle = (middle[..., half] + middle[..., -1 - half]) / 2
-    last, before = given_rows(union, fitted, ring, lengths[..., 0], middle)
-    rows = np.zeros((*last.shape, DEGREE + 1))
+    first = on_arcs[..., 0]
+    side = np.cross(union.directions, ring.corners, axis=0) if False else np.stack(
+        np.cross(np.moveaxis(np.broadcast_to(union.directions[..., None], first.shape), 0, -1), np.moveaxis(ring.corners, 0, -1)).transpose(3, 0, 1, 2))
+    turn = np.arctan2((first * side).sum(axis=0), (first * ring.corners).sum(axis=0))
+    turn = -SKEW * fitted.radii[:, :, None] * np.clip(turn, -1.0, 1.0)
+    last, before = given_rows(union, fitted, ring, (lengths[..., 0], lengths[..., 1], turn), layout)
+    rows = np.zeros((*last.shape, layout.v.count))
     rows[..., -1], rows[..., -2] = last, before
-    return rows.reshape(3, last.shape[1], -1, DEGREE + 1, DEGREE + 1)
+    return rows.reshape(3, last.shape[1], -1, *rows.shape[-2:])
 
 
 def _fitted(union: Union, rows: Floats, on_arcs: Floats, systems: list[System]) -> Floats:
     """Return the control points (3, m, count) that fit the union."""
-    nodes = rows.shape[1]
-    at, _ = sample_parameters()
-    basis = bernstein(DEGREE, at)  # (n, D + 1)
-    far = np.einsum("ai,xmpi->xmpa", basis, rows[..., -1])[..., None]
-    near = on_arcs.reshape(3, nodes, -1, len(at))[..., None]
-    samples = near + (far - near) * at  # (3, m, 4 N, n, n)
+    nodes, layout = rows.shape[1], systems[0].layout
+    far = np.einsum("ai,xmpi->xmpa", layout.u.values(layout.at), rows[..., -1])[..., None]
+    near = on_arcs.reshape(3, nodes, -1, len(layout.at_u))[..., None]
+    samples = near + (far - near) * layout.at_v  # (3, m, 4 N, n, n)
     wanted = union.projected(samples.reshape(3, nodes, -1), FIRST_STEPS)
     given = rows.reshape(3, nodes, -1)[:, :, systems[0].given].reshape(3 * nodes, -1)
     for round_, system in enumerate(systems):
         points = wanted.reshape(3 * nodes, -1) @ system.by_sample + given @ system.by_given
         if round_ < len(systems) - 1:
-            wanted = union.projected((points @ system.sampled).reshape(3, nodes, -1), STEPS)
+            samples = (points @ system.sampled).reshape(3, nodes, -1)
+            ahead = samples + MOMENTUM * (samples - before) if round_ else samples
+            before = samples
+            wanted = union.projected(ahead, STEPS)
     return points.reshape(3, nodes, -1)
 
 
-def _errors(union: Union, control: Floats) -> tuple[Floats, Floats]:
+def _errors(union: Union, control: Floats, layout: Layout) -> tuple[Floats, Floats]:
     """Return how far samples are from the filleted union, and how deep in the union, both (m,)."""
-    basis = bernstein(DEGREE, (np.arange(8) + 0.5) / 8)
-    points = (basis @ (control @ basis.T)).reshape(3, control.shape[1], -1)
+    at = (np.arange(6) + 0.5) / 6
+    points = layout.u.values(at) @ (control @ layout.v.values(at).T)
+    points = points.reshape(3, control.shape[1], -1)
     value, gradient = union.value_and_slope(points)
     size = np.sqrt(np.maximum((gradient**2).sum(axis=0), 0.01))
     return np.abs(value / size).max(axis=1), np.maximum(-union.nearest(points), 0).max(axis=1)

@@ -26,23 +26,30 @@ ARC_ERROR = 1.4e-9
 """Greatest distance of the curve from the unit circle."""
 
 
-def _spread() -> Floats:
-    """Return control points G of a curve with G(u) · e(u) = m(u), for the arc e, shape (6, 2).
+FALL: Floats = read_only(np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]))
+"""A quintic that falls from 1 to 0, and is level at both ends, shape (6,)."""
 
-    Here m falls from 1 to 0 with coefficients 1, 1, 1, 0, 0, 0. Value and derivative at both ends
-    are those of m e, and the rest is the least-squares solution.
+
+def _companion(turn: float) -> Floats:
+    """Return a curve G that is the arc, turned by `turn` rad, times m = `FALL`, shape (6, 2).
+
+    That is so for value and derivative at both ends. Between them its angle to the arc is as it
+    must be: its part along e(u) is m cos(turn) in least squares.
     """
     at = np.asarray((1 - np.cos(np.linspace(0, np.pi, 65))) / 2)
     basis = bernstein(DEGREE, at)  # (65, 6)
     arc = basis @ ARC  # (65, 2)
-    wanted = basis @ np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])  # (65,)
+    rotation = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
     given = np.zeros((DEGREE + 1, 2))
-    given[:2] = ARC[:2]
-    missing = wanted - ((basis @ given) * arc).sum(axis=1)
+    given[:2] = ARC[:2] @ rotation
+    missing = np.cos(turn) * (basis @ FALL) - ((basis @ given) * arc).sum(axis=1)
     free = (basis[:, 2:4, None] * arc[:, None]).reshape(len(at), 4)
     given[2:4] = np.linalg.lstsq(free, missing, rcond=None)[0].reshape(2, 2)
     return given
 
 
-SPREAD: Floats = read_only(_spread())
-"""How far a curve G along a cone leaves the axis, where its length along it falls from 1 to 0."""
+OUTWARD: Floats = read_only(_companion(0.0))
+"""How far a curve along a cone leaves the axis, where its length along it falls from 1 to 0."""
+
+SIDEWARD: Floats = read_only(_companion(np.pi / 2))
+"""How far a curve on a cylinder goes round it, where its speed round it falls from 1 to 0."""

@@ -14,12 +14,12 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Frozen
 from scaffold_cad.struts.collars import Collars
 from scaffold_cad.struts.distances import Union
-from scaffold_cad.struts.quarter import ARC, DEGREE, SPREAD
+from scaffold_cad.struts.quarter import ARC, DEGREE, FALL, OUTWARD, SIDEWARD
+from scaffold_cad.struts.system import Layout
 
 LEAST_LENGTH = 0.15
 """Least length of m, in radii of the collar."""
 
-_FALL = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
 _BUMP = np.array([0.0, 0.0, 1.0, 1.0, 0.0, 0.0])
 _BUMP_HEIGHT = 0.625
 """Value of the polynomial with coefficients `_BUMP` in the middle."""
@@ -43,33 +43,46 @@ def rings(union: Union, collars: Collars, frame_x: Floats, frame_y: Floats, phas
 
 
 def given_rows(
-    union: Union, collars: Collars, rings: Rings, lengths: Floats, middles: Floats
+    union: Union,
+    collars: Collars,
+    rings: Rings,
+    lengths: tuple[Floats, Floats, Floats],
+    layout: Layout,
 ) -> tuple[Floats, Floats]:
-    """Return the row on the collar and the row before it, both (3, M, N, 4, D + 1).
+    """Return the row on the collar and the row before it, both (3, M, N, 4, n_u).
 
     Parameters
     ----------
-    lengths : (M, N, 4) float64, wanted m at the corners, mm
-    middles : (M, N, 4) float64, wanted m in the middle of each quarter, mm
+    lengths : three (M, N, 4) float64
+        The wanted m at the corners and in the middle of each quarter, and how fast the curves at
+        the corners go round the strut, mm.
     """
     start, end = rings.corners[..., None], np.roll(rings.corners, -1, axis=3)[..., None]
     radii = collars.radii[:, :, None, None]
     last = rings.centers[..., None, None] + radii * (ARC[:, 0] * start + ARC[:, 1] * end)
+    corner, middle, turn = lengths
     least = LEAST_LENGTH * collars.radii[:, :, None]
-    first_length = np.maximum(lengths, least)  # (M, N, 4)
-    next_length = np.roll(first_length, -1, axis=2)
-    bump = (np.maximum(middles, least) - (first_length + next_length) / 2) / _BUMP_HEIGHT
+    first = np.maximum(corner, least)  # (M, N, 4)
+    second = np.roll(first, -1, axis=2)
+    bump = (np.maximum(middle, least) - (first + second) / 2) / _BUMP_HEIGHT
     # On cones the bump has no curve of the same degree.
     bump = np.where(union.slopes[:, :, None] == 0, bump, 0.0)
-    floor = np.minimum(first_length, next_length) / 2 - np.minimum(first_length, next_length)
-    bump = np.maximum(bump, floor)
-    length = (
-        first_length[..., None] * _FALL
-        + next_length[..., None] * _FALL[::-1]
-        + bump[..., None] * _BUMP
-    )
-    axes = union.directions[:, :, :, None, None]
-    across = first_length[..., None] * (SPREAD[:, 0] * start + SPREAD[:, 1] * end)
-    across = across + next_length[..., None] * (SPREAD[::-1, 1] * start + SPREAD[::-1, 0] * end)
-    derivative = length * axes + union.slopes[:, :, None, None] * across
-    return last, last - derivative / DEGREE
+    bump = np.maximum(bump, -np.minimum(first, second) / 2)
+    length = first[..., None] * FALL + second[..., None] * FALL[::-1] + bump[..., None] * _BUMP
+    across = union.slopes[:, :, None, None] * _companions(OUTWARD, 1.0, (first, second), start, end)
+    turns = turn, np.roll(turn, -1, axis=2)
+    across = across + _companions(SIDEWARD, -1.0, turns, start, end)
+    derivative = length * union.directions[:, :, :, None, None] + across
+    before = last - derivative * (layout.v.step / DEGREE)
+    refinement = layout.u.refinement.T
+    return last @ refinement, before @ refinement
+
+
+def _companions(
+    curve: Floats, sign: float, sizes: tuple[Floats, Floats], start: Floats, end: Floats
+) -> Floats:
+    """Return `curve` (6, 2) of the first size and its mirror image of the second, (3, ..., 6)."""
+    mirrored = sign * curve[::-1, ::-1]
+    first = sizes[0][..., None] * (curve[:, 0] * start + curve[:, 1] * end)
+    second = sizes[1][..., None] * (mirrored[:, 0] * start + mirrored[:, 1] * end)
+    return np.asarray(first + second)

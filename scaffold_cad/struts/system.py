@@ -26,16 +26,62 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints
-from scaffold_cad.brep.bernstein import bernstein, elevation, product, thin_plate
+from scaffold_cad.brep.bernstein import bernstein, elevation, product
 from scaffold_cad.struts.joins import valences
 from scaffold_cad.struts.quarter import DEGREE
+from scaffold_cad.struts.splines import Spline, spline
 
-SAMPLES = 6
-"""Samples of each patch in either direction, at the nodes of Gauss and Legendre."""
 RANK = 1e-9
 """Equations whose pivot is below this part of the first follow from the others."""
 
-W = DEGREE + 1
+
+@dataclass(frozen=True)
+class Layout:
+    """How patches are cut into polynomial pieces, and how they are sampled."""
+
+    along_arc: int
+    """Pieces in the direction of u."""
+    along_strut: int
+    """Pieces in the direction of v."""
+    samples: int
+    """Samples of each piece in either direction, at the nodes of Gauss and Legendre."""
+
+    @property
+    def u(self) -> Spline:
+        """The splines in u."""
+        return spline(self.along_arc)
+
+    @property
+    def v(self) -> Spline:
+        """The splines in v."""
+        return spline(self.along_strut)
+
+    @property
+    def at(self) -> Floats:
+        """Parameters of the samples in a piece, shape (samples,)."""
+        return np.asarray((np.polynomial.legendre.leggauss(self.samples)[0] + 1) / 2)
+
+    @property
+    def at_u(self) -> Floats:
+        """Parameters of all samples in u, shape (samples of all pieces,)."""
+        return _spread(self.at, self.along_arc)
+
+    @property
+    def at_v(self) -> Floats:
+        """Parameters of all samples in v, shape (samples of all pieces,)."""
+        return _spread(self.at, self.along_strut)
+
+    @property
+    def weights(self) -> Floats:
+        """Weight of each sample of a patch in the integral over it, in the order of (u, v)."""
+        one = np.polynomial.legendre.leggauss(self.samples)[1] / 2
+        wide = np.tile(one / self.along_arc, self.along_arc)
+        high = np.tile(one / self.along_strut, self.along_strut)
+        return np.asarray(np.outer(wide, high).reshape(-1))
+
+
+def _spread(at: Floats, pieces: int) -> Floats:
+    return np.asarray(((at + np.arange(pieces)[:, None]) / pieces).reshape(-1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +89,7 @@ class Net(Frozen):
     """The control points of a type, numbered; neighbors share them."""
 
     number: Ints
-    """Number of each control point, shape (4 N, D + 1, D + 1)."""
+    """Number of each control point, shape (4 N, n_u, n_v)."""
     count: int
     """How many there are."""
     is_given: Bools
@@ -57,28 +103,25 @@ class System(Frozen):
     Rows are nodes' coordinates: (rows, samples) @ by_sample + (rows, given) @ by_given.
     """
 
+    layout: Layout
+    """How patches are cut and sampled."""
     net: Net
     """The numbers of the control points."""
     given: Ints
     """Place of each given control point among those of all patches, shape (g,)."""
     by_sample: Floats
-    """From wanted samples to control points, (4 N n², count)."""
+    """From wanted samples to control points, (samples, count)."""
     by_given: Floats
     """From given control points to control points, (g, count)."""
     sampled: Floats
-    """From control points to samples, (count, 4 N n²)."""
+    """From control points to samples, (count, samples)."""
 
 
-def sample_parameters() -> tuple[Floats, Floats]:
-    """Return the parameters of the samples in either direction and their weights, both (n,)."""
-    nodes, weights = np.polynomial.legendre.leggauss(SAMPLES)
-    return np.asarray((nodes + 1) / 2), np.asarray(weights / 2)
-
-
-def net_of(twins: Ints) -> Net:
+def net_of(twins: Ints, layout: Layout) -> Net:
     """Return the numbered control points of the type with `twins` (4 N,)."""
     sides = np.arange(len(twins))
-    place = np.arange(len(twins) * W * W).reshape(-1, W, W)
+    shape = (len(twins), layout.u.count, layout.v.count)
+    place = np.arange(np.prod(shape)).reshape(shape)
     following = (sides & ~3) | ((sides + 1) & 3)
     one = np.concatenate([place[:, -1, :].reshape(-1), place[:, :, 0].reshape(-1)])
     two = np.concatenate([place[following, 0, :].reshape(-1), place[twins, ::-1, 0].reshape(-1)])
@@ -90,75 +133,105 @@ def net_of(twins: Ints) -> Net:
     return Net(number.astype(np.intp), int(count), is_given)
 
 
-def equations(twins: Ints, net: Net) -> Floats:
+def equations(twins: Ints, net: Net, layout: Layout) -> Floats:
     """Return the conditions of smooth joins, whose products with the control points are 0.
 
     Returns
     -------
-    (6 N (D + 2), count) float64
+    (k, count) float64; some rows follow from others
     """
     sides = np.arange(len(twins))
     following = (sides & ~3) | ((sides + 1) & 3)
     number, valence = net.number, valences(twins)
     once = sides[sides < twins]
-    four = np.full(len(sides), 4)
-    # Spokes from vertices to collars, then arcs: the curve, and the rows beside it.
-    curve = np.concatenate([number[:, -1, :], number[once, :, 0]])
-    left = np.concatenate([number[:, -2, :], number[once, :, 1]])
-    right = np.concatenate([number[following, 1, :], number[twins[once], ::-1, 1]])
-    starts = np.concatenate([valence[following], valence[once]])
-    ends = np.concatenate([four, valence[following][once]])
+    spokes = _conditions(
+        (number[:, -1, :], number[:, -2, :], number[following, 1, :]),
+        (valence[following], np.full(len(sides), 4)),
+        (layout.v, layout.u.step),
+        net.count,
+    )
+    arcs = _conditions(
+        (number[once, :, 0], number[once, :, 1], number[twins[once], ::-1, 1]),
+        (valence[once], valence[following][once]),
+        (layout.u, layout.v.step),
+        net.count,
+    )
+    return np.concatenate([spokes, arcs])
+
+
+def _conditions(
+    rows: tuple[Ints, Ints, Ints], valence: tuple[Ints, Ints], shape: tuple[Spline, float],
+    count: int,
+) -> Floats:
+    """Return the conditions along curves, given by the numbers of their and the next rows.
+
+    Parameters
+    ----------
+    rows : three (c, n) intp, control points of the curves, and of the rows on either side
+    valence : two (c,) intp, how many patches meet at the curves' starts and ends
+    shape : the splines along the curves, and the length of a piece across them
+    """
+    curve, left, right = rows
+    starts, ends = valence
+    along, across = shape
     alpha = np.zeros((len(curve), 3))
     alpha[:, 0] = np.where(starts == 4, 0.0, 2 * np.cos(2 * np.pi / starts))
     alpha[:, 2] = np.where(ends == 4, 0.0, -2 * np.cos(2 * np.pi / ends))
-    slope = product(alpha, DEGREE - 1) @ np.diff(np.eye(W), axis=0)  # (c, D + 2, D + 1)
-    raised = np.broadcast_to(elevation(DEGREE, W), slope.shape)
-    values = np.concatenate([raised, raised, -2 * raised - slope], axis=2)
-    columns = np.concatenate([left, right, curve], axis=1)
-    matrix = np.zeros((*slope.shape[:2], net.count))
-    place = np.arange(len(curve))[:, None, None], np.arange(W + 1)[None, :, None]
-    np.add.at(matrix, (*place, columns[:, None, :]), values)
-    return matrix.reshape(-1, net.count)
+    columns = np.concatenate([left, right, curve], axis=1)[:, None, :]
+    difference = np.diff(np.eye(DEGREE + 1), axis=0) / along.step
+    parts = []
+    for piece, extraction in enumerate(along.extraction):
+        part = alpha @ _restriction(piece, along.pieces).T
+        slope = product(part, DEGREE - 1) @ difference @ extraction  # (c, D + 2, n)
+        raised = np.broadcast_to(elevation(DEGREE, DEGREE + 1) @ extraction / across, slope.shape)
+        values = np.concatenate([raised, raised, -2 * raised - slope], axis=2)
+        matrix = np.zeros((*slope.shape[:2], count))
+        place = np.arange(len(curve))[:, None, None], np.arange(DEGREE + 2)[None, :, None]
+        np.add.at(matrix, (*place, columns), values)
+        parts.append(matrix.reshape(-1, count))
+    return np.concatenate(parts)
 
 
-def system_of(twins: Ints, stiffness: float) -> System:
+def _restriction(piece: int, pieces: int) -> Floats:
+    """Return what takes quadratics over [0, 1] to one of equal pieces, both by Bernstein, (3, 3)."""
+    at = np.array([0.0, 0.5, 1.0])
+    return np.asarray(np.linalg.solve(bernstein(2, at), bernstein(2, (at + piece) / pieces)))
+
+
+def system_of(twins: Ints, layout: Layout, stiffness: float) -> System:
     """Return the factored system of a type.
 
     Parameters
     ----------
     twins : (4 N,) intp, the twin of each side
+    layout : how patches are cut and sampled
     stiffness : weight of the thin-plate energy against the mean of squared distances
     """
-    return _system(tuple(twins.tolist()), stiffness)
+    return _system(tuple(twins.tolist()), layout, stiffness)
 
 
-@lru_cache(maxsize=64)
-def _system(key: tuple[int, ...], stiffness: float) -> System:
+@lru_cache(maxsize=32)
+def _system(key: tuple[int, ...], layout: Layout, stiffness: float) -> System:
     twins = np.array(key, dtype=np.intp)
-    net = net_of(twins)
-    at, weights = sample_parameters()
-    basis = bernstein(DEGREE, at)
-    block = np.einsum("ai,bj->abij", basis, basis).reshape(SAMPLES**2, W * W)
-    weight = np.outer(weights, weights).reshape(-1)
-    flat = net.number.reshape(len(twins), -1)  # (4 N, (D + 1)²)
-    sampled = np.zeros((len(twins), SAMPLES**2, net.count))
+    net = net_of(twins, layout)
+    block = np.kron(layout.u.values(layout.at), layout.v.values(layout.at))
+    flat = net.number.reshape(len(twins), -1)  # (4 N, n_u n_v)
+    sampled = np.zeros((len(twins), len(block), net.count))
+    plate = stiffness * _thin_plate(layout)
+    matrix = np.zeros((net.count, net.count))
     for patch, numbers in enumerate(flat):
         np.add.at(sampled[patch], (slice(None), numbers), block)
+        np.add.at(matrix, (numbers[:, None], numbers), plate)
     sampled = sampled.reshape(-1, net.count)
-    energy = np.zeros((net.count, net.count))
-    for numbers in flat:
-        energy[np.ix_(numbers, numbers)] += stiffness * thin_plate(DEGREE)
-    weighted = sampled * np.tile(weight, len(twins))[:, None]
-    matrix = sampled.T @ weighted + energy
+    weighted = sampled * np.tile(layout.weights, len(twins))[:, None]
+    matrix += sampled.T @ weighted
 
     free, given = np.flatnonzero(~net.is_given), np.flatnonzero(net.is_given)
-    conditions = equations(twins, net)
-    inner, outer = conditions[:, free], conditions[:, given]
-    basis_free, particular = _solutions(inner, -outer)
+    conditions = equations(twins, net, layout)
+    basis, particular = _solutions(conditions[:, free], -conditions[:, given])
     # Free points: particular p + basis y, and y makes the energy least.
     stiff = matrix[np.ix_(free, free)]
-    reduced = cho_factor(basis_free.T @ stiff @ basis_free)
-    into = basis_free @ cho_solve(reduced, basis_free.T)  # (free, free)
+    into = basis @ cho_solve(cho_factor(basis.T @ stiff @ basis), basis.T)  # (free, free)
     from_given = particular - into @ (stiff @ particular + matrix[np.ix_(free, given)])
     by_sample = np.zeros((len(sampled), net.count))
     by_sample[:, free] = weighted[:, free] @ into
@@ -166,7 +239,13 @@ def _system(key: tuple[int, ...], stiffness: float) -> System:
     by_given[:, free] = from_given.T
     by_given[np.arange(len(given)), given] = 1.0
     _, first = np.unique(net.number.reshape(-1), return_index=True)
-    return System(net, first[given], by_sample, by_given, np.ascontiguousarray(sampled.T))
+    return System(layout, net, first[given], by_sample, by_given, np.ascontiguousarray(sampled.T))
+
+
+def _thin_plate(layout: Layout) -> Floats:
+    """Return the matrix of the thin-plate energy of a patch, (n_u n_v, n_u n_v)."""
+    u, v = ([each.products(order) for order in range(3)] for each in (layout.u, layout.v))
+    return np.asarray(np.kron(u[2], v[0]) + 2 * np.kron(u[1], v[1]) + np.kron(u[0], v[2]))
 
 
 def _solutions(matrix: Floats, right: Floats) -> tuple[Floats, Floats]:
