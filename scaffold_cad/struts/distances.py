@@ -92,12 +92,17 @@ class Union(Frozen):
         gradient /= norm
         return reach - norm, gradient
 
-    def projected(self, points: Floats, steps: int) -> Floats:
-        """Return `points` (3, M, S) moved towards f = 0 by Newton steps along the gradient."""
+    def projected(self, points: Floats, steps: int, urge: float = 0.0) -> Floats:
+        """Return `points` (3, M, S) moved towards f = 0 by Newton steps along the gradient.
+
+        Points inside go further than Newton's step, by the part `urge` of it.
+        """
         for _ in range(steps):
             value, gradient = self.value_and_slope(points)
-            square = _square(gradient)
-            points = points - value / np.maximum(square, LEAST_SLOPE) * gradient
+            square = np.maximum(_square(gradient), LEAST_SLOPE)
+            if urge:
+                value = np.where(value < 0, (1 + urge) * value, value)
+            points = points - value / square * gradient
         return points
 
     def reached(self, directions: Floats, steps: int = 8) -> Floats:

@@ -15,8 +15,6 @@ from scaffold_cad.base.vectors import any_perpendicular, dot, normalize, triple
 from scaffold_cad.partition.certificate import certify, corners_of
 
 STEPS = 60
-OPENNESS = 0.0
-"""Weight of the pull away from near directions against that towards squares."""
 SHARPNESS = 8.0
 """Of the soft maximum of cosines that tells which directions are near a vertex."""
 STEP = 0.3
@@ -27,7 +25,9 @@ LEAST_SINE, KEPT = 0.05, 0.5
 """A step may take the least determinant down to this, or to this part of what it was."""
 
 
-def even(directions: UnitVectors, vertices: UnitVectors, quads: Ints) -> UnitVectors:
+def even(
+    directions: UnitVectors, vertices: UnitVectors, quads: Ints, openness: float
+) -> UnitVectors:
     """Return more even vertices (M, N + 2, 3) of M partitions, each certified as it was.
 
     Parameters
@@ -35,6 +35,7 @@ def even(directions: UnitVectors, vertices: UnitVectors, quads: Ints) -> UnitVec
     directions : (M, N, 3) float64, unit vectors
     vertices : (M, N + 2, 3) float64, unit vectors
     quads : (M, N, 4) intp, vertices of the quad around each direction
+    openness : weight of the pull away from near directions against that towards squares
     """
     frame_x = any_perpendicular(directions)
     frame_y = np.cross(directions, frame_x)
@@ -42,7 +43,7 @@ def even(directions: UnitVectors, vertices: UnitVectors, quads: Ints) -> UnitVec
     least = _least(directions, current, quads)
     for _ in range(STEPS):
         pull = _wanted(directions, frame_x, frame_y, current, quads) - current
-        pull -= OPENNESS * _crowding(directions, current)
+        pull -= openness * _crowding(directions, current)
         bound = np.minimum(LEAST_SINE, KEPT * least)
         step = np.full(len(current), STEP)
         open_rows = np.arange(len(current))
@@ -74,7 +75,10 @@ def _crowding(directions: UnitVectors, vertices: UnitVectors) -> Floats:
 
 
 def _wanted(
-    directions: UnitVectors, frame_x: UnitVectors, frame_y: UnitVectors, vertices: UnitVectors,
+    directions: UnitVectors,
+    frame_x: UnitVectors,
+    frame_y: UnitVectors,
+    vertices: UnitVectors,
     quads: Ints,
 ) -> UnitVectors:
     """Return where the quads around each vertex would have it, unit vectors, (M, V, 3)."""

@@ -49,6 +49,8 @@ class Proof(Frozen):
     """Whether S · (S_u × S_v) > 0 on all patches is proved, shape (M,)."""
     solid_angle: Floats
     """Sum of the solid angles of patches and collar discs, steradian, shape (M,)."""
+    least_cosine: Floats
+    """Least cosine between normals and directions from the node at samples, shape (M,)."""
 
     @property
     def proved(self) -> Bools:
@@ -67,28 +69,32 @@ def prove(control: Floats, collar_distances: Floats, collar_radii: Floats) -> Pr
     nodes, count = control.shape[:2]
     patches = control.reshape(-1, *control.shape[2:])
     positive = np.empty(len(patches), dtype=np.bool_)
-    angle = np.empty(len(patches))
+    angle, cosine = np.empty(len(patches)), np.empty(len(patches))
     for start in range(0, len(patches), BLOCK):
         block = slice(start, start + BLOCK)
-        positive[block], angle[block] = _patches(patches[block])
+        positive[block], angle[block], cosine[block] = _patches(patches[block])
     slant = np.hypot(collar_distances, collar_radii)
     discs = 2 * np.pi * (1 - collar_distances / slant)
     total = angle.reshape(nodes, count).sum(axis=1) + discs.sum(axis=1)
-    return Proof(positive.reshape(nodes, count).all(axis=1), total)
+    least = cosine.reshape(nodes, count).min(axis=1)
+    return Proof(positive.reshape(nodes, count).all(axis=1), total, least)
 
 
-def _patches(control: Floats) -> tuple[Bools, Floats]:
-    """Return whether each patch is proved and its solid angle, both (k,)."""
+def _patches(control: Floats) -> tuple[Bools, Floats, Floats]:
+    """Return whether each patch is proved, its solid angle and its least cosine, all (k,)."""
     points = np.ascontiguousarray(control.transpose(3, 0, 1, 2))  # (3, k, D + 1, D + 1)
     along_v = points @ _VALUES.T
     surface = _VALUES @ along_v  # (3, k, TOP + 1, TOP + 1)
     slope_u = _SLOPES @ along_v
     slope_v = _VALUES @ (points @ _SLOPES.T)
-    values = _determinant(surface, slope_u, slope_v)
-    size = np.sqrt(surface[0] ** 2 + surface[1] ** 2 + surface[2] ** 2)
+    normals = _cross(slope_u, slope_v)
+    values = _dot(surface, normals)
+    size = np.sqrt(_dot(surface, surface))
+    across = np.sqrt(np.maximum(_dot(normals, normals), 1e-300))
+    cosine = (values / (size * across)).min(axis=(1, 2))
     angle = _WEIGHTS @ (values / size**3) @ _WEIGHTS
     coefficients = _TO_BERNSTEIN @ values @ _TO_BERNSTEIN.T
-    return _positive(coefficients, _margins(control)), np.asarray(angle)
+    return _positive(coefficients, _margins(control)), np.asarray(angle), cosine
 
 
 def _margins(control: Floats) -> Floats:
@@ -123,12 +129,17 @@ def _positive(coefficients: Floats, margins: Floats) -> Bools:
     return proved
 
 
-def _determinant(a: Floats, b: Floats, c: Floats) -> Floats:
-    """Return the determinants of vectors whose coordinates come first."""
-    values: Floats = a[0] * (b[1] * c[2] - b[2] * c[1])
-    values += a[1] * (b[2] * c[0] - b[0] * c[2])
-    values += a[2] * (b[0] * c[1] - b[1] * c[0])
-    return values
+def _cross(a: Floats, b: Floats) -> Floats:
+    """Return the cross products of vectors whose coordinates come first."""
+    return np.stack(
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    )
+
+
+def _dot(a: Floats, b: Floats) -> Floats:
+    """Return the dot products of vectors whose coordinates come first."""
+    products: Floats = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return products
 
 
 def _quadrature() -> Floats:

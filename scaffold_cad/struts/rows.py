@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen
+from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.struts.collars import Collars
 from scaffold_cad.struts.distances import Union
-from scaffold_cad.struts.quarter import ARC, DEGREE, FALL, OUTWARD, SIDEWARD
+from scaffold_cad.struts.quarter import ARC, DEGREE, OUTWARD, OUTWARD_SLOPE
 from scaffold_cad.struts.system import Layout
 
 LEAST_LENGTH = 0.15
@@ -46,43 +47,49 @@ def given_rows(
     union: Union,
     collars: Collars,
     rings: Rings,
-    lengths: tuple[Floats, Floats, Floats],
+    lengths: tuple[Floats, Floats],
+    shares: Floats,
     layout: Layout,
 ) -> tuple[Floats, Floats]:
     """Return the row on the collar and the row before it, both (3, M, N, 4, n_u).
 
     Parameters
     ----------
-    lengths : three (M, N, 4) float64
-        The wanted m at the corners and in the middle of each quarter, and how fast the curves at
-        the corners go round the strut, mm.
+    lengths : two (M, N, 4) float64
+        The wanted m at the corners and in the middle of each quarter, mm.
+    shares : (N, 4) float64
+        What tangents along the spoke of each corner have of it at its vertex: α = share (1 − v).
+        On the collar the derivative across it turns off by that share at corners.
     """
     start, end = rings.corners[..., None], np.roll(rings.corners, -1, axis=3)[..., None]
     radii = collars.radii[:, :, None, None]
     last = rings.centers[..., None, None] + radii * (ARC[:, 0] * start + ARC[:, 1] * end)
-    corner, middle, turn = lengths
+    corner, middle = lengths
     least = LEAST_LENGTH * collars.radii[:, :, None]
     first = np.maximum(corner, least)  # (M, N, 4)
     second = np.roll(first, -1, axis=2)
-    bump = (np.maximum(middle, least) - (first + second) / 2) / _BUMP_HEIGHT
+    half = shares[..., None] / 2, np.roll(shares, -1, axis=1)[..., None] / 2
+    fades = [OUTWARD.fade + each * OUTWARD_SLOPE.fade for each in half]  # (N, 4, 6)
+    length = first[..., None] * fades[0] + second[..., None] * fades[1][..., ::-1]
+    halfway = length @ bernstein(DEGREE, np.array([0.5]))[0]
+    bump = np.maximum((np.maximum(middle, least) - halfway) / _BUMP_HEIGHT, -halfway / 2)
     # On cones the bump has no curve of the same degree.
     bump = np.where(union.slopes[:, :, None] == 0, bump, 0.0)
-    bump = np.maximum(bump, -np.minimum(first, second) / 2)
-    length = first[..., None] * FALL + second[..., None] * FALL[::-1] + bump[..., None] * _BUMP
-    across = union.slopes[:, :, None, None] * _companions(OUTWARD, 1.0, (first, second), start, end)
-    turns = turn, np.roll(turn, -1, axis=2)
-    across = across + _companions(SIDEWARD, -1.0, turns, start, end)
-    derivative = length * union.directions[:, :, :, None, None] + across
+    length = length + bump[..., None] * _BUMP
+    outward = [OUTWARD.curve + each[..., None] * OUTWARD_SLOPE.curve for each in half]
+    across = _both(outward, (first, second), start, end)
+    derivative = length * union.directions[:, :, :, None, None]
+    derivative += union.slopes[:, :, None, None] * across
     before = last - derivative * (layout.v.step / DEGREE)
     refinement = layout.u.refinement.T
     return last @ refinement, before @ refinement
 
 
-def _companions(
-    curve: Floats, sign: float, sizes: tuple[Floats, Floats], start: Floats, end: Floats
+def _both(
+    curves: list[Floats], sizes: tuple[Floats, Floats], start: Floats, end: Floats
 ) -> Floats:
-    """Return `curve` (6, 2) of the first size and its mirror image of the second, (3, ..., 6)."""
-    mirrored = sign * curve[::-1, ::-1]
-    first = sizes[0][..., None] * (curve[:, 0] * start + curve[:, 1] * end)
-    second = sizes[1][..., None] * (mirrored[:, 0] * start + mirrored[:, 1] * end)
+    """Return a curve (N, 4, 6, 2) of a size and the mirror image of another, (3, M, N, 4, 6)."""
+    here, there = curves[0], curves[1][..., ::-1, ::-1]
+    first = sizes[0][..., None] * (here[..., 0] * start + here[..., 1] * end)
+    second = sizes[1][..., None] * (there[..., 0] * start + there[..., 1] * end)
     return np.asarray(first + second)

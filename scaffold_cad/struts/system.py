@@ -31,6 +31,8 @@ from scaffold_cad.struts.joins import valences
 from scaffold_cad.struts.quarter import DEGREE
 from scaffold_cad.struts.splines import Spline, spline
 
+KEPT_SYSTEMS = 16
+"""Types whose matrices are kept: those of valency 12 take some 20 MB each."""
 RANK = 1e-9
 """Equations whose pivot is below this part of the first follow from the others."""
 
@@ -98,23 +100,37 @@ class Net(Frozen):
 
 @dataclass(frozen=True, eq=False)
 class System(Frozen):
-    """What takes a node's samples and given control points to its control points.
+    """The surfaces of a type that are smooth: given points and k free numbers make all others.
 
-    Rows are nodes' coordinates: (rows, samples) @ by_sample + (rows, given) @ by_given.
+    Rows are nodes' coordinates: (rows, given) and (rows, k) times these matrices, added.
     """
 
     layout: Layout
     """How patches are cut and sampled."""
     net: Net
     """The numbers of the control points."""
+    shares: Floats
+    """What α has at the vertex of each spoke, 2 cos(2π/n), shape (N, 4)."""
     given: Ints
     """Place of each given control point among those of all patches, shape (g,)."""
-    by_sample: Floats
-    """From wanted samples to control points, (samples, count)."""
-    by_given: Floats
+    points_of_given: Floats
     """From given control points to control points, (g, count)."""
-    sampled: Floats
-    """From control points to samples, (count, samples)."""
+    points_of_free: Floats
+    """From the free numbers to control points, (k, count)."""
+    samples_of_given: Floats
+    """From given control points to samples, (g, samples)."""
+    samples_of_free: Floats
+    """From the free numbers to samples, (k, samples)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fit(Frozen):
+    """What takes wanted samples and given points to the free numbers of the best surface."""
+
+    free_of_samples: Floats
+    """From wanted samples, (samples, k)."""
+    free_of_given: Floats
+    """From given control points, (g, k)."""
 
 
 def net_of(twins: Ints, layout: Layout) -> Net:
@@ -149,19 +165,25 @@ def equations(twins: Ints, net: Net, layout: Layout) -> Floats:
         (valence[following], np.full(len(sides), 4)),
         (layout.v, layout.u.step),
         net.count,
+        is_spoke=True,
     )
     arcs = _conditions(
         (number[once, :, 0], number[once, :, 1], number[twins[once], ::-1, 1]),
         (valence[once], valence[following][once]),
         (layout.u, layout.v.step),
         net.count,
+        is_spoke=False,
     )
     return np.concatenate([spokes, arcs])
 
 
 def _conditions(
-    rows: tuple[Ints, Ints, Ints], valence: tuple[Ints, Ints], shape: tuple[Spline, float],
+    rows: tuple[Ints, Ints, Ints],
+    valence: tuple[Ints, Ints],
+    shape: tuple[Spline, float],
     count: int,
+    *,
+    is_spoke: bool,
 ) -> Floats:
     """Return the conditions along curves, given by the numbers of their and the next rows.
 
@@ -174,9 +196,10 @@ def _conditions(
     curve, left, right = rows
     starts, ends = valence
     along, across = shape
-    alpha = np.zeros((len(curve), 3))
-    alpha[:, 0] = np.where(starts == 4, 0.0, 2 * np.cos(2 * np.pi / starts))
-    alpha[:, 2] = np.where(ends == 4, 0.0, -2 * np.cos(2 * np.pi / ends))
+    alpha = np.stack([share(starts), np.zeros(len(curve)), -share(ends)], axis=1)
+    if is_spoke:
+        # Of degree 1, which leaves the spoke its full degree.
+        alpha[:, 1] = alpha[:, 0] / 2
     columns = np.concatenate([left, right, curve], axis=1)[:, None, :]
     difference = np.diff(np.eye(DEGREE + 1), axis=0) / along.step
     parts = []
@@ -192,14 +215,24 @@ def _conditions(
     return np.concatenate(parts)
 
 
+def share(valence: Ints) -> Floats:
+    """Return 2 cos(2π/n), exactly 0 where 4 patches meet, for each of `valence`."""
+    return np.asarray(np.where(valence == 4, 0.0, 2 * np.cos(2 * np.pi / valence)))
+
+
 def _restriction(piece: int, pieces: int) -> Floats:
     """Return what takes quadratics over [0, 1] to one of equal pieces, both by Bernstein, (3, 3)."""
     at = np.array([0.0, 0.5, 1.0])
     return np.asarray(np.linalg.solve(bernstein(2, at), bernstein(2, (at + piece) / pieces)))
 
 
-def system_of(twins: Ints, layout: Layout, stiffness: float) -> System:
-    """Return the factored system of a type.
+def system_of(twins: Ints, layout: Layout) -> System:
+    """Return the smooth surfaces of the type with `twins` (4 N,)."""
+    return _system(tuple(twins.tolist()), layout)
+
+
+def fit_of(twins: Ints, layout: Layout, stiffness: float) -> Fit:
+    """Return the factored least-squares problem of a type.
 
     Parameters
     ----------
@@ -207,39 +240,63 @@ def system_of(twins: Ints, layout: Layout, stiffness: float) -> System:
     layout : how patches are cut and sampled
     stiffness : weight of the thin-plate energy against the mean of squared distances
     """
-    return _system(tuple(twins.tolist()), layout, stiffness)
+    return _fit(tuple(twins.tolist()), layout, stiffness)
 
 
-@lru_cache(maxsize=32)
-def _system(key: tuple[int, ...], layout: Layout, stiffness: float) -> System:
+@lru_cache(maxsize=KEPT_SYSTEMS)
+def _system(key: tuple[int, ...], layout: Layout) -> System:
     twins = np.array(key, dtype=np.intp)
     net = net_of(twins, layout)
-    block = np.kron(layout.u.values(layout.at), layout.v.values(layout.at))
-    flat = net.number.reshape(len(twins), -1)  # (4 N, n_u n_v)
-    sampled = np.zeros((len(twins), len(block), net.count))
-    plate = stiffness * _thin_plate(layout)
-    matrix = np.zeros((net.count, net.count))
-    for patch, numbers in enumerate(flat):
-        np.add.at(sampled[patch], (slice(None), numbers), block)
-        np.add.at(matrix, (numbers[:, None], numbers), plate)
-    sampled = sampled.reshape(-1, net.count)
-    weighted = sampled * np.tile(layout.weights, len(twins))[:, None]
-    matrix += sampled.T @ weighted
-
     free, given = np.flatnonzero(~net.is_given), np.flatnonzero(net.is_given)
     conditions = equations(twins, net, layout)
     basis, particular = _solutions(conditions[:, free], -conditions[:, given])
-    # Free points: particular p + basis y, and y makes the energy least.
-    stiff = matrix[np.ix_(free, free)]
-    into = basis @ cho_solve(cho_factor(basis.T @ stiff @ basis), basis.T)  # (free, free)
-    from_given = particular - into @ (stiff @ particular + matrix[np.ix_(free, given)])
-    by_sample = np.zeros((len(sampled), net.count))
-    by_sample[:, free] = weighted[:, free] @ into
-    by_given = np.zeros((len(given), net.count))
-    by_given[:, free] = from_given.T
-    by_given[np.arange(len(given)), given] = 1.0
+    points_of_free = np.zeros((basis.shape[1], net.count))
+    points_of_free[:, free] = basis.T
+    points_of_given = np.zeros((len(given), net.count))
+    points_of_given[:, free] = particular.T
+    points_of_given[np.arange(len(given)), given] = 1.0
     _, first = np.unique(net.number.reshape(-1), return_index=True)
-    return System(layout, net, first[given], by_sample, by_given, np.ascontiguousarray(sampled.T))
+    return System(
+        layout,
+        net,
+        share(valences(twins)).reshape(-1, 4),
+        first[given],
+        points_of_given,
+        points_of_free,
+        _sampled(points_of_given, net, layout),
+        _sampled(points_of_free, net, layout),
+    )
+
+
+@lru_cache(maxsize=4 * KEPT_SYSTEMS)
+def _fit(key: tuple[int, ...], layout: Layout, stiffness: float) -> Fit:
+    system = _system(key, layout)
+    weights = np.tile(layout.weights, len(key))
+    weighted = system.samples_of_free * weights
+    plate = stiffness * _energy(system)
+    energy = weighted @ system.samples_of_free.T + system.points_of_free @ plate.T
+    mixed = weighted @ system.samples_of_given.T + plate @ system.points_of_given.T
+    factor = cho_factor(energy)
+    return Fit(
+        np.ascontiguousarray(cho_solve(factor, weighted).T),
+        np.ascontiguousarray(-cho_solve(factor, mixed).T),
+    )
+
+
+def _sampled(points: Floats, net: Net, layout: Layout) -> Floats:
+    """Return the samples of rows of control points (r, count), shape (r, samples)."""
+    patches = points[:, net.number]  # (r, 4 N, n_u, n_v)
+    samples = layout.u.values(layout.at) @ patches @ layout.v.values(layout.at).T
+    return np.asarray(samples.reshape(len(points), -1))
+
+
+def _energy(system: System) -> Floats:
+    """Return the gradient of half the thin-plate energy for each free number, (k, count)."""
+    net, plate = system.net, _thin_plate(system.layout)
+    energy = np.zeros_like(system.points_of_free)
+    for numbers in net.number.reshape(len(net.number), -1):
+        np.add.at(energy.T, numbers, plate @ system.points_of_free[:, numbers].T)
+    return energy
 
 
 def _thin_plate(layout: Layout) -> Floats:

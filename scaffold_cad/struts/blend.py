@@ -1,0 +1,190 @@
+"""What goes into the blends of nodes, and what comes out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
+from scaffold_cad.errors import OptionError
+from scaffold_cad.partition import Partitions
+from scaffold_cad.struts.system import Layout
+
+
+@dataclass(frozen=True, eq=False)
+class Stars(Frozen):
+    """M branch points of one valency N ≥ 2, everything relative to the node."""
+
+    directions: UnitVectors
+    """Direction of each strut, unit vectors, shape (M, N, 3)."""
+    radii: Floats
+    """Radius of each strut in the plane across it through the node, mm, shape (M, N)."""
+    slopes: Floats
+    """Growth of each strut's radius along it, mm a mm, shape (M, N)."""
+    blends: Floats
+    """Fillet radius ρ that is asked for, mm, > 0, shape (M,)."""
+    balls: Floats
+    """Radius of the node's ball, mm, 0 for none, shape (M,)."""
+    most: Floats
+    """Greatest collar distance that there is room for, mm, shape (M, N)."""
+    vertices: UnitVectors
+    """Vertices of the node's partition, unit vectors, shape (M, N + 2, 3)."""
+    quads: Ints
+    """Vertices of the quad around each strut, counter-clockwise from outside, (M, N, 4)."""
+
+    @classmethod
+    def of(
+        cls,
+        partitions: Partitions,
+        *,
+        radii: ArrayLike,
+        blends: ArrayLike,
+        slopes: ArrayLike = 0.0,
+        balls: ArrayLike = 0.0,
+        most: ArrayLike = np.inf,
+    ) -> Stars:
+        """Return the stars of `partitions` with numbers for all, or one a node or a strut.
+
+        Raises
+        ------
+        OptionError
+            If a radius or a blend is not a finite number > 0, a slope is not finite, a ball is
+            negative, or `most` is not > 0; the node is named.
+        """
+        nodes, struts = partitions.directions.shape[:2]
+
+        def wide(values: ArrayLike, name: str, *shape: int) -> Floats:
+            try:
+                return np.array(np.broadcast_to(np.asarray(values, dtype=np.float64), shape))
+            except ValueError:
+                raise OptionError(f"{name} does not fit; need numbers of shape {shape}") from None
+
+        stars = cls(
+            partitions.directions,
+            wide(radii, "radii", nodes, struts),
+            wide(slopes, "slopes", nodes, struts),
+            wide(blends, "blends", nodes),
+            wide(balls, "balls", nodes),
+            wide(most, "most", nodes, struts),
+            partitions.vertices,
+            partitions.quads,
+        )
+        for name, least in (("radii", 0.0), ("blends", 0.0), ("most", 0.0)):
+            _check(getattr(stars, name), name, getattr(stars, name) > least, "> 0")
+        _check(stars.balls, "balls", np.isfinite(stars.balls) & (stars.balls >= 0), "≥ 0")
+        for name in ("radii", "blends", "slopes"):
+            _check(getattr(stars, name), name, np.isfinite(getattr(stars, name)), "finite")
+        return stars
+
+    def __len__(self) -> int:
+        return len(self.directions)
+
+    def __getitem__(self, item: Ints) -> Stars:
+        return Stars(*(getattr(self, field.name)[item] for field in fields(self)))
+
+
+def _check(values: Floats, name: str, good: Bools, need: str) -> None:
+    bad = np.argwhere(~good)
+    if len(bad):
+        found = values[tuple(bad[0])]
+        raise OptionError(f"{name} of node {bad[0][0]} has {found:g}; need a number {need}")
+
+
+@dataclass(frozen=True, eq=False)
+class Solved(Frozen):
+    """U blends with patches of one layout."""
+
+    layout: Layout
+    """How patches are cut into polynomial pieces."""
+    control: Floats
+    """Control points, relative to the node, mm, shape (U, 4 N, n_u, n_v, 3).
+
+    Patch 4 i + k lies between arc k of quad i (v = 0) and quarter k of collar i (v = 1).
+    """
+    vertices: UnitVectors
+    """Vertices of the partition as they were moved, shape (U, N + 2, 3)."""
+    collar_distances: Floats
+    """Distance of each collar from the node, mm, shape (U, N)."""
+    collar_radii: Floats
+    """Radius of each collar, mm, shape (U, N)."""
+    collar_corners: UnitVectors
+    """Unit vectors across each strut to the starts of its collar's quarters, (U, N, 4, 3)."""
+    rho: Floats
+    """Fillet radius that had room, mm, shape (U,)."""
+    has_room: Bools
+    """Whether collars are as near as asked for, shape (U,)."""
+    is_star_shaped: Bools
+    """Whether the surface is proved to be star-shaped around the node, shape (U,)."""
+    solid_angle: Floats
+    """What the surface and its discs cover of the sphere of directions, sr, shape (U,)."""
+    least_cosine: Floats
+    """Least cosine between the normal and the direction from the node at samples, (U,)."""
+    misfit: Floats
+    """Greatest distance of samples from the filleted union, over the least radius, (U,)."""
+    depth: Floats
+    """Greatest depth of samples inside the union of the struts, over the least radius, (U,)."""
+
+    def __len__(self) -> int:
+        return len(self.control)
+
+    def __getitem__(self, item: Ints) -> Solved:
+        rest = fields(self)[1:]
+        return Solved(self.layout, *(getattr(self, field.name)[item] for field in rest))
+
+    @staticmethod
+    def joined(parts: Sequence[Solved]) -> Solved:
+        """Return `parts` of the same layout one after another."""
+        rest = fields(parts[0])[1:]
+        return Solved(
+            parts[0].layout,
+            *(np.concatenate([getattr(part, field.name) for part in parts]) for field in rest),
+        )
+
+    @property
+    def proved(self) -> Bools:
+        """Whether each blend is proved to be free of folds, shape (U,)."""
+        covered = np.abs(self.solid_angle - 4 * np.pi) < 1.0
+        return np.asarray(self.is_star_shaped & covered)
+
+    @property
+    def reach(self) -> Floats:
+        """Greatest distance of a control point from the node, mm, shape (U,).
+
+        The surface lies within it.
+        """
+        square = np.einsum("upabx,upabx->upab", self.control, self.control)
+        return np.asarray(np.sqrt(square.max(axis=(1, 2, 3))))
+
+
+@dataclass(frozen=True, eq=False)
+class Blends(Frozen):
+    """The blends of m nodes of one valency and one layout. Equal nodes share a blend."""
+
+    stars: Stars
+    """The nodes."""
+    nodes: Ints
+    """Number of each among the nodes that were asked for, shape (m,)."""
+    shape_of: Ints
+    """Blend of each node, shape (m,), in 0..U-1."""
+    twins: Ints
+    """Patch that shares the arc of each one, run along the other way, shape (U, 4 N)."""
+    shapes: Solved
+    """The blends."""
+
+    @property
+    def control(self) -> Floats:
+        """Control points of each blend, shape (U, 4 N, n_u, n_v, 3)."""
+        return self.shapes.control
+
+    @property
+    def layout(self) -> Layout:
+        """How patches are cut into polynomial pieces."""
+        return self.shapes.layout
+
+    @property
+    def proved(self) -> Bools:
+        """Whether the blend of each node is proved to be free of folds, shape (m,)."""
+        return np.asarray(self.shapes.proved[self.shape_of])

@@ -1,0 +1,46 @@
+"""How blends are fitted: the ways that are tried in turn until one is proved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from scaffold_cad.struts.system import Layout
+
+FIRST_STEPS = 4
+"""Newton steps of the first samples; one step a round follows."""
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """One way to fit a blend."""
+
+    layout: Layout
+    """How patches are cut and sampled."""
+    rounds: tuple[tuple[float, int], ...]
+    """Weights of the thin-plate energy, and for how many rounds each.
+
+    Stiff rounds first: there the samples slide along the surface until patches are even.
+    """
+    openness: float
+    """Weight of the pull of the partition's vertices away from near struts."""
+    momentum: float = 0.7
+    """Part of its last move that a sample goes on along the surface."""
+    urge: float = 0.5
+    """How much further samples inside the union are moved than those outside."""
+
+
+WHOLE = Layout(1, 1, 5)
+CUT = Layout(2, 2, 4)
+SHORT = ((1e-2, 1), (1e-3, 5), (1e-4, 5), (1e-5, 4))
+LONG = ((1e-2, 3), (1e-3, 20), (1e-4, 10), (1e-5, 6))
+
+RECIPES = (
+    Recipe(WHOLE, SHORT, 0.3),
+    Recipe(WHOLE, LONG, 0.1),
+    Recipe(CUT, LONG, 0.3),
+    Recipe(CUT, LONG, 0.0),
+)
+"""Tried in this order, each for the nodes that the ones before left unproved or deep inside."""
+
+MOST_DEPTH = 0.02
+"""Depth inside the union, over the least radius, above which another recipe is tried."""
