@@ -21,6 +21,7 @@ FLOORS = (
     ("mesh", "skeleton"),
     ("lattice", "partition", "convolution", "brep"),
     ("scaffold",),
+    ("struts",),
     ("smooth",),
     ("solid",),
     ("products",),

@@ -136,9 +136,7 @@ class Union(Frozen):
             far = far + (norm - blends) * norm / np.maximum(slope, 1e-9 * norm)
         return far
 
-    def _parts(
-        self, points: Floats, square: Floats
-    ) -> list[tuple[Floats, Floats, Floats | None]]:
+    def _parts(self, points: Floats, square: Floats) -> list[tuple[Floats, Floats, Floats | None]]:
         """Return each strut's and the ball's distance and gradient, all (M, S).
 
         The gradient is given by its part along the point and its part along the axis.

@@ -22,9 +22,7 @@ CHECKED = 6
 """Samples of each piece in either direction at which the fit is measured."""
 
 
-def solve(
-    stars: Stars, vertices: UnitVectors, sides: Ints, twins: Ints, recipe: Recipe
-) -> Solved:
+def solve(stars: Stars, vertices: UnitVectors, sides: Ints, twins: Ints, recipe: Recipe) -> Solved:
     """Return the blends of m nodes of one type.
 
     Parameters

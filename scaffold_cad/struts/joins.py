@@ -10,6 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from scaffold_cad.base.arrays import Frozen, Ints
 from scaffold_cad.partition.arcs import side_twins
@@ -62,6 +64,30 @@ def _least_codes(twins: Ints) -> tuple[Ints, Ints]:
     _, rank = np.unique(code, axis=0, return_inverse=True)
     best = rank.reshape(nodes, count).argmin(axis=1) + count * np.arange(nodes)
     return code[best], order[best]
+
+
+def shared_numbers(twins: Ints, across: int, along: int) -> tuple[Ints, int]:
+    """Return the numbers of grid points of the patches of a type, and how many there are.
+
+    Points on an arc or a spoke have the same number in both of its patches.
+
+    Parameters
+    ----------
+    twins : (4 N,) intp, the twin of each side
+    across, along : points of each patch in the direction of u and of v
+
+    Returns
+    -------
+    (4 N, across, along) intp, and their count, which depends on N, `across` and `along` only
+    """
+    sides = np.arange(len(twins))
+    place = np.arange(len(twins) * across * along).reshape(-1, across, along)
+    following = (sides & ~3) | ((sides + 1) & 3)
+    one = np.concatenate([place[:, -1, :].reshape(-1), place[:, :, 0].reshape(-1)])
+    two = np.concatenate([place[following, 0, :].reshape(-1), place[twins, ::-1, 0].reshape(-1)])
+    graph = coo_array((np.ones(len(one)), (one, two)), shape=(place.size, place.size))
+    count, number = connected_components(graph, directed=False)
+    return number.reshape(place.shape).astype(np.intp), int(count)
 
 
 def valences(twins: Ints) -> Ints:

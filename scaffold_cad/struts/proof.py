@@ -77,7 +77,8 @@ def prove(control: Floats, collar_distances: Floats, collar_radii: Floats) -> Pr
     discs = 2 * np.pi * (1 - collar_distances / slant)
     total = angle.reshape(nodes, count).sum(axis=1) + discs.sum(axis=1)
     least = cosine.reshape(nodes, count).min(axis=1)
-    return Proof(positive.reshape(nodes, count).all(axis=1), total, least)
+    proved = np.asarray(positive.reshape(nodes, count).all(axis=1))
+    return Proof(proved, total, least)
 
 
 def _patches(control: Floats) -> tuple[Bools, Floats, Floats]:
@@ -122,9 +123,7 @@ def _positive(coefficients: Floats, margins: Floats) -> Bools:
         proved[lost if depth < DEPTH else owner] = False
         kept = proved[owner]
         coefficients, owner = coefficients[kept], owner[kept]
-        coefficients = np.concatenate(
-            [one @ coefficients @ two.T for one in _CUT for two in _CUT]
-        )
+        coefficients = np.concatenate([one @ coefficients @ two.T for one in _CUT for two in _CUT])
         owner = np.tile(owner, 4)
     return proved
 

@@ -28,7 +28,6 @@ ARC_ERROR = 1.4e-9
 """Greatest distance of the curve from the unit circle."""
 
 
-
 @dataclass(frozen=True, eq=False)
 class Companion(Frozen):
     """A curve G that fades out beside the arc e: G(u) · e(u) = m(u).

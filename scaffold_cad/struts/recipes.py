@@ -26,19 +26,20 @@ class Recipe:
     momentum: float = 0.7
     """Part of its last move that a sample goes on along the surface."""
     urge: float = 0.5
-    """How much further samples inside the union are moved than those outside."""
+    """How much further samples inside the union are moved than those outside; stable below 1."""
 
 
 WHOLE = Layout(1, 1, 5)
 CUT = Layout(2, 2, 4)
-SHORT = ((1e-2, 1), (1e-3, 5), (1e-4, 5), (1e-5, 4))
-LONG = ((1e-2, 3), (1e-3, 20), (1e-4, 10), (1e-5, 6))
+SHORT = ((1e-2, 1), (1e-3, 5), (1e-4, 5), (1e-5, 3), (1e-6, 3))
+STIFF = ((1e-2, 1), (1e-3, 5), (1e-4, 10), (1e-5, 8))
+COARSE = ((1e-3, 6), (1e-4, 8), (1e-5, 6))
 
 RECIPES = (
     Recipe(WHOLE, SHORT, 0.3),
-    Recipe(WHOLE, LONG, 0.1),
-    Recipe(CUT, LONG, 0.3),
-    Recipe(CUT, LONG, 0.0),
+    Recipe(WHOLE, STIFF, 0.2),
+    Recipe(CUT, COARSE, 0.3),
+    Recipe(CUT, COARSE, 0.1),
 )
 """Tried in this order, each for the nodes that the ones before left unproved or deep inside."""
 

@@ -85,9 +85,7 @@ def given_rows(
     return last @ refinement, before @ refinement
 
 
-def _both(
-    curves: list[Floats], sizes: tuple[Floats, Floats], start: Floats, end: Floats
-) -> Floats:
+def _both(curves: list[Floats], sizes: tuple[Floats, Floats], start: Floats, end: Floats) -> Floats:
     """Return a curve (N, 4, 6, 2) of a size and the mirror image of another, (3, M, N, 4, 6)."""
     here, there = curves[0], curves[1][..., ::-1, ::-1]
     first = sizes[0][..., None] * (here[..., 0] * start + here[..., 1] * end)

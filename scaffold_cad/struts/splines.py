@@ -35,21 +35,14 @@ class Spline(Frozen):
     @cached_property
     def extraction(self) -> Floats:
         """What takes coefficients to Bézier coefficients, (pieces, D + 1, count)."""
-        knots = np.concatenate(
-            [
-                np.zeros(DEGREE + 1),
-                np.repeat(np.arange(1, self.pieces) / self.pieces, DEGREE - SMOOTHNESS),
-                np.ones(DEGREE + 1),
-            ]
-        )
         at = (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1)
         to_bezier = np.linalg.inv(bernstein(DEGREE, at))
-        values = _basis(knots, (at + np.arange(self.pieces)[:, None]) / self.pieces)
+        values = _basis(self.knots, (at + np.arange(self.pieces)[:, None]) / self.pieces)
         return np.asarray(to_bezier @ values)
 
     @cached_property
     def refinement(self) -> Floats:
-        """What takes Bézier coefficients over [0, 1] to those of the same spline, (count, D + 1)."""
+        """What takes Bézier coefficients over [0, 1] to those of this spline, (count, D + 1)."""
         at = (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1)
         to_bezier = np.linalg.inv(bernstein(DEGREE, at))
         whole = (at + np.arange(self.pieces)[:, None]) / self.pieces
@@ -57,10 +50,22 @@ class Spline(Frozen):
         wide = self.extraction.reshape(-1, self.count)
         return np.asarray(np.linalg.lstsq(wide, parts.reshape(len(wide), -1), rcond=None)[0])
 
-    def values(self, at: Floats) -> Floats:
-        """Return the basis at parameters `at` (n,) of each piece, (pieces n, count)."""
-        basis = bernstein(DEGREE, at) @ self.extraction  # (pieces, n, count)
+    @cached_property
+    def knots(self) -> Floats:
+        """Knots, each as often as it counts, shape (count + D + 1,)."""
+        inner = np.repeat(np.arange(1, self.pieces) / self.pieces, DEGREE - SMOOTHNESS)
+        return np.concatenate([np.zeros(DEGREE + 1), inner, np.ones(DEGREE + 1)])
+
+    def values(self, at: Floats, order: int = 0) -> Floats:
+        """Return derivatives of the basis at `at` (n,) of each piece, (pieces n, count)."""
+        basis = bernstein(DEGREE, at, order) / self.step**order @ self.extraction
         return np.asarray(basis.reshape(-1, self.count))
+
+    def values_at(self, at: Floats, order: int = 0) -> Floats:
+        """Return derivatives of the basis at parameters `at` (n,) in [0, 1], (n, count)."""
+        piece = np.minimum((at * self.pieces).astype(np.intp), self.pieces - 1)
+        basis = bernstein(DEGREE, at * self.pieces - piece, order) / self.step**order
+        return np.asarray(np.einsum("ni,nij->nj", basis, self.extraction[piece]))
 
     def products(self, order: int) -> Floats:
         """Return the integrals of products of derivatives of `order`, (count, count)."""

@@ -22,12 +22,10 @@ from functools import lru_cache
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, qr, solve_triangular
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints
 from scaffold_cad.brep.bernstein import bernstein, elevation, product
-from scaffold_cad.struts.joins import valences
+from scaffold_cad.struts.joins import shared_numbers, valences
 from scaffold_cad.struts.quarter import DEGREE
 from scaffold_cad.struts.splines import Spline, spline
 
@@ -135,18 +133,10 @@ class Fit(Frozen):
 
 def net_of(twins: Ints, layout: Layout) -> Net:
     """Return the numbered control points of the type with `twins` (4 N,)."""
-    sides = np.arange(len(twins))
-    shape = (len(twins), layout.u.count, layout.v.count)
-    place = np.arange(np.prod(shape)).reshape(shape)
-    following = (sides & ~3) | ((sides + 1) & 3)
-    one = np.concatenate([place[:, -1, :].reshape(-1), place[:, :, 0].reshape(-1)])
-    two = np.concatenate([place[following, 0, :].reshape(-1), place[twins, ::-1, 0].reshape(-1)])
-    graph = coo_array((np.ones(len(one)), (one, two)), shape=(place.size, place.size))
-    count, number = connected_components(graph, directed=False)
-    number = number.reshape(place.shape)
+    number, count = shared_numbers(twins, layout.u.count, layout.v.count)
     is_given = np.zeros(count, dtype=np.bool_)
     is_given[number[:, :, -2:]] = True
-    return Net(number.astype(np.intp), int(count), is_given)
+    return Net(number, count, is_given)
 
 
 def equations(twins: Ints, net: Net, layout: Layout) -> Floats:
@@ -221,7 +211,7 @@ def share(valence: Ints) -> Floats:
 
 
 def _restriction(piece: int, pieces: int) -> Floats:
-    """Return what takes quadratics over [0, 1] to one of equal pieces, both by Bernstein, (3, 3)."""
+    """Return what takes quadratics to one of equal pieces, both in Bernstein form, (3, 3)."""
     at = np.array([0.0, 0.5, 1.0])
     return np.asarray(np.linalg.solve(bernstein(2, at), bernstein(2, (at + piece) / pieces)))
 
@@ -306,7 +296,7 @@ def _thin_plate(layout: Layout) -> Floats:
 
 
 def _solutions(matrix: Floats, right: Floats) -> tuple[Floats, Floats]:
-    """Return a basis (n, k) of the null space of `matrix` (m, n), and x (n, g) with matrix x = right.
+    """Return a null-space basis (n, k) of `matrix` (m, n), and x (n, g) with matrix x = right.
 
     `right` (m, g) must have solutions where the rows depend on each other.
     """
