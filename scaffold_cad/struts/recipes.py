@@ -23,6 +23,9 @@ class Recipe:
     """
     openness: float
     """Weight of the pull of the partition's vertices away from near struts."""
+    pinch: float = 0.5
+    """Whether patches start from the collar, in its middle, as fast as they are long along the
+    strut (1) or in a straight line (0)."""
     momentum: float = 0.7
     """Part of its last move that a sample goes on along the surface."""
     urge: float = 0.5
@@ -37,11 +40,12 @@ COARSE = ((1e-3, 6), (1e-4, 8), (1e-5, 6))
 
 RECIPES = (
     Recipe(WHOLE, SHORT, 0.3),
-    Recipe(WHOLE, STIFF, 0.2),
+    Recipe(WHOLE, STIFF, 0.15, pinch=1.0),
+    Recipe(CUT, COARSE, 0.15, pinch=1.0),
     Recipe(CUT, COARSE, 0.3),
-    Recipe(CUT, COARSE, 0.1),
+    Recipe(CUT, COARSE, 0.0, pinch=1.0),
 )
 """Tried in this order, each for the nodes that the ones before left unproved or deep inside."""
 
 MOST_DEPTH = 0.02
-"""Depth inside the union, over the least radius, above which another recipe is tried."""
+"""Depth inside a strut, over its radius, above which another recipe is tried."""
