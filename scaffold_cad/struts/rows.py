@@ -95,7 +95,7 @@ def _bump(length: Floats, wanted: Floats, least: Floats) -> Floats:
     values, shape = length @ basis.T, basis @ _BUMP  # (M, N, 4, 17), (17,)
     bump = (wanted - values[..., 8]) / _BUMP_HEIGHT
     room = (values[..., 1:-1] - least[..., None] / 2) / shape[1:-1]
-    return np.maximum(bump, -np.maximum(room.min(axis=-1), 0.0))
+    return np.asarray(np.maximum(bump, -np.maximum(room.min(axis=-1), 0.0)))
 
 
 def _both(curves: list[Floats], sizes: tuple[Floats, Floats], start: Floats, end: Floats) -> Floats:
