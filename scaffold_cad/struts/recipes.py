@@ -37,13 +37,16 @@ CUT = Layout(2, 2, 4)
 SHORT = ((1e-2, 1), (1e-3, 5), (1e-4, 5), (1e-5, 3), (1e-6, 3))
 STIFF = ((1e-2, 1), (1e-3, 5), (1e-4, 10), (1e-5, 8))
 COARSE = ((1e-3, 6), (1e-4, 8), (1e-5, 6))
+LONG = ((1e-4, 6), (1e-3, 4), (1e-4, 10), (1e-5, 8), (1e-6, 6))
+"""For struts that part late: at first soft, or stiff patches pull the far side of the node in."""
 
 RECIPES = (
     Recipe(WHOLE, SHORT, 0.3),
     Recipe(WHOLE, STIFF, 0.15, pinch=1.0),
+    Recipe(WHOLE, LONG, 0.0, pinch=1.0),
     Recipe(CUT, COARSE, 0.15, pinch=1.0),
+    Recipe(CUT, LONG, 0.0, pinch=1.0),
     Recipe(CUT, COARSE, 0.3),
-    Recipe(CUT, COARSE, 0.0, pinch=1.0),
 )
 """Tried in this order, each for the nodes that the ones before left unproved or deep inside."""
 
