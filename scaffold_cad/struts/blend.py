@@ -125,7 +125,7 @@ class Solved(Frozen):
     misfit: Floats
     """Greatest distance of samples from the filleted union, over the least radius, (U,)."""
     depth: Floats
-    """Greatest depth of samples inside the union of the struts, over the least radius, (U,)."""
+    """Greatest depth of samples inside a strut or the ball, over its radius, shape (U,)."""
 
     def __len__(self) -> int:
         return len(self.control)

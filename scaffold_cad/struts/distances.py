@@ -65,6 +65,16 @@ class Union(Frozen):
             np.minimum(nearest, distance, out=nearest)
         return nearest
 
+    def deepest(self, points: Floats) -> Floats:
+        """Return how deep `points` (3, M, S) are in a strut or ball, over its radius, (M, S)."""
+        square = _square(points)
+        deepest = np.zeros(square.shape)
+        sizes = [self.radii[:, strut, None] for strut in range(self.radii.shape[1])]
+        sizes.append(self.balls[:, None])
+        for (distance, _, _), size in zip(self._parts(points, square), sizes, strict=False):
+            np.maximum(deepest, -distance / np.where(size > 0, size, 1.0), out=deepest)
+        return deepest
+
     def value_and_slope(self, points: Floats) -> tuple[Floats, Floats]:
         """Return f at `points` (3, M, S), shape (M, S), and its gradient, (3, M, S)."""
         square = _square(points)

@@ -49,7 +49,7 @@ def solve(stars: Stars, vertices: UnitVectors, sides: Ints, twins: Ints, recipe:
     at = np.concatenate([[0.0, 0.5], recipe.layout.at_u])
     arcs = _arcs(_leading(corners), at)  # (3, m, N, 4, n + 2) directions
     on_arcs = union.reached(arcs.reshape(3, len(stars), -1)).reshape(arcs.shape[1:]) * arcs
-    rows = _rows(union, fitted, ring, on_arcs[..., :2], system)
+    rows = _rows(union, fitted, ring, on_arcs[..., :2], system, recipe.pinch)
     points = _fitted(union, rows, on_arcs[..., 2:], system, twins, recipe)  # (3, m, count)
     control = points[:, :, system.net.number]  # (3, m, 4 N, n_u, n_v)
     misfit, depth = _errors(union, control, recipe.layout)
@@ -61,7 +61,6 @@ def solve(stars: Stars, vertices: UnitVectors, sides: Ints, twins: Ints, recipe:
     own_corners[turned] = np.moveaxis(ring.corners, 0, -1)
     distances, radii = np.empty_like(fitted.distances), np.empty_like(fitted.radii)
     distances[row, strut], radii[row, strut] = fitted.distances, fitted.radii
-    least = stars.radii.min(axis=1)
     return Solved(
         recipe.layout,
         own_control,
@@ -74,8 +73,8 @@ def solve(stars: Stars, vertices: UnitVectors, sides: Ints, twins: Ints, recipe:
         proof.is_star_shaped,
         proof.solid_angle,
         proof.least_cosine,
-        misfit / least,
-        depth / least,
+        misfit / stars.radii.min(axis=1),
+        depth,
     )
 
 
@@ -120,16 +119,22 @@ def _arcs(corners: Floats, at: Floats) -> Floats:
     return arcs
 
 
-def _rows(union: Union, fitted: Collars, ring: Rings, on_arcs: Floats, system: System) -> Floats:
+def _rows(
+    union: Union, fitted: Collars, ring: Rings, on_arcs: Floats, system: System, pinch: float
+) -> Floats:
     """Return the given rows among control points (3, m, 4 N, n_u, n_v); the others are 0.
 
     Parameters
     ----------
     on_arcs : (3, m, N, 4, 2) float64, start and middle of each arc on the surface
+    pinch : see `Recipe`
     """
     along = (on_arcs * union.directions[..., None, None]).sum(axis=0)  # (m, N, 4, 2)
     lengths = fitted.distances[:, :, None, None] - along
-    wanted = lengths[..., 0], lengths[..., 1]
+    start, end = ring.corners, np.roll(ring.corners, -1, axis=3)
+    halfway = ring.centers[..., None] + fitted.radii[:, :, None] * (start + end) / np.sqrt(2)
+    straight = np.sqrt(((on_arcs[..., 1] - halfway) ** 2).sum(axis=0))
+    wanted = lengths[..., 0], pinch * lengths[..., 1] + (1 - pinch) * straight
     last, before = given_rows(union, fitted, ring, wanted, system.shares, system.layout)
     rows = np.zeros((*last.shape, system.layout.v.count))
     rows[..., -1], rows[..., -2] = last, before
@@ -168,10 +173,13 @@ def _fitted(
 
 
 def _errors(union: Union, control: Floats, layout: Layout) -> tuple[Floats, Floats]:
-    """Return how far samples are from the filleted union, and how deep in the union, both (m,)."""
+    """Return how far samples are from the filleted union, mm, and how deep in a strut, both (m,).
+
+    The depth is that over the strut's radius.
+    """
     at = (np.arange(CHECKED) + 0.5) / CHECKED
     points = layout.u.values(at) @ (control @ layout.v.values(at).T)
     points = points.reshape(3, control.shape[1], -1)
     value, gradient = union.value_and_slope(points)
     size = np.sqrt(np.maximum((gradient**2).sum(axis=0), 0.01))
-    return np.abs(value / size).max(axis=1), np.maximum(-union.nearest(points), 0).max(axis=1)
+    return np.abs(value / size).max(axis=1), union.deepest(points).max(axis=1)

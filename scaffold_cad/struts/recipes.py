@@ -23,6 +23,9 @@ class Recipe:
     """
     openness: float
     """Weight of the pull of the partition's vertices away from near struts."""
+    pinch: float = 0.5
+    """Whether patches start from the collar, in its middle, as fast as they are long along the
+    strut (1) or in a straight line (0)."""
     momentum: float = 0.7
     """Part of its last move that a sample goes on along the surface."""
     urge: float = 0.5
@@ -34,14 +37,18 @@ CUT = Layout(2, 2, 4)
 SHORT = ((1e-2, 1), (1e-3, 5), (1e-4, 5), (1e-5, 3), (1e-6, 3))
 STIFF = ((1e-2, 1), (1e-3, 5), (1e-4, 10), (1e-5, 8))
 COARSE = ((1e-3, 6), (1e-4, 8), (1e-5, 6))
+LONG = ((1e-4, 6), (1e-3, 4), (1e-4, 10), (1e-5, 8), (1e-6, 6))
+"""For struts that part late: at first soft, or stiff patches pull the far side of the node in."""
 
 RECIPES = (
     Recipe(WHOLE, SHORT, 0.3),
-    Recipe(WHOLE, STIFF, 0.2),
+    Recipe(WHOLE, STIFF, 0.15, pinch=1.0),
+    Recipe(WHOLE, LONG, 0.0, pinch=1.0),
+    Recipe(CUT, COARSE, 0.15, pinch=1.0),
+    Recipe(CUT, LONG, 0.0, pinch=1.0),
     Recipe(CUT, COARSE, 0.3),
-    Recipe(CUT, COARSE, 0.1),
 )
 """Tried in this order, each for the nodes that the ones before left unproved or deep inside."""
 
 MOST_DEPTH = 0.02
-"""Depth inside the union, over the least radius, above which another recipe is tried."""
+"""Depth inside a strut, over its radius, above which another recipe is tried."""

@@ -71,8 +71,8 @@ def given_rows(
     half = shares[..., None] / 2, np.roll(shares, -1, axis=1)[..., None] / 2
     fades = [OUTWARD.fade + each * OUTWARD_SLOPE.fade for each in half]  # (N, 4, 6)
     length = first[..., None] * fades[0] + second[..., None] * fades[1][..., ::-1]
-    halfway = length @ bernstein(DEGREE, np.array([0.5]))[0]
-    bump = np.maximum((np.maximum(middle, least) - halfway) / _BUMP_HEIGHT, -halfway / 2)
+    wanted = np.maximum(middle, least)
+    bump = _bump(length, wanted, least)
     # On cones the bump has no curve of the same degree.
     bump = np.where(union.slopes[:, :, None] == 0, bump, 0.0)
     length = length + bump[..., None] * _BUMP
@@ -83,6 +83,19 @@ def given_rows(
     before = last - derivative * (layout.v.step / DEGREE)
     refinement = layout.u.refinement.T
     return last @ refinement, before @ refinement
+
+
+def _bump(length: Floats, wanted: Floats, least: Floats) -> Floats:
+    """Return how much of `_BUMP` brings m in the middle to `wanted`, or near it, (M, N, 4).
+
+    As much as leaves m no less than half of `least` anywhere.
+    """
+    at = np.linspace(0, 1, 17)
+    basis = bernstein(DEGREE, at)
+    values, shape = length @ basis.T, basis @ _BUMP  # (M, N, 4, 17), (17,)
+    bump = (wanted - values[..., 8]) / _BUMP_HEIGHT
+    room = (values[..., 1:-1] - least[..., None] / 2) / shape[1:-1]
+    return np.asarray(np.maximum(bump, -np.maximum(room.min(axis=-1), 0.0)))
 
 
 def _both(curves: list[Floats], sizes: tuple[Floats, Floats], start: Floats, end: Floats) -> Floats:

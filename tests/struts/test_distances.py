@@ -1,0 +1,79 @@
+import numpy as np
+import pytest
+
+from scaffold_cad.base.vectors import normalize
+from scaffold_cad.struts.distances import Union
+from tests.struts.stars import FAN, TRIPOD
+
+RNG = np.random.default_rng(4)
+
+
+def union(directions: np.ndarray, radius: float, slope: float, ball: float = 0.0) -> Union:
+    unit = normalize(directions)
+    shape = (1, len(unit))
+    return Union(
+        np.ascontiguousarray(unit.T[:, None]),
+        np.full(shape, radius),
+        np.full(shape, slope),
+        np.array([ball]),
+        np.array([0.6]),
+    )
+
+
+def spheres_distance(point: np.ndarray, direction: np.ndarray, radius: float, slope: float):
+    """Return the least distance to balls on a half line: the strut by its definition."""
+    cosine = 1 / np.sqrt(1 + slope**2)
+    far = np.linspace(0, 30, 60001)  # along the cone's inscribed balls
+    centers = far[:, None] * direction
+    size = (radius + slope * far) * cosine
+    return (np.linalg.norm(point - centers, axis=1) - size).min()
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.2, -0.03])
+def test_distance_is_that_to_the_swept_balls(slope: float) -> None:
+    points = RNG.normal(size=(40, 3)) * 2.5
+    field = union(np.array([[0.3, -0.5, 0.8]]), 1.0, slope)
+    found = field.nearest(points.T[:, None])[0]
+    axis = field.directions[:, 0, 0]
+    assert found == pytest.approx(
+        [spheres_distance(point, axis, 1.0, slope) for point in points], abs=1e-6
+    )
+
+
+@pytest.mark.parametrize("ball", [0.0, 1.8])
+def test_gradient_is_that_of_differences(ball: float) -> None:
+    field = union(FAN, 1.0, 0.05, ball)
+    points = RNG.normal(size=(3, 1, 600)) * 2
+    # Where nothing is nearer than ρ, f has creases.
+    points = points[:, :, field.nearest(points)[0] < 0.55]
+    _, gradient = field.value_and_slope(points)
+    step = 1e-6
+    for axis in range(3):
+        shift = np.zeros((3, 1, 1))
+        shift[axis] = step
+        rise = field.value_and_slope(points + shift)[0] - field.value_and_slope(points - shift)[0]
+        assert np.abs(rise / (2 * step) - gradient[axis]).max() < 1e-4
+
+
+def test_fillet_at_right_angles_is_an_arc_of_its_radius() -> None:
+    # Far from the node two walls at right angles are met by a ball of radius ρ.
+    field = union(np.array([[1.0, 0, 0], [0, 1, 0]]), 1.0, 0.0)
+    center = np.array([1.6, 1.6, 0])
+    for angle in np.linspace(np.pi, 1.5 * np.pi, 7):
+        point = center + 0.6 * np.array([np.cos(angle), np.sin(angle), 0])
+        assert field.value_and_slope(point[:, None, None])[0][0, 0] == pytest.approx(0, abs=1e-12)
+
+
+def test_rays_reach_the_surface() -> None:
+    field = union(TRIPOD, 1.0, 0.1, 1.5)
+    rays = normalize(RNG.normal(size=(300, 3)))
+    rays = rays[(rays @ field.directions[:, 0]).max(axis=1) < 0.8]
+    far = field.reached(rays.T[:, None])
+    assert np.abs(field.value_and_slope(far * rays.T[:, None])[0]).max() < 1e-9
+
+
+def test_projected_points_lie_on_the_surface() -> None:
+    field = union(FAN, 1.0, 0.0)
+    points = normalize(RNG.normal(size=(200, 3))).T[:, None] * 2
+    found = field.projected(points, 20)
+    assert np.quantile(np.abs(field.value_and_slope(found)[0]), 0.95) < 1e-6

@@ -1,0 +1,182 @@
+import numpy as np
+import pytest
+
+from scaffold_cad.errors import OptionError
+from scaffold_cad.struts import Blends, Stars, blends, sampled
+from tests.struts.stars import (
+    BODY_CENTERED,
+    CUBIC,
+    FAN,
+    FIVE_TUBES,
+    TEE,
+    TRIPOD,
+    random_stars,
+    stars_of,
+)
+
+GRID = np.linspace(0, 1, 9)
+TUBES = np.array([17.5, 16, 14, 9, 9])
+ELBOW = np.eye(3)[:2]
+CASES = {
+    "tripod": stars_of(TRIPOD),
+    "tee": stars_of(TEE),
+    "elbow": stars_of(ELBOW),
+    "cubic": stars_of(CUBIC),
+    "body-centered": stars_of(BODY_CENTERED),
+    "fan": stars_of(FAN),
+    "five tubes": stars_of(FIVE_TUBES, TUBES, blends=8.0),
+    "big ball on thin necks": stars_of(TRIPOD, balls=6.0),
+    "cones": stars_of(CUBIC, slopes=-0.05),
+    "random": stars_of(random_stars(6, 5, 45, np.random.default_rng(3))),
+}
+
+
+def evaluated(found: Blends, order_u: int, order_v: int) -> np.ndarray:
+    """Return derivatives on a grid, shape (U, 4 N, 9, 9, 3)."""
+    u = found.layout.u.values_at(GRID, order_u)
+    v = found.layout.v.values_at(GRID, order_v)
+    return np.einsum("ai,upijx,bj->upabx", u, found.control, v)
+
+
+def unit_normals(found: Blends) -> np.ndarray:
+    normals = np.cross(evaluated(found, 1, 0), evaluated(found, 0, 1))
+    return normals / np.linalg.norm(normals, axis=-1, keepdims=True)
+
+
+def degrees(a: np.ndarray, b: np.ndarray) -> float:
+    return float(np.degrees(np.linalg.norm(a - b, axis=-1).max()))
+
+
+def solved() -> list:
+    return [
+        pytest.param(found, id=f"{name}-{found.layout.along_arc}")
+        for name, stars in CASES.items()
+        for found in blends(stars)
+    ]
+
+
+SOLVED = solved()
+
+
+@pytest.mark.parametrize("found", SOLVED)
+def test_nodes_are_proved(found: Blends) -> None:
+    assert found.proved.all()
+
+
+@pytest.mark.parametrize("found", SOLVED)
+def test_normals_agree_across_spokes_and_arcs(found: Blends) -> None:
+    normals = unit_normals(found)
+    sides = np.arange(normals.shape[1])
+    following = (sides & ~3) | ((sides + 1) & 3)
+    assert degrees(normals[:, :, -1], normals[:, following, 0]) < 1e-4
+    twins = np.take_along_axis(normals[:, :, :, 0], found.twins[:, :, None, None], axis=1)
+    assert degrees(normals[:, :, :, 0], twins[:, :, ::-1]) < 1e-4
+
+
+@pytest.mark.parametrize("found", SOLVED)
+def test_collars_are_circles_and_struts_leave_them_without_a_tilt(found: Blends) -> None:
+    first = np.unique(found.shape_of, return_index=True)[1]
+    axes = found.stars.directions[first].repeat(4, axis=1)[:, :, None]
+    slopes = found.stars.slopes[first].repeat(4, axis=1)[:, :, None, None]
+    rim = evaluated(found, 0, 0)[:, :, :, -1]
+    height = (rim * axes).sum(axis=-1)
+    across = rim - height[..., None] * axes
+    radius = np.linalg.norm(across, axis=-1)
+    assert height == pytest.approx(
+        np.broadcast_to(found.shapes.collar_distances.repeat(4, axis=1)[..., None], height.shape)
+    )
+    wanted = found.shapes.collar_radii.repeat(4, axis=1)[..., None]
+    assert np.abs(radius / wanted - 1).max() < 2e-9
+    normal = across / radius[..., None] - slopes * axes
+    normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+    assert degrees(unit_normals(found)[:, :, :, -1], normal) < 1e-4
+
+
+@pytest.mark.parametrize("found", SOLVED)
+def test_surface_is_near_the_filleted_union(found: Blends) -> None:
+    assert found.shapes.depth.max() < 0.021
+    assert found.shapes.misfit.max() < 0.12
+
+
+@pytest.mark.parametrize("found", SOLVED)
+def test_collar_corners_start_their_quarters(found: Blends) -> None:
+    first = np.unique(found.shape_of, return_index=True)[1]
+    shapes = found.shapes
+    axes = found.stars.directions[first][:, :, None]
+    corners = (
+        shapes.collar_distances[..., None, None] * axes
+        + shapes.collar_radii[..., None, None] * shapes.collar_corners
+    )
+    at_corners = found.control[:, :, 0, -1].reshape(corners.shape)
+    assert at_corners == pytest.approx(corners)
+
+
+def test_equal_nodes_are_solved_once() -> None:
+    rng = np.random.default_rng(0)
+    some = random_stars(3, 4, 50, rng)
+    (found,) = blends(stars_of(some[[0, 1, 0, 2, 1, 0]]))
+    assert len(found.shapes) == 3
+    assert found.shape_of[0] == found.shape_of[2] == found.shape_of[5]
+    assert found.shape_of[1] == found.shape_of[4]
+
+
+def test_a_node_is_the_same_alone_and_among_others() -> None:
+    some = random_stars(5, 4, 50, np.random.default_rng(1))
+    (together,) = blends(stars_of(some))
+    (alone,) = blends(stars_of(some[2]))
+    assert together.control[together.shape_of[2]] == pytest.approx(alone.control[0], abs=1e-9)
+
+
+def test_scaled_nodes_have_scaled_blends() -> None:
+    (one,) = blends(stars_of(TRIPOD))
+    (ten,) = blends(stars_of(TRIPOD, 10.0, blends=6.0))
+    assert ten.control == pytest.approx(10 * one.control, abs=1e-8)
+
+
+def test_order_of_struts_does_not_matter() -> None:
+    order = np.array([2, 0, 3, 1])
+    star = random_stars(1, 4, 50, np.random.default_rng(5))
+    (one,) = blends(stars_of(star))
+    (other,) = blends(stars_of(star[:, order]))
+    assert other.shapes.collar_distances == pytest.approx(one.shapes.collar_distances[:, order])
+    assert other.shapes.solid_angle == pytest.approx(one.shapes.solid_angle)
+
+
+def test_samples_are_shared_and_close_but_for_the_collars() -> None:
+    (found,) = blends(stars_of(CUBIC))
+    samples = sampled(found, GRID, GRID)
+    quads = samples.quads[0]
+    edges = np.stack([quads, np.roll(quads, -1, axis=1)], axis=-1).reshape(-1, 2)
+    _, counts = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
+    assert set(counts) == {1, 2}
+    assert (counts == 1).sum() == 6 * 4 * 8
+    assert len(samples.points[0]) - len(counts) + len(quads) == 2 - 6
+
+
+def test_samples_lie_on_the_patches_with_outward_normals() -> None:
+    (found,) = blends(stars_of(TRIPOD))
+    samples = sampled(found, GRID, GRID)
+    number = samples.number[0]
+    assert samples.points[0][number] == pytest.approx(evaluated(found, 0, 0)[0])
+    assert samples.normals[0][number] == pytest.approx(unit_normals(found)[0], abs=1e-6)
+    assert ((samples.points * samples.normals).sum(axis=-1) > 0).all()
+
+
+def test_wrong_numbers_are_named() -> None:
+    with pytest.raises(OptionError, match=r"radii of node 0 has -1; need a number > 0"):
+        stars_of(TRIPOD, -1.0)
+    with pytest.raises(OptionError, match=r"balls of node 0 has -2; need a number ≥ 0"):
+        stars_of(TRIPOD, balls=-2.0)
+    with pytest.raises(OptionError, match=r"radii does not fit; need numbers of shape \(1, 3\)"):
+        stars_of(TRIPOD, np.ones(2))
+    (found,) = blends(stars_of(TRIPOD))
+    with pytest.raises(OptionError, match="need both u and 1 - u"):
+        sampled(found, np.array([0, 0.2, 1.0]), GRID)
+    with pytest.raises(OptionError, match="need ascending numbers from 0 to 1"):
+        sampled(found, GRID, np.array([0, 0.5]))
+
+
+def test_stars_are_picked_by_rows() -> None:
+    some = stars_of(random_stars(4, 3, 50, np.random.default_rng(8)))
+    assert isinstance(some[np.array([2, 0])], Stars)
+    assert (some[np.array([2, 0])].directions[0] == some.directions[2]).all()
