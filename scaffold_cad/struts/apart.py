@@ -1,11 +1,11 @@
 """Which parts of round struts keep apart from all that they do not join: a proof by distances.
 
-Every run is cut into capsules: slices of the patches between its nodes and its collars, as wide as
-their control points are off its axis, and the strut between. Capsules that share no node must keep
-apart; those that share one are apart because the node's body is star-shaped around it, see `proof`,
-and those of one run are one behind the other.
+Every run is cut into convex pieces: the hulls of slices of the patches between its nodes and its
+collars, and the strut between. Pieces that share no node must keep apart; those that share one are
+apart because the node's body is star-shaped around it, see `proof`, and those of one run are one
+behind the other. Pieces are first looked at as capsules, and where these meet as what they are.
 
-Distances of cones are bounded by their larger radius.
+Cones are bounded by their larger radius, piece by piece.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points
 from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.segments import nearest_on_segments
-from scaffold_cad.base.vectors import length
+from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.struts.model import BlendedNodes
 from scaffold_cad.struts.quarter import DEGREE
@@ -25,15 +25,24 @@ from scaffold_cad.struts.runs import Runs
 from scaffold_cad.struts.splines import Spline
 
 PIECES = 4
-"""Capsules that the strut of a cone is cut into, so that its larger radius bounds little."""
+"""Pieces that the strut of a cone is cut into, so that its larger radius bounds little."""
 
 SLICES = 4
 """Slices that patches are cut into from their arcs to their collars."""
 
+ROUNDS = 40
+"""Steps in which a direction is looked for that parts two pieces."""
+
+PAIRS_AT_ONCE = 4096
+"""Pairs of pieces looked at together."""
+
+LEAST_GAP = 1e-9
+"""Gap between pieces that is more than rounding, in their radii."""
+
 
 @dataclass(frozen=True, eq=False)
-class Capsules(Frozen):
-    """Segments with a radius each, and the nodes whose bodies they belong to."""
+class Pieces(Frozen):
+    """Convex pieces, each within a capsule: a segment with a radius."""
 
     start: Points
     """Shape (c, 3), mm."""
@@ -45,39 +54,44 @@ class Capsules(Frozen):
     """The one or two nodes that each touches, shape (c, 2); twice the same for one."""
     run: Ints
     """Run that each is of, shape (c,)."""
+    hull: Ints
+    """Row of `points` whose hull it is, or -1 for the cylinder around its segment, shape (c,)."""
+    points: Floats
+    """Points of the hulls relative to their node, shape (h, k, 3), mm."""
+    offset: Points
+    """Node of each piece with a hull, shape (c, 3), mm."""
 
-    def thickened(self, factor: float) -> Capsules:
-        """Return the same segments with other radii."""
-        return Capsules(self.start, self.end, factor * self.radius, self.nodes, self.run)
-
-
-def meeting_runs(capsules: Capsules) -> Edges:
-    """Return the pairs of runs whose capsules meet, each once, shape (p, 2).
-
-    Capsules that share a node, or are of one run, are not compared.
-    """
-    reach = capsules.radius[:, None]
-    low = np.minimum(capsules.start, capsules.end) - reach
-    high = np.maximum(capsules.start, capsules.end) + reach
-    found = []
-    for i, j in overlapping_boxes(low, high):
-        i, j = _without_neighbors(capsules, i, j)
-        a, b = nearest_on_segments(
-            capsules.start[i], capsules.end[i], capsules.start[j], capsules.end[j]
+    def thickened(self, factor: float) -> Pieces:
+        """Return the pieces with radii multiplied by `factor` ≥ 1, and as much around hulls."""
+        return Pieces(
+            self.start,
+            self.end,
+            factor * self.radius,
+            self.nodes,
+            self.run,
+            self.hull,
+            self.points,
+            self.offset,
         )
-        near = length(a - b) < capsules.radius[i] + capsules.radius[j]
-        found.append(np.stack([capsules.run[i[near]], capsules.run[j[near]]], axis=1))
-    pairs = np.concatenate(found) if found else np.empty((0, 2), dtype=np.intp)
-    pairs = np.sort(pairs, axis=1)
-    return np.unique(pairs, axis=0)
 
+    def furthest(self, piece: Ints, directions: Floats, around: Floats) -> Points:
+        """Return the point of each of some pieces that is furthest in a direction, (p, 3).
 
-def _without_neighbors(capsules: Capsules, i: Ints, j: Ints) -> tuple[Ints, Ints]:
-    """Return the pairs that share neither a node nor a run."""
-    a, b = capsules.nodes[i], capsules.nodes[j]  # (p, 2)
-    shared: Bools = (a[:, :, None] == b[:, None, :]).any(axis=(1, 2))
-    shared |= capsules.run[i] == capsules.run[j]  # its collars are one behind the other
-    return i[~shared], j[~shared]
+        Parameters
+        ----------
+        around : (p,) how far beyond its hull a piece reaches, mm
+        """
+        start, end = self.start[piece], self.end[piece]
+        axis = normalize(end - start)
+        across = normalize(directions - dot(directions, axis)[:, None] * axis)
+        ahead = dot(directions, end - start) > 0
+        found = np.where(ahead[:, None], end, start) + self.radius[piece, None] * across
+        hulls = np.flatnonzero(self.hull[piece] >= 0)
+        points = self.points[self.hull[piece[hulls]]]  # (q, k, 3)
+        best = np.einsum("qkx,qx->qk", points, directions[hulls]).argmax(axis=1)
+        corner = points[np.arange(len(hulls)), best] + self.offset[piece[hulls]]
+        found[hulls] = corner + around[hulls, None] * normalize(directions[hulls])
+        return found
 
 
 def crossing_runs(
@@ -90,17 +104,56 @@ def crossing_runs(
     collar : (2 k,) distance of each half-run's collar from its node, mm
     slack : how much thicker all are taken to be, in radii: polygons reach beyond their circles
     """
-    capsules = [_struts(runs, collar), *(_node_parts(runs, group) for group in blended)]
-    every = Capsules(
-        *(
-            np.concatenate([getattr(part, name) for part in capsules])
-            for name in ("start", "end", "radius", "nodes", "run")
-        )
-    )
-    return meeting_runs(every.thickened(1.0 + slack))
+    pieces = _joined([_struts(runs, collar), *(_node_parts(runs, group) for group in blended)])
+    pieces = pieces.thickened(1.0 + slack)
+    reach = pieces.radius[:, None]
+    low, high = np.minimum(pieces.start, pieces.end) - reach, np.maximum(pieces.start, pieces.end)
+    found = []
+    for i, j in overlapping_boxes(low, high + reach):
+        i, j = _without_neighbors(pieces, i, j)
+        a, b = nearest_on_segments(pieces.start[i], pieces.end[i], pieces.start[j], pieces.end[j])
+        near = length(a - b) < pieces.radius[i] + pieces.radius[j]
+        i, j = i[near], j[near]
+        for at in range(0, len(i), PAIRS_AT_ONCE):
+            one, other = i[at : at + PAIRS_AT_ONCE], j[at : at + PAIRS_AT_ONCE]
+            meets = ~_apart(pieces, one, other, slack)
+            found.append(np.stack([pieces.run[one[meets]], pieces.run[other[meets]]], axis=1))
+    pairs = np.concatenate(found) if found else np.empty((0, 2), dtype=np.intp)
+    return np.unique(np.sort(pairs, axis=1), axis=0)
 
 
-def _struts(runs: Runs, collar: Floats) -> Capsules:
+def _without_neighbors(pieces: Pieces, i: Ints, j: Ints) -> tuple[Ints, Ints]:
+    """Return the pairs that share neither a node nor a run."""
+    a, b = pieces.nodes[i], pieces.nodes[j]  # (p, 2)
+    shared: Bools = (a[:, :, None] == b[:, None, :]).any(axis=(1, 2))
+    shared |= pieces.run[i] == pieces.run[j]  # its collars are one behind the other
+    return i[~shared], j[~shared]
+
+
+def _apart(pieces: Pieces, i: Ints, j: Ints, slack: float) -> Bools:
+    """Return whether a plane was found between the pieces of each pair, shape (p,).
+
+    Steps towards the point of their difference that is nearest to 0 (Frank and Wolfe's): where the
+    difference lies beyond a plane across the way to it, the pieces are apart.
+    """
+    around = [slack / (1 + slack) * pieces.radius[k] for k in (i, j)]
+    middles = [(pieces.start[k] + pieces.end[k]) / 2 for k in (i, j)]
+    nearest = middles[0] - middles[1]  # (p, 3), a point of the difference
+    scale = pieces.radius[i] + pieces.radius[j]
+    apart = np.zeros(len(i), dtype=np.bool_)
+    for _ in range(ROUNDS):
+        corner = pieces.furthest(i, -nearest, around[0]) - pieces.furthest(j, nearest, around[1])
+        gap = dot(corner, normalize(nearest))
+        apart |= gap > LEAST_GAP * scale
+        way = corner - nearest
+        share = -dot(nearest, way) / np.maximum(dot(way, way), 1e-300)
+        nearest = nearest + np.clip(share, 0.0, 1.0)[:, None] * way
+        if apart.all():
+            break
+    return apart
+
+
+def _struts(runs: Runs, collar: Floats) -> Pieces:
     """Return the struts between their collars, cones in pieces."""
     cone = runs.slopes[0::2] != 0
     pieces = np.where(cone, PIECES, 1)
@@ -111,10 +164,13 @@ def _struts(runs: Runs, collar: Floats) -> Capsules:
     ahead, tail = runs.directions[0::2][run], runs.nodes[runs.edges[run, 0]]
     start, end = (tail + bound[:, None] * ahead for bound in bounds)
     radius = np.maximum(*(runs.radii_at(2 * run, bound) for bound in bounds))
-    return Capsules(start, end, radius, runs.edges[run], run)
+    no_hull = np.full(len(run), -1, dtype=np.intp)
+    return Pieces(
+        start, end, radius, runs.edges[run], run, no_hull, np.empty((0, 1, 3)), np.zeros_like(start)
+    )
 
 
-def _node_parts(runs: Runs, group: BlendedNodes) -> Capsules:
+def _node_parts(runs: Runs, group: BlendedNodes) -> Pieces:
     """Return what lies between nodes and collars: the hulls of slices of the patches."""
     made, axes = group.shapes, group.axes
     count, valency = axes.shape[:2]
@@ -129,13 +185,31 @@ def _node_parts(runs: Runs, group: BlendedNodes) -> Capsules:
     half_runs = np.repeat(group.half_runs.reshape(-1), SLICES)
     first, last, radius = (each[group.shape_of].reshape(-1) for each in (low, high, wide))
     node, ahead = runs.nodes[runs.tails[half_runs]], runs.directions[half_runs]
-    return Capsules(
+    return Pieces(
         node + first[:, None] * ahead,
         node + last[:, None] * ahead,
         radius,
         np.repeat(runs.tails[half_runs][:, None], 2, axis=1),
         half_runs >> 1,
+        np.arange(low.size).reshape(low.shape)[group.shape_of].reshape(-1),
+        points.reshape(low.size, -1, 3),
+        node,
     )
+
+
+def _joined(parts: list[Pieces]) -> Pieces:
+    """Return all pieces, and their hulls with as many points each."""
+    most = max(part.points.shape[1] for part in parts)
+    points, hulls, count = [], [], 0
+    for part in parts:
+        missing = most - part.points.shape[1]
+        points.append(np.pad(part.points, ((0, 0), (0, missing), (0, 0)), mode="edge"))
+        hulls.append(np.where(part.hull >= 0, part.hull + count, -1))
+        count += len(part.points)
+    names = ("start", "end", "radius", "nodes", "run")
+    every = [np.concatenate([getattr(part, name) for part in parts]) for name in names]
+    offset = np.concatenate([part.offset for part in parts])
+    return Pieces(*every, np.concatenate(hulls), np.concatenate(points), offset)
 
 
 def slicing(count: int, spline: Spline) -> Floats:

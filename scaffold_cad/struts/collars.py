@@ -1,10 +1,10 @@
 """Collars: where a strut leaves its node, on an exact circle across its axis.
 
-The collar of a strut stands as near to the node as it can while every other strut, and the
-node's ball, is ρ away all around the circle: there, and from there on, the filleted union is the
-strut itself. On a circle about strut i the distance to another cone is a concave function of the
-height along that cone's axis, so it is least at the two points of the circle in the plane of
-both axes. In that plane the distances are those to a line and to a point, which have closed forms.
+The collar of a strut stands as near to the node as it can while the fillets end before it: there,
+and from there on, the filleted union is the strut itself. A fillet with another strut ends where a
+ball of radius ρ that touches both surfaces touches this one: at a distance d from the other of
+ρ (1 − cos φ), where φ is the angle between their normals. It is looked for all around the circle, on
+one side of the plane of both axes, as the other is its mirror image.
 """
 
 from __future__ import annotations
@@ -18,8 +18,12 @@ from scaffold_cad.struts.distances import Union
 
 LEAST_BLEND = 0.1
 """Least ρ over the mean radius of the node's struts: where that has no room, nothing has."""
-HALVINGS = 40
-"""Halvings of the range that the largest ρ with room is searched in."""
+HALVINGS = 30
+"""Halvings of the range that a collar, or the largest ρ with room, is searched in."""
+AROUND = 9
+"""Points on half a circle at which a collar is looked at."""
+EXACT = 1e-9
+"""How far a fillet may be past a collar, in radii: rounding."""
 NEVER = 1e9
 """Collar distance over the radius that stands for struts that never part."""
 
@@ -78,15 +82,61 @@ def collar_distances(union: Union, blends: Floats) -> Floats:
     for strut in range(count):
         for other in range(count):
             if other != strut:
-                for side in (1.0, -1.0):
-                    clear = _clear(union, blends, strut, other, side)
-                    np.maximum(nearest[:, strut], clear, out=nearest[:, strut])
-    ball = np.where(union.balls > 0, union.balls + blends, 0.0)[:, None]
-    return np.maximum(nearest, _outside(union.radii, union.slopes, ball))
+                clear = _clear(union, blends, strut, other)
+                np.maximum(nearest[:, strut], clear, out=nearest[:, strut])
+    # A ball of radius ρ that touches the node's ball and a cylinder touches them from outside.
+    with_ball = np.where(union.balls > 0, union.balls + blends, 0.0)[:, None]
+    return np.maximum(nearest, _outside(union.radii, union.slopes, with_ball))
 
 
-def _clear(union: Union, blends: Floats, strut: int, other: int, side: float) -> Floats:
-    """Return where the circle's point towards the other strut, or away, is clear of it, (M,)."""
+def _clear(union: Union, blends: Floats, strut: int, other: int) -> Floats:
+    """Return from where on the circle of a strut is clear of its fillet with another one, (M,)."""
+    axes = union.directions
+    cosine = np.clip((axes[:, :, strut] * axes[:, :, other]).sum(axis=0), -1, 1)[:, None]
+    sine = np.sqrt(1 - cosine**2)
+    radius, slope = union.radii[:, strut, None], union.slopes[:, strut, None]
+    own = union.cosines[:, strut, None]
+    turn = union.cosines[:, other, None]
+    lean = turn * union.slopes[:, other, None]
+    inscribed = union.radii[:, other, None] * turn
+    towards = np.cos(np.linspace(0.0, np.pi, AROUND))  # (AROUND,)
+
+    def is_clear(distance: Floats) -> Bools:
+        c = distance[:, None]
+        wide = radius + slope * c
+        t = c * cosine + wide * towards * sine
+        size = np.sqrt(c * c + wide * wide)
+        q = np.sqrt(np.maximum(size**2 - t * t, 1e-18 * size**2))
+        beside = t * turn + q * lean > 0
+        gap = np.where(beside, q * turn - t * lean, size) - inscribed
+        by_point = np.where(beside, turn / q, 1 / size)
+        by_axis = np.where(beside, -t * by_point - lean, 0.0)
+        along_point = own * (wide - slope * c)
+        along_axis = own * (towards * sine - slope * cosine)
+        normals = by_point * along_point + by_axis * along_axis
+        return np.asarray((gap >= blends[:, None] * (1 - normals) - EXACT * radius).all(axis=1))
+
+    low, high = np.zeros(len(blends)), _surely_clear(union, 2 * blends, strut, other)
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        clear = is_clear(middle)
+        low, high = np.where(clear, low, middle), np.where(clear, middle, high)
+    return high
+
+
+def _surely_clear(union: Union, gap: Floats, strut: int, other: int) -> Floats:
+    """Return where a strut's circle is at least `gap` (M,) from another strut, (M,)."""
+    clear = [_at_gap(union, gap, strut, other, side) for side in (1.0, -1.0)]
+    return np.maximum(*clear)
+
+
+def _at_gap(union: Union, blends: Floats, strut: int, other: int, side: float) -> Floats:
+    """Return where the circle's point towards the other strut, or away, is at a gap of it, (M,).
+
+    On a circle the distance to another cone is a concave function of the height along that cone's
+    axis, so it is least at the two points of the circle in the plane of both axes. In that plane
+    the distances are those to a line and to a point, which have closed forms.
+    """
     axes = union.directions
     cosine = np.clip((axes[:, :, strut] * axes[:, :, other]).sum(axis=0), -1, 1)
     sine = np.sqrt(1 - cosine**2)

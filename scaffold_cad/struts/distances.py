@@ -6,8 +6,13 @@ with t along the axis and q across it, the cone with radius r + s t and tan α =
 q cos α − t sin α − r cos α where τ = t cos α + q sin α is positive; elsewhere the ball of radius
 r cos α about the node is nearest. Both agree at τ = 0 with their gradients.
 
-The filleted union is the zero set of ρ − |max(ρ − d_j, 0)| over all distances d_j: a fillet of
-radius ρ where two struts meet at right angles, the strut itself where only one is nearer than ρ.
+The filleted union is what a ball of radius ρ cannot reach from outside, with the surfaces near
+each point taken as planes: at distances d_j with normals n_j the ball's center is moved by the
+shortest y with n_j · y ≥ ρ − d_j for all j, and f = ρ − |y|. Where only one strut is near, f is its
+distance; between two whose normals enclose the angle φ it is the rolling ball's fillet of radius ρ
+at any φ; and where surfaces go the same way, as at the back of a T or at a mild bend, there is no
+fillet and no bulge. y is a sum of at most three normals, n_j times λ_j ≥ 0, and |y| is the largest
+that any of these give.
 
 Coordinates come first and nodes second in all arrays here: (3, M, S) for S points at each of
 M nodes, all relative to their node.
@@ -15,14 +20,21 @@ M nodes, all relative to their node.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Frozen
+from scaffold_cad.base.arrays import Bools, Floats, Frozen
 
 NEAR_AXIS = 1e-9
 """Part of the radius that points are taken to be away from an axis, where it has no normal."""
+LEAST_COSINE = -0.95
+"""Least cosine between two normals that is reckoned with: a slot between walls fills up."""
+LEAST_VOLUME = 1e-3
+"""Least squared volume that three normals span for a fillet between them."""
+MOST_FOR_TRIPLES = 8
+"""Most struts of a node whose triples are looked at: with more only pairs are."""
 LEAST_SLOPE = 0.1
 """Least length of the gradient that a step divides by: between struts it can vanish."""
 
@@ -76,31 +88,103 @@ class Union(Frozen):
         return deepest
 
     def value_and_slope(self, points: Floats) -> tuple[Floats, Floats]:
-        """Return f at `points` (3, M, S), shape (M, S), and its gradient, (3, M, S)."""
+        """Return f at `points` (3, M, S), shape (M, S), and its gradient of length 1, (3, M, S)."""
         square = _square(points)
-        parts = list(self._parts(points, square))
-        nearest = parts[0][0].copy()
-        for distance, _, _ in parts[1:]:
-            np.minimum(nearest, distance, out=nearest)
+        parts = [part for part in self._parts(points, square)]
+        distances = np.stack([distance for distance, *_ in parts])  # (N, M, S)
         blends = self.blends[:, None]
         # Far from all struts f is the distance to the nearest one.
-        reach = np.maximum(blends, nearest + 1e-6 * blends)
-        total = np.zeros_like(nearest)
-        along_point = np.zeros_like(nearest)
-        gradient = np.zeros_like(points)
-        for strut, (distance, by_point, by_axis) in enumerate(parts):
-            depth = np.maximum(reach - distance, 0.0)
-            total += depth * depth
-            along_point += depth * by_point
-            if by_axis is not None:
-                depth *= by_axis
-                for k in range(3):
-                    gradient[k] += depth * self.directions[k, :, strut, None]
-        norm = np.sqrt(total)
-        for k in range(3):
-            gradient[k] += along_point * points[k]
-        gradient /= norm
-        return reach - norm, gradient
+        reach = np.maximum(blends, distances.min(axis=0) + 1e-6 * blends)
+        needs = reach - distances
+        by_point = np.stack([part[1] for part in parts])
+        by_axis = np.stack(
+            [np.zeros_like(square) if part[2] is None else part[2] for part in parts]
+        )
+        shares = self._shares(points, square, needs, by_point, by_axis)
+        step = (shares * by_point).sum(axis=0) * points
+        for strut in range(self.radii.shape[1]):
+            along = shares[strut] * by_axis[strut]
+            for k in range(3):
+                step[k] += along * self.directions[k, :, strut, None]
+        norm = np.sqrt(_square(step))
+        return reach - norm, step / np.maximum(norm, 1e-300)
+
+    def _shares(
+        self, points: Floats, square: Floats, needs: Floats, by_point: Floats, by_axis: Floats
+    ) -> Floats:
+        """Return λ, by which each normal goes into the shortest way to the ball's center."""
+        count = len(needs)
+        along = np.zeros_like(needs)  # of points along axes
+        for strut in range(self.radii.shape[1]):
+            along[strut] = _along(points, self.directions[:, :, strut])
+        axes = np.zeros((3, len(self.blends), count))
+        axes[:, :, : self.radii.shape[1]] = self.directions
+
+        def cosine(i: int, j: int) -> Floats:
+            between = (axes[:, :, i] * axes[:, :, j]).sum(axis=0)[:, None]
+            found = by_point[i] * (by_point[j] * square + by_axis[j] * along[j])
+            found += by_axis[i] * (by_point[j] * along[i] + by_axis[j] * between)
+            return np.clip(found, LEAST_COSINE, 1.0)
+
+        nearest = needs.argmax(axis=0)
+        best = np.square(np.take_along_axis(needs, nearest[None], axis=0)[0])
+        shares = np.zeros_like(needs)
+        np.put_along_axis(
+            shares, nearest[None], np.take_along_axis(needs, nearest[None], axis=0), axis=0
+        )
+        active = needs > 0
+        near = np.einsum("ims,jms->ij", active, active, dtype=np.intp, optimize=False) > 0
+        for i in range(count):
+            for j in range(i):
+                if not near[i, j]:
+                    continue
+                c = cosine(i, j)
+                one, other = needs[i] - c * needs[j], needs[j] - c * needs[i]
+                rest = np.maximum(1 - c * c, 1e-12)
+                length = (needs[i] * one + needs[j] * other) / rest
+                better = (one > 0) & (other > 0) & (length > best)
+                if not better.any():
+                    continue
+                best = np.where(better, length, best)
+                shares *= ~better
+                shares[i] = np.where(better, one / rest, shares[i])
+                shares[j] = np.where(better, other / rest, shares[j])
+        if MOST_FOR_TRIPLES >= count >= 3:
+            self._with_triples(needs, near, cosine, best, shares)
+        return shares
+
+    def _with_triples(
+        self,
+        needs: Floats,
+        near: Bools,
+        cosine: Callable[[int, int], Floats],
+        best: Floats,
+        shares: Floats,
+    ) -> None:
+        """Put into `shares` what three normals at once give, where that is further."""
+        count = len(needs)
+        cosines = {(i, j): cosine(i, j) for i in range(count) for j in range(i) if near[i, j]}
+        for i in range(count):
+            for j in range(i):
+                for k in range(j):
+                    if not (near[i, j] and near[i, k] and near[j, k]):
+                        continue
+                    a, b, c = cosines[i, j], cosines[i, k], cosines[j, k]
+                    full = 1 + 2 * a * b * c - a * a - b * b - c * c
+                    x, y, z = needs[i], needs[j], needs[k]
+                    one = (1 - c * c) * x + (b * c - a) * y + (a * c - b) * z
+                    two = (b * c - a) * x + (1 - b * b) * y + (a * b - c) * z
+                    three = (a * c - b) * x + (a * b - c) * y + (1 - a * a) * z
+                    proper = (one > 0) & (two > 0) & (three > 0) & (full > LEAST_VOLUME)
+                    if not proper.any():
+                        continue
+                    scale = np.maximum(full, LEAST_VOLUME)
+                    length = (x * one + y * two + z * three) / scale
+                    better = proper & (length > best)
+                    best[...] = np.where(better, length, best)
+                    shares *= ~better
+                    for strut, share in ((i, one), (j, two), (k, three)):
+                        shares[strut] = np.where(better, share / scale, shares[strut])
 
     def projected(self, points: Floats, steps: int, urge: float = 0.0) -> Floats:
         """Return `points` (3, M, S) moved towards f = 0 by Newton steps along the gradient.
@@ -118,7 +202,7 @@ class Union(Frozen):
     def reached(self, directions: Floats, steps: int = 8) -> Floats:
         """Return how far f = 0 is from the node along unit `directions` (3, M, S), mm, (M, S).
 
-        Along a ray all distances grow in proportion, so that |max(ρ − d_j, 0)| is convex and
+        Along a ray all distances grow in proportion and normals stay, so that |y| is convex and
         falls: Newton steps from the surface of the union go up to the root and not past it.
         """
         cosines, blends = self.cosines, self.blends[:, None]
@@ -137,13 +221,9 @@ class Union(Frozen):
         for rate, radius in zip(growth, start, strict=True):
             far = np.maximum(far, radius / rate)
         for _ in range(steps):
-            total, slope = np.zeros_like(far), np.zeros_like(far)
-            for rate, radius in zip(growth, start, strict=True):
-                depth = np.maximum(blends - far * rate + radius, 0.0)
-                total += depth * depth
-                slope += depth * rate
-            norm = np.sqrt(total)
-            far = far + (norm - blends) * norm / np.maximum(slope, 1e-9 * norm)
+            value, gradient = self.value_and_slope(far * directions)
+            rate = (gradient * directions).sum(axis=0)
+            far = far - value / np.maximum(rate, LEAST_SLOPE)
         return far
 
     def _parts(self, points: Floats, square: Floats) -> list[tuple[Floats, Floats, Floats | None]]:
