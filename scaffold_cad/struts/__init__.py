@@ -1,7 +1,22 @@
 """Round struts: exact cylinders and cones, blends at nodes, and the proof that they are sound."""
 
+from scaffold_cad.struts.blend import Blends, Solved, Stars
 from scaffold_cad.struts.builder import round_struts
 from scaffold_cad.struts.model import RoundStruts
+from scaffold_cad.struts.nodes import blends
 from scaffold_cad.struts.options import Ends, Nodes, StrutOptions
+from scaffold_cad.struts.sampling import Samples, sampled
 
-__all__ = ["Ends", "Nodes", "RoundStruts", "StrutOptions", "round_struts"]
+__all__ = [
+    "Blends",
+    "Ends",
+    "Nodes",
+    "RoundStruts",
+    "Samples",
+    "Solved",
+    "Stars",
+    "StrutOptions",
+    "blends",
+    "round_struts",
+    "sampled",
+]

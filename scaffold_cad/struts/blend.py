@@ -185,6 +185,25 @@ class Blends(Frozen):
         return self.shapes.layout
 
     @property
+    def axes(self) -> UnitVectors:
+        """Directions of the struts of each blend, shape (U, N, 3)."""
+        first = np.unique(self.shape_of, return_index=True)[1]
+        return np.asarray(self.stars.directions[first])
+
+    @property
+    def bounds(self) -> Floats:
+        """Cylinders that hold the patches of each strut, shape (U, N, 3), mm.
+
+        Least and greatest height of a control point along the strut, from the node, and the
+        greatest distance from the axis: a patch lies among its control points.
+        """
+        points = self.control.reshape(len(self.shapes), self.axes.shape[1], -1, 3)
+        height = np.einsum("uipx,uix->uip", points, self.axes)
+        across = points - height[..., None] * self.axes[:, :, None]
+        widest = np.sqrt(np.einsum("uipx,uipx->uip", across, across).max(axis=2))
+        return np.stack([height.min(axis=2), height.max(axis=2), widest], axis=2)
+
+    @property
     def proved(self) -> Bools:
         """Whether the blend of each node is proved to be free of folds, shape (m,)."""
         return np.asarray(self.shapes.proved[self.shape_of])

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors
-from scaffold_cad.base.vectors import any_perpendicular, dot, length, normalize
+from scaffold_cad.base.vectors import any_perpendicular
 from scaffold_cad.partition import partition_spheres
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 from scaffold_cad.struts.apart import crossing_runs
+from scaffold_cad.struts.bends import bend_partitions
 from scaffold_cad.struts.blend import Stars
 from scaffold_cad.struts.collars import LEAST_BLEND, collar_distances
 from scaffold_cad.struts.distances import Union
@@ -124,18 +125,9 @@ def _stars(skeleton: Skeleton, runs: Runs, group: _Group, options: StrutOptions)
 
 def _partitions(directions: UnitVectors) -> tuple[UnitVectors, Ints]:
     """Return partition vertices (M, N + 2, 3) and quads (M, N, 4) around directions (M, N, 3)."""
-    if directions.shape[1] > 2:
-        made = partition_spheres(directions)
-        return made.vertices, made.quads
-    # Two quads on the great circle between both directions, a corner toward the inner side.
-    across = normalize(directions[:, 0] - directions[:, 1])
-    inner = directions.sum(axis=1)
-    inner = np.where((length(inner) > 1e-6)[:, None], inner, any_perpendicular(across))
-    inner = normalize(inner - dot(inner, across)[:, None] * across)
-    side = np.cross(across, inner)
-    vertices = np.stack([inner, side, -inner, -side], axis=1)
-    quads = np.broadcast_to(np.array([[0, 1, 2, 3], [3, 2, 1, 0]]), (len(vertices), 2, 4))
-    return vertices, quads
+    two = directions.shape[1] == 2
+    made = bend_partitions(directions) if two else partition_spheres(directions)
+    return made.vertices, made.quads
 
 
 def _union(stars: Stars) -> Union:

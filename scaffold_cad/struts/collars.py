@@ -3,7 +3,7 @@
 The collar of a strut stands as near to the node as it can while the fillets end before it: there,
 and from there on, the filleted union is the strut itself. A fillet with another strut ends where a
 ball of radius ρ that touches both surfaces touches this one: at a distance d from the other of
-ρ (1 − cos φ), where φ is the angle between their normals. It is looked for all around the circle, on
+ρ (1 − cos φ), where φ is the angle between their normals, at most π/2. It is looked for all around the circle, on
 one side of the plane of both axes, as the other is its mirror image.
 """
 
@@ -114,9 +114,11 @@ def _clear(union: Union, blends: Floats, strut: int, other: int) -> Floats:
         along_point = own * (wide - slope * c)
         along_axis = own * (towards * sine - slope * cosine)
         normals = by_point * along_point + by_axis * along_axis
-        return np.asarray((gap >= blends[:, None] * (1 - normals) - EXACT * radius).all(axis=1))
+        return np.asarray(
+            (gap >= blends[:, None] * (1 - np.maximum(normals, 0.0)) - EXACT * radius).all(axis=1)
+        )
 
-    low, high = np.zeros(len(blends)), _surely_clear(union, 2 * blends, strut, other)
+    low, high = np.zeros(len(blends)), _surely_clear(union, blends, strut, other)
     for _ in range(HALVINGS):
         middle = (low + high) / 2
         clear = is_clear(middle)

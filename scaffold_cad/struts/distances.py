@@ -9,10 +9,10 @@ r cos α about the node is nearest. Both agree at τ = 0 with their gradients.
 The filleted union is what a ball of radius ρ cannot reach from outside, with the surfaces near
 each point taken as planes: at distances d_j with normals n_j the ball's center is moved by the
 shortest y with n_j · y ≥ ρ − d_j for all j, and f = ρ − |y|. Where only one strut is near, f is its
-distance; between two whose normals enclose the angle φ it is the rolling ball's fillet of radius ρ
-at any φ; and where surfaces go the same way, as at the back of a T or at a mild bend, there is no
-fillet and no bulge. y is a sum of at most three normals, n_j times λ_j ≥ 0, and |y| is the largest
-that any of these give.
+distance; between two whose normals enclose an angle up to π/2 it is the rolling ball's fillet of
+radius ρ; and where surfaces go the same way, as at the back of a T or at a mild bend, there is no
+fillet and no bulge. Larger angles count as π/2, and f is ρ − |max(ρ − d_j, 0)| there: in acute
+corners a ball of radius ρ would stay far out. y is a sum of normals, λ_j ≥ 0 of each.
 
 Coordinates come first and nodes second in all arrays here: (3, M, S) for S points at each of
 M nodes, all relative to their node.
@@ -20,21 +20,16 @@ M nodes, all relative to their node.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Floats, Frozen
+from scaffold_cad.base.arrays import Floats, Frozen
 
 NEAR_AXIS = 1e-9
 """Part of the radius that points are taken to be away from an axis, where it has no normal."""
-LEAST_COSINE = -0.95
-"""Least cosine between two normals that is reckoned with: a slot between walls fills up."""
-LEAST_VOLUME = 1e-3
-"""Least squared volume that three normals span for a fillet between them."""
-MOST_FOR_TRIPLES = 8
-"""Most struts of a node whose triples are looked at: with more only pairs are."""
+SWEEPS = 6
+"""Steps in which the shares of normals in the way to the ball's center are found."""
 LEAST_SLOPE = 0.1
 """Least length of the gradient that a step divides by: between struts it can vanish."""
 
@@ -100,91 +95,44 @@ class Union(Frozen):
         by_axis = np.stack(
             [np.zeros_like(square) if part[2] is None else part[2] for part in parts]
         )
-        shares = self._shares(points, square, needs, by_point, by_axis)
+        shares, norm = self._shares(points, square, needs, by_point, by_axis)
         step = (shares * by_point).sum(axis=0) * points
         for strut in range(self.radii.shape[1]):
             along = shares[strut] * by_axis[strut]
             for k in range(3):
                 step[k] += along * self.directions[k, :, strut, None]
-        norm = np.sqrt(_square(step))
-        return reach - norm, step / np.maximum(norm, 1e-300)
+        return reach - norm, step / norm
 
     def _shares(
         self, points: Floats, square: Floats, needs: Floats, by_point: Floats, by_axis: Floats
-    ) -> Floats:
-        """Return λ, by which each normal goes into the shortest way to the ball's center."""
+    ) -> tuple[Floats, Floats]:
+        """Return λ, by which each normal goes into y, (N, M, S), and |y|, (M, S).
+
+        λ ≥ 0 makes e · λ / |y| greatest, e what each distance lacks; found by Gauss and Seidel's
+        steps, of which few are enough: |y| is wrong by the square of what λ is.
+        """
         count = len(needs)
         along = np.zeros_like(needs)  # of points along axes
         for strut in range(self.radii.shape[1]):
             along[strut] = _along(points, self.directions[:, :, strut])
         axes = np.zeros((3, len(self.blends), count))
         axes[:, :, : self.radii.shape[1]] = self.directions
-
-        def cosine(i: int, j: int) -> Floats:
-            between = (axes[:, :, i] * axes[:, :, j]).sum(axis=0)[:, None]
-            found = by_point[i] * (by_point[j] * square + by_axis[j] * along[j])
-            found += by_axis[i] * (by_point[j] * along[i] + by_axis[j] * between)
-            return np.clip(found, LEAST_COSINE, 1.0)
-
-        nearest = needs.argmax(axis=0)
-        best = np.square(np.take_along_axis(needs, nearest[None], axis=0)[0])
-        shares = np.zeros_like(needs)
-        np.put_along_axis(
-            shares, nearest[None], np.take_along_axis(needs, nearest[None], axis=0), axis=0
-        )
-        active = needs > 0
-        near = np.einsum("ims,jms->ij", active, active, dtype=np.intp, optimize=False) > 0
+        cosines = np.zeros((count, *needs.shape))  # 0 on the diagonal
         for i in range(count):
             for j in range(i):
-                if not near[i, j]:
-                    continue
-                c = cosine(i, j)
-                one, other = needs[i] - c * needs[j], needs[j] - c * needs[i]
-                rest = np.maximum(1 - c * c, 1e-12)
-                length = (needs[i] * one + needs[j] * other) / rest
-                better = (one > 0) & (other > 0) & (length > best)
-                if not better.any():
-                    continue
-                best = np.where(better, length, best)
-                shares *= ~better
-                shares[i] = np.where(better, one / rest, shares[i])
-                shares[j] = np.where(better, other / rest, shares[j])
-        if MOST_FOR_TRIPLES >= count >= 3:
-            self._with_triples(needs, near, cosine, best, shares)
-        return shares
-
-    def _with_triples(
-        self,
-        needs: Floats,
-        near: Bools,
-        cosine: Callable[[int, int], Floats],
-        best: Floats,
-        shares: Floats,
-    ) -> None:
-        """Put into `shares` what three normals at once give, where that is further."""
-        count = len(needs)
-        cosines = {(i, j): cosine(i, j) for i in range(count) for j in range(i) if near[i, j]}
+                between = (axes[:, :, i] * axes[:, :, j]).sum(axis=0)[:, None]
+                found = by_point[i] * (by_point[j] * square + by_axis[j] * along[j])
+                found += by_axis[i] * (by_point[j] * along[i] + by_axis[j] * between)
+                cosines[i, j] = cosines[j, i] = np.clip(found, 0.0, 1.0)
+        shares = np.where(needs == needs.max(axis=0), needs, 0.0)
+        for _ in range(SWEEPS):
+            for i in range(count):
+                shares[i] = np.maximum(needs[i] - (cosines[i] * shares).sum(axis=0), 0.0)
+        moved = shares.copy()
         for i in range(count):
-            for j in range(i):
-                for k in range(j):
-                    if not (near[i, j] and near[i, k] and near[j, k]):
-                        continue
-                    a, b, c = cosines[i, j], cosines[i, k], cosines[j, k]
-                    full = 1 + 2 * a * b * c - a * a - b * b - c * c
-                    x, y, z = needs[i], needs[j], needs[k]
-                    one = (1 - c * c) * x + (b * c - a) * y + (a * c - b) * z
-                    two = (b * c - a) * x + (1 - b * b) * y + (a * b - c) * z
-                    three = (a * c - b) * x + (a * b - c) * y + (1 - a * a) * z
-                    proper = (one > 0) & (two > 0) & (three > 0) & (full > LEAST_VOLUME)
-                    if not proper.any():
-                        continue
-                    scale = np.maximum(full, LEAST_VOLUME)
-                    length = (x * one + y * two + z * three) / scale
-                    better = proper & (length > best)
-                    best[...] = np.where(better, length, best)
-                    shares *= ~better
-                    for strut, share in ((i, one), (j, two), (k, three)):
-                        shares[strut] = np.where(better, share / scale, shares[strut])
+            moved[i] += (cosines[i] * shares).sum(axis=0)
+        length = np.sqrt(np.maximum((shares * moved).sum(axis=0), 1e-300))
+        return shares, (needs * shares).sum(axis=0) / length
 
     def projected(self, points: Floats, steps: int, urge: float = 0.0) -> Floats:
         """Return `points` (3, M, S) moved towards f = 0 by Newton steps along the gradient.

@@ -14,10 +14,10 @@ from scaffold_cad.base.arrays import Floats, Ints, UnitVectors
 from scaffold_cad.base.vectors import any_perpendicular, dot, normalize, triple
 from scaffold_cad.partition.certificate import certify, corners_of
 
-STEPS = 60
+STEPS = 40
 SHARPNESS = 8.0
 """Of the soft maximum of cosines that tells which directions are near a vertex."""
-STEP = 0.3
+STEP = 0.4
 """Part of the way to the wanted place that a vertex goes at once."""
 HALVINGS = 6
 """How often a step that would cost the certificate is halved before it is left out."""

@@ -38,7 +38,7 @@ def solve(stars: Stars, vertices: UnitVectors, sides: Ints, twins: Ints, recipe:
     turned = row[..., None], strut[..., None], (corner[..., None] + np.arange(4)) % 4
     corners = corners_of(vertices, stars.quads)[turned]  # (m, N, 4, 3)
     most = stars.most[row, strut]
-    union, fitted = _placed(stars, row, strut, most)
+    union, fitted = _placed(stars, row, strut, most, recipe.swell)
     fitted = _longer(union, fitted, corners, most)
     frame_x = any_perpendicular(stars.directions[row, strut])
     frame_y = np.cross(stars.directions[row, strut], frame_x)
@@ -78,11 +78,13 @@ def solve(stars: Stars, vertices: UnitVectors, sides: Ints, twins: Ints, recipe:
     )
 
 
-def _placed(stars: Stars, row: Ints, strut: Ints, most: Floats) -> tuple[Union, Collars]:
+def _placed(
+    stars: Stars, row: Ints, strut: Ints, most: Floats, swell: float
+) -> tuple[Union, Collars]:
     """Return the union in the order of the type, with the ρ that has room, and its collars."""
     directions = _leading(stars.directions[row, strut])
     radii, slopes = stars.radii[row, strut], stars.slopes[row, strut]
-    fitted = collars(Union(directions, radii, slopes, stars.balls, stars.blends), most)
+    fitted = collars(Union(directions, radii, slopes, stars.balls, swell * stars.blends), most)
     return Union(directions, radii, slopes, stars.balls, fitted.blends), fitted
 
 

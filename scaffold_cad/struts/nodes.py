@@ -11,7 +11,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Ints
+from scaffold_cad.base.arrays import Ints, UnitVectors
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.partition.arcs import side_twins
 from scaffold_cad.struts.blend import Blends, Solved, Stars
@@ -22,6 +22,10 @@ from scaffold_cad.struts.recipes import MOST_DEPTH, RECIPES, Recipe
 
 BLOCK = 16384
 """Samples treated at once: their arrays stay in the processor's cache."""
+EVENED = 1024
+"""Partitions whose vertices are moved at once."""
+UNPROVED = 1e3
+"""What not to be proved counts when the best recipe is chosen, as a depth."""
 SAME = 1e-9
 """Nodes whose numbers agree to this part of a radius are solved once."""
 
@@ -56,9 +60,13 @@ def blends(stars: Stars, recipes: Iterable[Recipe] = RECIPES) -> tuple[Blends, .
     for trial, recipe in enumerate(recipes):
         if len(open_nodes) == 0:
             break
+        if recipe.swell > 1:
+            open_nodes = open_nodes[score[open_nodes] > UNPROVED]
+            if len(open_nodes) == 0:
+                continue
         found = _solved(own[open_nodes], recipe)
         best.append(found)
-        value = np.where(found.proved, 0.0, 1e3) + np.maximum(found.depth, MOST_DEPTH)
+        value = np.where(found.proved, 0.0, UNPROVED) + np.maximum(found.depth, MOST_DEPTH)
         better = value < score[open_nodes]
         chosen[open_nodes[better]], place[open_nodes[better]] = trial, np.flatnonzero(better)
         score[open_nodes[better]] = value[better]
@@ -95,7 +103,7 @@ def _grouped(
 
 def _solved(own: Stars, recipe: Recipe) -> Solved:
     """Return the blends that a recipe gives."""
-    vertices = even(own.directions, own.vertices, own.quads, recipe.openness)
+    vertices = _evened(own, recipe.openness)
     kinds = types_of(own.quads)
     room = max(1, BLOCK // (4 * own.directions.shape[1] * len(recipe.layout.weights)))
     members = [np.flatnonzero(kinds.type_of == kind) for kind in range(len(kinds.twins))]
@@ -111,6 +119,16 @@ def _solved(own: Stars, recipe: Recipe) -> Solved:
 
     solved = Solved.joined(list(in_order(work, pieces)))
     return solved[np.argsort(np.concatenate([rows for _, rows in pieces]))]
+
+
+def _evened(own: Stars, openness: float) -> UnitVectors:
+    """Return the moved vertices of the partitions, (U, N + 2, 3)."""
+    cuts = [slice(at, at + EVENED) for at in range(0, len(own), EVENED)]
+
+    def work(cut: slice) -> UnitVectors:
+        return even(own.directions[cut], own.vertices[cut], own.quads[cut], openness)
+
+    return np.concatenate(list(in_order(work, cuts)))
 
 
 def _distinct(stars: Stars) -> tuple[Ints, Ints]:

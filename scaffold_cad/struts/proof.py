@@ -7,10 +7,12 @@ middle in both directions and its parts are looked at, a few times over. A close
 patches and of the collars' discs covers the sphere of directions a whole number of times; once,
 if its solid angles add up to 4 π.
 
-The coefficients come from values at points. Rounding moves a value by at most some 30 ε times
-|S| |S_u| |S_v|, with the greatest lengths of control points and of their differences, and what
-takes values to coefficients enlarges that by its norm. Coefficients count as positive only beyond
-that bound.
+The coefficients come from values at points. With ε the rounding unit, c, a and b the greatest
+lengths of control points and of their differences by u and by v, times D: S is off by 15 ε c at
+most, S_u and S_v by 15 ε 2 D c (two sums of six, and the basis, whose slopes add up to 2 D), and
+the triple product by what these make of c a b, and 15 ε c a b of its own. What takes values to
+coefficients enlarges that by its norm. Cutting adds less: its matrices are off by ε times the root
+of that norm. Coefficients count as positive only beyond that bound.
 """
 
 from __future__ import annotations
@@ -28,8 +30,8 @@ TOP = 3 * DEGREE - 1
 """Degree of S · (S_u × S_v) in either direction."""
 DEPTH = 6
 """How often patches are halved before no is said."""
-ROUNDING = 30 * np.finfo(np.float64).eps
-"""Relative error of S · (S_u × S_v) from its control points: 6 + 6 + 3 products and sums each."""
+ROUNDING = 15 * np.finfo(np.float64).eps
+"""Relative error of a point from its control points, and of a triple product."""
 BLOCK = 512
 """Patches looked at at once: their arrays stay in the processor's cache."""
 
@@ -104,7 +106,9 @@ def _margins(control: Floats) -> Floats:
     steps_u, steps_v = np.diff(control, axis=1), np.diff(control, axis=2)
     most_u = DEGREE * np.sqrt(dot(steps_u, steps_u)).max(axis=(1, 2))
     most_v = DEGREE * np.sqrt(dot(steps_v, steps_v)).max(axis=(1, 2))
-    margins: Floats = ROUNDING * _NORM * size * most_u * most_v
+    product = size * most_u * most_v
+    slopes = 2 * DEGREE * size**2 * (most_u + most_v)
+    margins: Floats = ROUNDING * _NORM * (3 * product + slopes)
     return margins
 
 

@@ -26,6 +26,8 @@ class Recipe:
     pinch: float = 0.5
     """Whether patches start from the collar, in its middle, as fast as they are long along the
     strut (1) or in a straight line (0)."""
+    swell: float = 1.0
+    """Factor of ρ. More than 1 only where nothing else is proved: wide fillets fold less."""
     momentum: float = 0.7
     """Part of its last move that a sample goes on along the surface."""
     urge: float = 0.5
@@ -44,9 +46,13 @@ RECIPES = (
     Recipe(WHOLE, SHORT, 0.3),
     Recipe(WHOLE, STIFF, 0.15, pinch=1.0),
     Recipe(WHOLE, LONG, 0.0, pinch=1.0),
+    Recipe(CUT, COARSE, 0.3),
     Recipe(CUT, COARSE, 0.15, pinch=1.0),
     Recipe(CUT, LONG, 0.0, pinch=1.0),
-    Recipe(CUT, COARSE, 0.3),
+    Recipe(WHOLE, STIFF, 0.15, pinch=1.0, swell=1.25),
+    Recipe(CUT, COARSE, 0.15, pinch=1.0, swell=1.25),
+    Recipe(WHOLE, STIFF, 0.15, pinch=1.0, swell=1.6),
+    Recipe(CUT, COARSE, 0.15, pinch=1.0, swell=1.6),
 )
 """Tried in this order, each for the nodes that the ones before left unproved or deep inside."""
 

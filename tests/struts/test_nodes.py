@@ -111,6 +111,19 @@ def test_collar_corners_start_their_quarters(found: Blends) -> None:
     assert at_corners == pytest.approx(corners)
 
 
+@pytest.mark.parametrize("found", SOLVED)
+def test_bounds_hold_the_patches(found: Blends) -> None:
+    points = evaluated(found, 0, 0)
+    axes = found.axes.repeat(4, axis=1)[:, :, None, None]
+    least, most, widest = np.moveaxis(found.bounds.repeat(4, axis=1)[:, :, None, None], -1, 0)
+    height = (points * axes).sum(axis=-1)
+    across = np.linalg.norm(points - height[..., None] * axes, axis=-1)
+    assert (height > least - 1e-9).all()
+    assert (height < most + 1e-9).all()
+    assert (across < widest + 1e-9).all()
+    assert np.linalg.norm(points, axis=-1).max() <= found.shapes.reach.max() + 1e-9
+
+
 def test_equal_nodes_are_solved_once() -> None:
     rng = np.random.default_rng(0)
     some = random_stars(3, 4, 50, rng)
