@@ -20,7 +20,7 @@ def union_of(stars) -> Union:
 
 
 def clearances(union: Union, distances: np.ndarray, strut: int) -> np.ndarray:
-    """Return the least distance of a circle around a strut to the others, by 720 points, (M,)."""
+    """Return how far f is from the strut's own distance on its circle, by 720 points, (M,)."""
     axes = np.moveaxis(union.directions, 0, -1)
     x = any_perpendicular(axes[:, strut])
     y = np.cross(axes[:, strut], x)
@@ -28,15 +28,8 @@ def clearances(union: Union, distances: np.ndarray, strut: int) -> np.ndarray:
     radius = union.radii[:, strut] + union.slopes[:, strut] * distances
     ring = np.cos(angle)[:, None] * x[:, None] + np.sin(angle)[:, None] * y[:, None]
     points = distances[:, None, None] * axes[:, strut, None] + radius[:, None, None] * ring
-    others = [other for other in range(axes.shape[1]) if other != strut]
-    rest = Union(
-        union.directions[:, :, others],
-        union.radii[:, others],
-        union.slopes[:, others],
-        union.balls,
-        union.blends,
-    )
-    return rest.nearest(np.moveaxis(points, -1, 0)).min(axis=1)
+    value, _ = union.value_and_slope(np.moveaxis(points, -1, 0))
+    return np.abs(value).max(axis=1)
 
 
 @pytest.mark.parametrize("slope", [0.0, 0.08, -0.02])
@@ -48,10 +41,11 @@ def test_collars_are_the_nearest_with_the_fillet_beyond_reach(slope: float, ball
     found = collars(union, stars.most).distances
     for strut in range(4):
         clear = clearances(union, found[:, strut], strut)
-        near = clearances(union, found[:, strut] - 1e-3, strut)
-        open_rows = found[:, strut] > 1e-2  # thick struts may need no distance at all
-        assert (clear > 0.6 - 1e-6).all()
-        assert (near[open_rows] < 0.6 + 1e-4).all()
+        near = clearances(union, found[:, strut] - 1e-2, strut)
+        open_rows = found[:, strut] > 2e-2  # thick struts may need no distance at all
+        assert clear.max() < 1e-6
+        if ball == 0:  # else the collar also keeps away from the ball
+            assert (near[open_rows] > 1e-6).mean() > 0.9  # circles are looked at in steps
 
 
 def test_collar_of_a_pair_has_the_closed_form() -> None:

@@ -41,18 +41,40 @@ def test_distance_is_that_to_the_swept_balls(slope: float) -> None:
 
 
 @pytest.mark.parametrize("ball", [0.0, 1.8])
-def test_gradient_is_that_of_differences(ball: float) -> None:
+def test_f_falls_as_distances_do_along_its_slope(ball: float) -> None:
     field = union(FAN, 1.0, 0.05, ball)
     points = RNG.normal(size=(3, 1, 600)) * 2
-    # Where nothing is nearer than ρ, f has creases.
     points = points[:, :, field.nearest(points)[0] < 0.55]
-    _, gradient = field.value_and_slope(points)
-    step = 1e-6
-    for axis in range(3):
-        shift = np.zeros((3, 1, 1))
-        shift[axis] = step
-        rise = field.value_and_slope(points + shift)[0] - field.value_and_slope(points - shift)[0]
-        assert np.abs(rise / (2 * step) - gradient[axis]).max() < 1e-4
+    value, slope = field.value_and_slope(points)
+    step = 1e-4
+    rise = field.value_and_slope(points + step * slope)[0] - value
+    size = np.sqrt((slope**2).sum(axis=0))
+    # Normals turn while the point moves: the slope is that of planes.
+    assert np.quantile(rise / (step * size), 0.02) > 0.5
+
+
+def test_surfaces_that_go_the_same_way_have_no_fillet() -> None:
+    # The back of a T, and the outside of a bend of 10 degrees.
+    tee = union(np.array([[1.0, 0, 0], [-1, 0, 0], [0, 0, 1]]), 1.0, 0.0)
+    angle = np.linspace(np.pi, 2 * np.pi, 9)[1:-1]
+    back = np.stack([0 * angle + 0.1, np.cos(angle), np.sin(angle)])[:, None]
+    assert np.abs(tee.value_and_slope(back)[0]).max() < 1e-3
+    bend = union(np.array([[1.0, 0, 0], [-np.cos(0.17), 0, np.sin(0.17)]]), 1.0, 0.0)
+    outside = np.array([0.05, 0.0, -1.0])[:, None, None]
+    assert abs(bend.value_and_slope(outside)[0][0, 0]) < 2e-3
+
+
+@pytest.mark.parametrize("turn", [30, 60, 90])
+def test_fillets_of_mild_corners_are_arcs_of_their_radius(turn: int) -> None:
+    # In the plane across two walls, far from the node, a circle of radius rho touches both.
+    angle = np.radians(turn)
+    field = union(np.array([[1.0, 0, 0], [-np.cos(angle), np.sin(angle), 0]]), 1.0, 0.0)
+    # Walls y = 1 beyond the corner, and the other strut's inner side.
+    normals = np.array([[0.0, 1, 0], [np.sin(angle), np.cos(angle), 0]])
+    center = np.linalg.solve(normals[:, :2], [1.6, 1.6])
+    middle = normals.sum(axis=0)[:2]
+    point = np.append(center - 0.6 * middle / np.linalg.norm(middle), 0.0)
+    assert field.value_and_slope(point[:, None, None])[0][0, 0] == pytest.approx(0, abs=1e-3)
 
 
 def test_fillet_at_right_angles_is_an_arc_of_its_radius() -> None:
