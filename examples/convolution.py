@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 from _common import out_folder, save, skeleton
+from scaffold_cad.smooth import smooth_mesh
 
 from scaffold_cad import QuadMesh, Scaffold, build_scaffold
 from scaffold_cad.convolution import ConvolutionField, project
-from scaffold_cad.smooth import smooth_mesh
 
 WIDTH = 2.0
 """Width of the kernel, in radii: the wider, the softer the blends."""

@@ -61,7 +61,7 @@ def project(mesh: QuadMesh, field: ConvolutionField) -> QuadMesh:
 
     Parameters
     ----------
-    mesh : around the field's skeleton, as those of `smooth_mesh` are; all its vertices are moved
+    mesh : around the field's skeleton, as the subdivided mesh of its scaffold with collars is; all its vertices are moved
 
     Raises
     ------

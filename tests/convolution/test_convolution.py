@@ -19,7 +19,6 @@ from scaffold_cad import (
     catmull_clark,
     read_skeleton,
     self_intersections,
-    smooth_mesh,
     to_trimesh,
 )
 from scaffold_cad.base.arrays import Floats, Ints, Points
@@ -442,7 +441,7 @@ def check_projected(mesh: QuadMesh, skeleton: Skeleton, field: ConvolutionField)
 
 
 def around(skeleton: Skeleton, levels: int = 2) -> QuadMesh:
-    return smooth_mesh(build_scaffold(skeleton, collars=True), levels=levels).mesh
+    return catmull_clark(build_scaffold(skeleton, collars=True).mesh, levels=levels).mesh
 
 
 @pytest.mark.parametrize("kernel", KERNELS)

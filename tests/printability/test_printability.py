@@ -20,7 +20,8 @@ from scaffold_cad import (
     Scaffold,
     TriangleMesh,
     build_scaffold,
-    smooth_mesh,
+    catmull_clark,
+    round_struts,
     smooth_patches,
     solidified,
     tile,
@@ -229,12 +230,28 @@ def test_a_skeleton_of_struts_is_a_skeleton() -> None:
         check_printability(CUBE, skeleton=build_scaffold(STRUT))  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("make", [solidified, smooth_mesh, smooth_patches])
+@pytest.mark.parametrize(
+    "make",
+    [
+        solidified,
+        lambda scaffold: catmull_clark(scaffold.mesh, 1),
+        lambda scaffold: smooth_patches(scaffold.mesh),
+    ],
+    ids=["solidified", "subdivision", "patches"],
+)
 def test_all_that_has_a_surface_is_checked(make: Callable[[Scaffold], Any]) -> None:
     pytest.importorskip("build123d")
     report = check_printability(make(build_scaffold(STRUT)))
     assert report.printable, report
     assert report["volume"].value["volume_mm3"] == pytest.approx(10 * math.pi, rel=0.4)
+
+
+def test_round_struts_are_checked_with_their_skeleton() -> None:
+    report = check_printability(round_struts(STRUT))
+    assert report.printable, report
+    assert report["volume"].value["volume_mm3"] == pytest.approx(10 * math.pi, rel=1e-9)
+    assert report["genus"].value["loops"] == 0
+    assert report["struts_in_part"].verdict == "ok"
 
 
 def test_builders_of_build123d_are_checked() -> None:
