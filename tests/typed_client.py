@@ -70,7 +70,7 @@ def scaffolds(folder: Path) -> None:
     assert kept == len(skeleton.edges) - len(solid.united_edges)
     write(thicken(scaffold, 0.2), folder / "frame.stl")
     write(frame_scaffold(scaffold, radius=0.2).mesh, str(folder / "frame.obj"))
-    struts = round_struts(skeleton, blend=0.5, ends="round")
+    struts = round_struts(skeleton.with_radii(1.0), blend=0.5, ends="round")
     assert struts.exact.all()
     assert to_solid(struts, sides=8).volume() < solidified(struts, sides=16).manifold.volume()
     write(struts, folder / "struts.stl", overlaps="refuse", sides=8)
@@ -78,7 +78,8 @@ def scaffolds(folder: Path) -> None:
     write(smooth_patches(frame_scaffold(skeleton, 1).mesh, split=1), folder / "patches.step")
     field = ConvolutionField(skeleton, "cauchy", width=1)
     field.value([[0, 0, 0]]) + field.samples(skeleton.nodes[:1]).values
-    project(catmull_clark(build_scaffold(skeleton, collars=True).mesh, levels=2).mesh, field)
+    coarse = build_scaffold(skeleton, collars=True).mesh
+    project(catmull_clark(coarse, levels=2, creases=coarse.edges).mesh, field)
     write(BeamLattice(skeleton, balls=1.0), folder / "beams.3mf")
     write(BeamLattice(skeleton, [1, 0, 0, 0], mesh=solid.manifold), folder / "both.3mf")
 

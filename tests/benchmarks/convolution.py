@@ -80,7 +80,7 @@ def report_projection(name: str, skeleton: Skeleton, field: ConvolutionField, le
 
     def make() -> Faces:
         scaffold = build_scaffold(skeleton, collars=True)
-        mesh = project(catmull_clark(scaffold.mesh, levels).mesh, field)
+        mesh = project(catmull_clark(scaffold.mesh, levels, scaffold.mesh.edges).mesh, field)
         return Faces(mesh.vertices, mesh.quads)
 
     return report(f"{name}, scaffold of {levels} levels", field, make)

@@ -10,17 +10,14 @@ import pytest
 
 from scaffold_cad.brep.g1 import smooth_patches
 from scaffold_cad.errors import OptionError
-from scaffold_cad.io import read_skeleton
 from scaffold_cad.io.write import write
 from scaffold_cad.mesh.subdivision import catmull_clark
 from scaffold_cad.products.breps import to_brep
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.struts import round_struts
-from tests.skeletons import K4, STRUT, TRIPOD, TWO_STRUTS
+from tests.skeletons import K4, STICK_FIGURE, STRUT, TRIPOD, TWO_STRUTS
 
 build123d = pytest.importorskip("build123d")
-
-SKELETONS = Path(__file__).parents[2] / "examples" / "skeletons"
 
 
 def test_a_scaffold_becomes_a_solid_of_its_quads() -> None:
@@ -62,8 +59,9 @@ def test_a_step_file_of_smooth_patches_reads_back_valid(tmp_path: Path) -> None:
     assert len(solid.faces()) == len(patches.bezier.quads)
 
 
-def test_a_box_cuts_the_round_stick_woman_in_two_valid_halves() -> None:
-    solid = to_brep(round_struts(read_skeleton(SKELETONS / "stick_woman.json")))
+@pytest.mark.parametrize("make", [round_struts, build_scaffold])
+def test_a_box_cuts_a_figure_in_two_valid_halves(make: Any) -> None:
+    solid = to_brep(make(STICK_FIGURE))
     upper = build123d.Pos(0, 0, solid.bounding_box().center().Z + 100) * build123d.Box(
         300, 300, 200
     )

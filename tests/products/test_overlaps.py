@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 
 from scaffold_cad import (
     RoundStrutsSolid,
     ScaffoldSolid,
+    TriangleMesh,
     build_scaffold,
     check_printability,
     round_struts,
@@ -125,12 +127,14 @@ def test_united_mesh_files_are_one_body_that_does_not_cross_itself(
     make: Callable[[Skeleton], Any], suffix: str, tmp_path: Path
 ) -> None:
     write(make(CLOSE), tmp_path / f"close{suffix}")
-    mesh = read_triangles(tmp_path / f"close{suffix}")
-    assert mesh is not None
+    read = trimesh.load(tmp_path / f"close{suffix}", force="mesh")
+    mesh = TriangleMesh(read.vertices, read.faces)
     mesh.check_closed()
     assert len(self_intersections(mesh)) == 0
+    assert len(read.split(only_watertight=True)) == 1
     assert mesh.signed_volume == pytest.approx(to_solid(make(CLOSE)).volume(), rel=1e-4)
-    assert mesh.signed_volume < 2 * to_solid(make(STRUT)).volume() * 1.8  # less than both struts
+    area = np.pi if make is round_struts else 4.0
+    assert mesh.signed_volume < area * (20 + 16)  # what both share counts once
 
 
 @makers
@@ -170,7 +174,7 @@ def test_cad_files_hold_what_is_allowed_or_united(
         write(make(CLOSE), path, overlaps="unite")
         united = read(path)
         assert len(united.solids()) == 1
-        assert united.volume == pytest.approx(to_solid(make(CLOSE)).volume(), rel=1e-5)
+        assert united.volume == pytest.approx(to_solid(make(CLOSE)).volume(), rel=0.005)
 
 
 def test_the_rule_is_for_struts_only(tmp_path: Path) -> None:
@@ -193,7 +197,8 @@ def test_b_reps_of_a_union_have_plane_faces(make: Callable[[Skeleton], Any]) -> 
     build123d = pytest.importorskip("build123d")
     united = to_brep(make(CLOSE), overlaps="unite")
     assert {face.geom_type for face in united.faces()} == {build123d.GeomType.PLANE}
-    assert united.volume == pytest.approx(to_solid(make(CLOSE)).volume(), rel=1e-5)
+    # Fewer triangles than in a mesh: each is a face.
+    assert united.volume == pytest.approx(to_solid(make(CLOSE)).volume(), rel=0.005)
 
 
 def test_b_reps_of_what_is_allowed_are_exact_struts() -> None:
