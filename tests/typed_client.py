@@ -121,7 +121,7 @@ def mistakes() -> None:
     """Mistakes that the types must not allow: an unused ignore is an error."""
     build_scaffold(NODES)  # type: ignore[arg-type]
     build_scaffold(skeletons(), fit="encloses")  # type: ignore[arg-type]
-    Skeleton(NODES, [[0, 1]])  # type: ignore[call-arg]
+    Skeleton(NODES)  # type: ignore[call-arg]
     skeletons().nodes = np.zeros((4, 3))  # type: ignore[misc]
 
 

@@ -243,9 +243,7 @@ def test_a_skeleton_of_struts_is_a_skeleton() -> None:
     ],
     ids=["solidified", "subdivision", "scaffold", "patches"],
 )
-def test_all_that_has_a_surface_is_checked(
-    make: Callable[[Scaffold], Any], volume: float
-) -> None:
+def test_all_that_has_a_surface_is_checked(make: Callable[[Scaffold], Any], volume: float) -> None:
     pytest.importorskip("build123d")
     report = check_printability(make(build_scaffold(STRUT)))
     assert report.printable, report
