@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import pyvista as pv
 from PIL import Image, ImageDraw
+from scaffold_cad.smooth import Patches, smooth_mesh, smooth_patches
 
 from scaffold_cad import (
     Partition,
@@ -33,7 +34,6 @@ from scaffold_cad import (
 from scaffold_cad.base.arrays import Floats, Points, UnitVectors
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.convolution import ConvolutionField
-from scaffold_cad.smooth import Patches, smooth_mesh, smooth_patches
 from scaffold_cad.webpage import write_page
 
 ROOT = Path(__file__).parents[1]

@@ -9,9 +9,8 @@ from pathlib import Path
 import numpy as np
 from _common import out_folder, save, skeleton
 
-from scaffold_cad import QuadMesh, Scaffold, build_scaffold
+from scaffold_cad import QuadMesh, Scaffold, build_scaffold, catmull_clark
 from scaffold_cad.convolution import ConvolutionField, project
-from scaffold_cad.smooth import smooth_mesh
 
 WIDTH = 2.0
 """Width of the kernel, in radii: the wider, the softer the blends."""
@@ -29,8 +28,10 @@ def main(folder: Path) -> None:
 
 
 def surface(scaffold: Scaffold, field: ConvolutionField, levels: int = 2) -> QuadMesh:
-    """Return the scaffold, subdivided `levels` times, on the convolution surface."""
-    return project(smooth_mesh(scaffold, levels=levels).mesh, field)
+    """Return the scaffold, its quads cut in four `levels` times, on the convolution surface."""
+    coarse = scaffold.mesh
+    fine = catmull_clark(coarse, levels, creases=coarse.edges).mesh
+    return project(fine, field)
 
 
 if __name__ == "__main__":

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 from _common import out_folder, save
+from scaffold_cad.smooth import smooth_mesh
 
 from scaffold_cad import Skeleton, build_scaffold, mapped, tile
 from scaffold_cad.base.arrays import Floats, Points, Radii
-from scaffold_cad.smooth import smooth_mesh
 
 CELL = 4.5
 """Size of a cell, mm."""

@@ -30,7 +30,6 @@ WINGS_TO_COME = (
     "scaffold_cad.skeleton",
     "scaffold_cad.lattice",
     "scaffold_cad.io",
-    "scaffold_cad.smooth",
 )
 """Wings whose public names do not all have an example yet."""
 

@@ -31,7 +31,7 @@ def programs_of_readme() -> list[str]:
 
 def test_a_typed_program_runs(tmp_path: Path) -> None:
     typed_client.main(tmp_path)
-    assert len(list(tmp_path.iterdir())) == 5
+    assert len(list(tmp_path.iterdir())) == 8
 
 
 @pytest.mark.skipif(not find_spec("mypy"), reason="needs mypy")

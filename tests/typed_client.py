@@ -20,7 +20,6 @@ from scaffold_cad import (
     catmull_clark,
     check_skeleton,
     delaunay_foam,
-    deviation,
     fill,
     frame_scaffold,
     mapped,
@@ -29,8 +28,8 @@ from scaffold_cad import (
     project,
     relative_density,
     rotation_minimizing_frames,
+    round_struts,
     self_intersections,
-    smooth_mesh,
     smooth_patches,
     solidified,
     solve_radius,
@@ -71,11 +70,16 @@ def scaffolds(folder: Path) -> None:
     assert kept == len(skeleton.edges) - len(solid.united_edges)
     write(thicken(scaffold, 0.2), folder / "frame.stl")
     write(frame_scaffold(scaffold, radius=0.2).mesh, str(folder / "frame.obj"))
-    patches = smooth_patches(scaffold, caps="flat")
-    assert len(deviation(patches, scaffold).strut_radii) == 3
+    struts = round_struts(skeleton.with_radii(1.0), blend=0.5, ends="round")
+    assert struts.exact.all()
+    assert to_solid(struts, sides=8).volume() < solidified(struts, sides=16).manifold.volume()
+    write(struts, folder / "struts.stl", overlaps="refuse", sides=8)
+    write(struts, folder / "struts.step", overlaps="unite")
+    write(smooth_patches(frame_scaffold(skeleton, 1).mesh, split=1), folder / "patches.step")
     field = ConvolutionField(skeleton, "cauchy", width=1)
     field.value([[0, 0, 0]]) + field.samples(skeleton.nodes[:1]).values
-    project(smooth_mesh(build_scaffold(skeleton, collars=True), levels=2).mesh, field)
+    coarse = build_scaffold(skeleton, collars=True).mesh
+    project(catmull_clark(coarse, levels=2, creases=coarse.edges).mesh, field)
     write(BeamLattice(skeleton, balls=1.0), folder / "beams.3mf")
     write(BeamLattice(skeleton, [1, 0, 0, 0], mesh=solid.manifold), folder / "both.3mf")
 
@@ -117,7 +121,7 @@ def mistakes() -> None:
     """Mistakes that the types must not allow: an unused ignore is an error."""
     build_scaffold(NODES)  # type: ignore[arg-type]
     build_scaffold(skeletons(), fit="encloses")  # type: ignore[arg-type]
-    Skeleton(NODES, [[0, 1]])  # type: ignore[call-arg]
+    Skeleton(NODES)  # type: ignore[call-arg]
     skeletons().nodes = np.zeros((4, 3))  # type: ignore[misc]
 
 

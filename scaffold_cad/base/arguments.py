@@ -21,8 +21,9 @@ _Result = TypeVar("_Result")
 WAYS = {
     ("Skeleton", "Scaffold"): "build_scaffold(skeleton) makes one",
     ("Skeleton", "QuadMesh"): "build_scaffold(skeleton).mesh is one",
+    ("Skeleton", "RoundStruts"): "round_struts(skeleton) makes them",
+    ("RoundStruts", "Skeleton"): "struts.skeleton is one",
     ("Skeleton", "ConvolutionField"): "ConvolutionField(skeleton) is one",
-    ("Scaffold", "Patches"): "smooth_patches(scaffold) makes them",
     ("Scaffold", "Skeleton"): "scaffold.skeleton is one",
     ("Scaffold", "QuadMesh"): "scaffold.mesh is one",
     ("Subdivision", "QuadMesh"): "subdivision.mesh is one",

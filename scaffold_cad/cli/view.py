@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from scaffold_cad.base.files import check_page
 from scaffold_cad.cli import build, source
 from scaffold_cad.io import read_triangles
+from scaffold_cad.products.overlaps import to_unite
 from scaffold_cad.solid import frame_scaffold, solidified
 from scaffold_cad.struts import round_struts
 from scaffold_cad.webpage import write_page
@@ -19,6 +20,7 @@ from scaffold_cad.webpage import write_page
 if TYPE_CHECKING:
     from scaffold_cad.scaffold import Scaffold
     from scaffold_cad.solid import Solidified
+    from scaffold_cad.struts import RoundStruts
 
 SOLIDS = ("scaffold", "round", "frame")
 
@@ -86,9 +88,12 @@ def _page_path(options: argparse.Namespace) -> Path:
 
 
 def _solid(scaffold: Scaffold, options: argparse.Namespace) -> Solidified:
+    made: Scaffold | RoundStruts = scaffold
     if options.product == "round":
-        return solidified(round_struts(scaffold.skeleton))
-    if options.product == "frame":
+        made = round_struts(scaffold.skeleton)
+    elif options.product == "frame":
         radius = build.frame_radius(options, scaffold.skeleton)
-        return solidified(frame_scaffold(scaffold, radius))
-    return solidified(scaffold)
+        made = frame_scaffold(scaffold, radius)
+    solid = solidified(made)
+    to_unite("unite", solid.united_edges, made.skeleton)
+    return solid

@@ -61,7 +61,8 @@ def project(mesh: QuadMesh, field: ConvolutionField) -> QuadMesh:
 
     Parameters
     ----------
-    mesh : around the field's skeleton, as those of `smooth_mesh` are; all its vertices are moved
+    mesh : around the field's skeleton, such as its scaffold with collars, its quads cut in four by
+        `catmull_clark(mesh, levels, mesh.edges)`; all its vertices are moved
 
     Raises
     ------

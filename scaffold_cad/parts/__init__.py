@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 __all__ = [
     "LatticeBox",
     "LatticeFill",
-    "ScaffoldSolid",
     "RoundStrutsSolid",
+    "ScaffoldSolid",
     "StrutFrame",
     "lattice_part",
     "to_mesh_shape",

@@ -10,9 +10,11 @@ import logging
 
 import numpy as np
 
+from scaffold_cad.base.arrays import Bools
 from scaffold_cad.errors import BrepError
 from scaffold_cad.parts.models import Model, Section, model_of, overlapping
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.struts import RoundStruts
 
 MOST_DROPPED = 0.2
 """Part of the struts that may be left out: with fewer left it is another lattice."""
@@ -34,9 +36,7 @@ def without_overlapping_stubs(skeleton: Skeleton, section: Section) -> Model:
     while True:
         model = model_of(skeleton, section)
         is_stub = (skeleton.valency[skeleton.edges] == 1).any(axis=1)
-        keep = np.ones(len(skeleton.edges), dtype=np.bool_)
-        keep[overlapping(model)] = False
-        keep |= ~is_stub
+        keep = ~(is_stub & _in_the_way(model, is_stub))
         dropped = count - int(keep.sum())
         if dropped > MOST_DROPPED * count:
             raise BrepError(
@@ -51,3 +51,16 @@ def without_overlapping_stubs(skeleton: Skeleton, section: Section) -> Model:
     if dropped:
         _log.warning("%d of %d struts left out: they end free and overlap others", dropped, count)
     return model
+
+
+def _in_the_way(model: Model, is_stub: Bools) -> Bools:
+    """Return which struts overlap others, shape (m,).
+
+    Of round struts only those without room for a surface of their own, while there are stubs among
+    them: their neighbors overlap because of them, and may have room once they are gone.
+    """
+    if isinstance(model, RoundStruts) and (is_stub & ~model.exact).any():
+        return ~model.exact
+    found = np.zeros(len(is_stub), dtype=np.bool_)
+    found[overlapping(model)] = True
+    return found

@@ -16,7 +16,7 @@ from scaffold_cad.products.facets import faceted
 from scaffold_cad.products.overlaps import Overlaps, to_unite
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.solid.manifolds import manifold_triangles
-from scaffold_cad.solid.rounds import round_mesh
+from scaffold_cad.solid.rounds import coarse_union
 from scaffold_cad.solid.solid import to_solid
 from scaffold_cad.struts import RoundStruts
 from scaffold_cad.struts.faces import brep_of_struts
@@ -80,7 +80,7 @@ def to_brep(
         raise OptionError("split is for smooth=True; need it too, or split left out")
     if isinstance(what, RoundStruts):
         if to_unite(overlaps, what.overlapping, what.skeleton):
-            return faceted(round_mesh(what))
+            return faceted(coarse_union(what))
         return brep.brep_of_faces(analytic_faces(what), kind)
     if isinstance(what, Scaffold):
         if to_unite(overlaps, what.embedding().left_out, what.skeleton):

@@ -22,7 +22,7 @@ Fit: TypeAlias = Literal["enclose", "paper"]
 
 Section: TypeAlias = Literal["circumscribed", "area", "inscribed", "round"]
 """Which square section stands for a circle of the node's radius: around it, of its area, in it, or
-the one whose smooth limit it is."""
+the one whose Catmull-Clark limit it is."""
 
 APOTHEM: dict[Section, float] = {
     "circumscribed": 1.0,

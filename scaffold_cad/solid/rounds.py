@@ -50,6 +50,13 @@ def round_mesh(struts: RoundStruts, sides: int = SIDES) -> TriangleMesh:
     return made.mesh
 
 
+def coarse_union(struts: RoundStruts) -> TriangleMesh:
+    """Return the union of round struts with few triangles, for formats where each is a face."""
+    check_kind(struts, RoundStruts)
+    fields = _field_struts(struts)
+    return field_solid(fields, cell=float(fields.radii.max())).mesh
+
+
 def check_sides(sides: int) -> None:
     """Raise unless a round strut can have so many sides."""
     if as_count(sides, "sides", 4) % 4:

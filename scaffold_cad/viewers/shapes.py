@@ -34,9 +34,10 @@ def to_shape(what: Any) -> Shape:
     Parameters
     ----------
     what : a Skeleton, which becomes straight edges; a Scaffold, a QuadMesh, or smooth patches,
-        whose quads become faces, as they are; a subdivision, a TriangleMesh, a Solidified, a
-        manifold3d Manifold or a trimesh Trimesh, see `to_mesh_shape`; a build123d shape or a
-        builder, as it is
+        whose quads become faces, as they are; round struts, up to 500 of them as cylinders, cones
+        and patches, and more of them, or those that overlap, as triangles; a subdivision, a
+        TriangleMesh, a Solidified, a manifold3d Manifold or a trimesh Trimesh, see
+        `to_mesh_shape`; a build123d shape or a builder, as it is
 
     Raises
     ------

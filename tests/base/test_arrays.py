@@ -25,6 +25,7 @@ from scaffold_cad.base.arrays import (
 )
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 from scaffold_cad.lattice import unit_cell
+from scaffold_cad.struts.faces import brep_of_struts
 from tests.skeletons import STICK_FIGURE
 
 
@@ -221,15 +222,14 @@ def writable_arrays(thing: object, path: str = "", seen: set[int] | None = None)
 
 def test_nothing_that_a_result_keeps_can_be_written_to() -> None:
     scaffold = sc.build_scaffold(STICK_FIGURE, collars=True)
-    patches = sc.smooth_patches(scaffold)
+    struts = sc.round_struts(STICK_FIGURE)
     results = [
         scaffold,
         scaffold.embedding(),
-        patches,
-        sc.smooth_mesh(scaffold),
+        struts,
+        brep_of_struts(struts),
+        sc.smooth_patches(scaffold.mesh),
         sc.catmull_clark(scaffold.mesh, 1),
-        sc.fine_surface(scaffold, 1),
-        sc.deviation(patches, scaffold),
         sc.TriangleMesh(scaffold.mesh.vertices, scaffold.mesh.triangles),
         sc.ConvolutionField(STICK_FIGURE),
         sc.ConvolutionField(STICK_FIGURE).samples([[0, 0, 0]]),

@@ -8,11 +8,11 @@ from threading import Event, Timer
 
 import numpy as np
 import pytest
-from scaffold_cad.smooth import smooth_mesh
 
 from scaffold_cad.base.threads import MOST_THREADS, in_order
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.intersections.search import ONE_THREAD
+from scaffold_cad.mesh.subdivision import catmull_clark
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 
@@ -72,7 +72,7 @@ def test_what_waits_is_not_begun_in_vain(monkeypatch: pytest.MonkeyPatch, failin
 def test_large_meshes_are_tested_as_small_ones_are(monkeypatch: pytest.MonkeyPatch) -> None:
     nodes = [[-9, 0, 0], [9, 0, 0], [0, -9, 0.5], [0, 9, 0.5]]
     crossing = build_scaffold(Skeleton(nodes, [[0, 1], [2, 3]], 1.0))
-    mesh = smooth_mesh(crossing, 6).mesh
+    mesh = catmull_clark(crossing.mesh, 6).mesh
     assert len(mesh.triangles) > ONE_THREAD
     found = self_intersections(mesh)
     assert len(found) > 0

@@ -16,12 +16,12 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
-from scaffold_cad.smooth import smooth_mesh
 
 from scaffold_cad.base.arrays import Ints, Points
 from scaffold_cad.base.vectors import length
 from scaffold_cad.convolution import ConvolutionField, project
 from scaffold_cad.io import read_skeleton
+from scaffold_cad.mesh.subdivision import catmull_clark
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 
@@ -80,7 +80,7 @@ def report_projection(name: str, skeleton: Skeleton, field: ConvolutionField, le
 
     def make() -> Faces:
         scaffold = build_scaffold(skeleton, collars=True)
-        mesh = project(smooth_mesh(scaffold, levels=levels).mesh, field)
+        mesh = project(catmull_clark(scaffold.mesh, levels, scaffold.mesh.edges).mesh, field)
         return Faces(mesh.vertices, mesh.quads)
 
     return report(f"{name}, scaffold of {levels} levels", field, make)

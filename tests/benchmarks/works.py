@@ -13,13 +13,13 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 import numpy as np
-from scaffold_cad.smooth import smooth_mesh
 
 from scaffold_cad.io.write import write
 from scaffold_cad.lattice import tile, voronoi_foam
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import to_solid
+from scaffold_cad.struts import round_struts
 from tests.benchmarks import peers
 
 BOX = np.array([[0.0, 0.0, 0.0], [100.0, 100.0, 100.0]])
@@ -54,12 +54,13 @@ def solid(skeleton: Skeleton) -> None:
     to_solid(build_scaffold(skeleton))
 
 
-def smooth_surface(skeleton: Skeleton) -> None:
-    smooth_mesh(build_scaffold(skeleton, collars=True), levels=1)
-
-
 def round_solid(skeleton: Skeleton) -> None:
-    to_solid(build_scaffold(skeleton, collars=True), sides=8)
+    to_solid(round_struts(skeleton), sides=8)
+
+
+def round_step(skeleton: Skeleton) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        write(round_struts(skeleton), Path(folder) / "out.step")
 
 
 def stl(skeleton: Skeleton) -> None:
@@ -100,13 +101,13 @@ ROWS = [
     Row("scaffold, octet 8³", lambda: octet(8), scaffold, 0.3),
     Row("scaffold, foam", foam, scaffold, 0.5, FEQ, "pygel3d"),
     Row("valid solid, foam", foam, solid, 10.0, UNION, "manifold3d"),
-    Row("smooth surface, BCC 10³", lambda: bcc(10), smooth_surface, 0.8),
     Row("round solid, BCC 10³", lambda: bcc(10), round_solid, 0.8, UNION, "manifold3d"),
     Row("round solid, octet 8³", lambda: octet(8), round_solid, 2.0, UNION, "manifold3d"),
     Row("STEP, BCC 1³", lambda: bcc(1), step, 0.2, FUSE, "build123d"),
     Row("STEP, BCC 3³", lambda: bcc(3), step, 1.0),
     Row("STEP, BCC 6³", lambda: bcc(6), step, 6.0),
     Row("STEP, octet 2³", lambda: octet(2), step, 1.2),
+    Row("round STEP, BCC 6³", lambda: bcc(6), round_step, 2.0),
     Row("STL, BCC 50³", lambda: bcc(50), stl, 20.0),
 ]
 

@@ -47,7 +47,7 @@ def test_split_patches_join_smoothly_and_lie_closer_to_the_limit(degree: int) ->
 
 def test_quads_are_cut_where_patches_would_fold() -> None:
     long = Skeleton(
-        30 * np.vstack([[0, 0, 0], BCC_STAR.directions[::2]]), BCC_STAR.edges, BCC_STAR.radii
+        60 * np.vstack([[0, 0, 0], BCC_STAR.directions[::2]]), BCC_STAR.edges, BCC_STAR.radii
     )
     scaffold = build_scaffold(long).mesh
     plain = smooth_patches(scaffold, split=0)

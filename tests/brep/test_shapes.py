@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scaffold_cad.smooth import smooth_patches
 
 from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.base.segments import nearest_on_segments
@@ -19,6 +18,7 @@ from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.brep import TESSELLATION_DISTANCE, export_brep, export_step, tessellated
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.brep.beziermesh import BezierMesh
+from scaffold_cad.brep.g1 import smooth_patches
 from scaffold_cad.errors import BrepError, MeshError, MissingBackendError, OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -280,7 +280,7 @@ def gaps(points: Points, mesh: TriangleMesh) -> Floats:
 
 def test_thin_smooth_struts_have_few_triangles_near_their_patches() -> None:
     strut = build_scaffold(Skeleton([[0, 0, 0], [100, 0, 0]], [[0, 1]], 0.1))
-    patches = smooth_patches(strut).bezier
+    patches = smooth_patches(strut.mesh).bezier
     triangles = tessellated(to_brep(patches))
     triangles.check_closed()
     assert len(triangles.triangles) < 10_000

@@ -49,19 +49,44 @@ def test_build_writes_a_valid_step_solid(figure: str, tmp_path: Path) -> None:
     assert solids[0].is_valid
 
 
-def test_smooth_struts_are_finer(figure: str, tmp_path: Path) -> None:
-    coarse, smooth = tmp_path / "coarse.stl", tmp_path / "smooth.stl"
-    assert main(["build", figure, "-o", str(coarse)]) == 0
-    assert main(["build", figure, "-o", str(smooth), "--smooth", "--levels", "1"]) == 0
-    assert trimesh.load(smooth).is_watertight
-    assert len(trimesh.load(smooth).faces) > 3 * len(trimesh.load(coarse).faces)
+@pytest.mark.parametrize(("sides", "ends"), [(8, "flat"), (16, "round")])
+def test_round_struts_have_the_volume_of_their_cylinder(
+    sides: int, ends: str, tmp_path: Path
+) -> None:
+    source, out = tmp_path / "strut.json", tmp_path / "strut.stl"
+    source.write_text(skeleton_to_json(named.STRUT), encoding="utf-8")
+    options = ["--round", "--sides", str(sides), "--ends", ends]
+    assert main(["build", str(source), "-o", str(out), *options]) == 0
+    mesh = trimesh.load(out)
+    assert mesh.is_watertight
+    if ends == "flat":
+        assert len(mesh.faces) == 4 * sides  # a band and two discs
+        assert mesh.volume == pytest.approx(10 * np.pi, rel=1e-6)
+    else:
+        assert mesh.volume == pytest.approx(10 * np.pi + 4 / 3 * np.pi, rel=0.01)
+        assert np.ptp(mesh.vertices[:, 0]) == pytest.approx(12.0, rel=1e-6)
 
 
-def test_a_smooth_step_file_holds_a_valid_solid(figure: str, tmp_path: Path) -> None:
+def test_a_wider_blend_adds_volume(tmp_path: Path) -> None:
+    source, volumes = tmp_path / "tripod.json", []
+    source.write_text(skeleton_to_json(named.TRIPOD), encoding="utf-8")
+    for blend in ("0.2", "0.6", "1.2"):
+        out = tmp_path / f"{blend}.stl"
+        assert main(["build", str(source), "--round", "--blend", blend, "-o", str(out)]) == 0
+        volumes.append(trimesh.load(out).volume)
+    assert volumes == sorted(volumes)
+    assert volumes[0] < volumes[2] - 0.5
+
+
+def test_a_round_step_file_holds_a_valid_solid_with_exact_cylinders(tmp_path: Path) -> None:
     build123d = pytest.importorskip("build123d")
-    out = tmp_path / "smooth.step"
-    assert main(["build", figure, "-o", str(out), "--smooth", "--collars"]) == 0
-    assert [solid.is_valid for solid in build123d.import_step(str(out)).solids()] == [True]
+    source, out = tmp_path / "tripod.json", tmp_path / "round.step"
+    source.write_text(skeleton_to_json(named.TRIPOD), encoding="utf-8")
+    assert main(["build", str(source), "-o", str(out), "--round"]) == 0
+    (solid,) = build123d.import_step(str(out)).solids()
+    assert solid.is_valid
+    radii = [face.radius for face in solid.faces().filter_by(build123d.GeomType.CYLINDER)]
+    np.testing.assert_allclose(radii, np.ones(3) * named.TRIPOD.radii[0], rtol=1e-9)
 
 
 @pytest.mark.parametrize("suffix", [".stl", ".step"])
@@ -83,19 +108,19 @@ def test_a_shell_keeps_the_quads(figure: str, tmp_path: Path) -> None:
     assert len(quads) == 4 * edges + tips
 
 
-def test_overlaps_are_said_and_united(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    ("options", "found"), [([], "2 of 3 struts"), (["--round"], "2 of 3 struts")]
+)
+def test_overlaps_are_said_and_united(
+    options: list[str], found: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     source, out = tmp_path / "crossing.json", tmp_path / "crossing.stl"
     source.write_text(skeleton_to_json(CROSSING))
-    assert main(["build", str(source), "-o", str(out)]) == 0
-    assert (
-        "2 of 3 struts overlap others or their nodes, edge 0 first; they are united; --collars "
-        "keeps struts straight" in capsys.readouterr().err
-    )
+    assert main(["build", str(source), "-o", str(out), *options]) == 0
+    (line,) = [line for line in capsys.readouterr().err.splitlines() if "struts overlap" in line]
+    assert f"{found} overlap others or their nodes (edges 0, 1; the first near" in line
+    assert line.endswith("; they are united")
     assert trimesh.load(out).is_watertight
-    assert main(["build", str(source), "-o", str(out), "--smooth", "--collars"]) == 0
-    assert (
-        capsys.readouterr().err.splitlines()[1].endswith("; they are united, and not smooth there")
-    )
 
 
 @pytest.mark.parametrize("name", ["figure.foo", "figure.json", "figure.swc"])
@@ -107,17 +132,24 @@ def test_a_file_that_holds_no_solid_is_refused_before_the_skeleton_is_read(
     assert told.endswith("need .3mf, .brep, .glb, .obj, .ply, .step, .stl, .stp\n")
 
 
-def test_faces_of_a_smooth_step_file_are_named_after_their_edges(
+def test_faces_of_step_files_are_named_after_their_edges_and_nodes(
     figure: str, tmp_path: Path
 ) -> None:
-    coarse, smooth = tmp_path / "coarse.step", tmp_path / "smooth.step"
-    assert main(["build", figure, "-o", str(coarse)]) == 0
-    assert main(["build", figure, "-o", str(smooth), "--smooth"]) == 0
-    names = [
-        re.findall(r"ADVANCED_FACE\('([^']*)'", path.read_text(encoding="ascii"))
-        for path in (coarse, smooth)
-    ]
-    assert set(names[0]) == set(names[1]) == {f"edge {i}" for i in range(10)}
+    names = []
+    for options in ([], ["--round"]):
+        out = tmp_path / "named.step"
+        assert main(["build", figure, "-o", str(out), *options]) == 0
+        text = out.read_text(encoding="ascii")
+        names.append(set(re.findall(r"ADVANCED_FACE\('([^']*)'", text)))
+    edges = {f"edge {i}" for i in range(10)}
+    nodes = range(len(named.STICK_FIGURE.nodes))
+    ends = named.STICK_FIGURE.extremities.tolist()
+    assert names[0] == edges
+    assert names[1] == {
+        *(f"strut {i}" for i in range(10)),
+        *(f"node {i}" for i in nodes if i not in ends),
+        *(f"end {i}" for i in ends),
+    }
 
 
 def test_a_frame_tells_the_radius_that_it_took(
@@ -189,7 +221,7 @@ BAD_INPUT = [
     (["build", "FIGURE", "-o", "x.stl", "--simplify", "-1"], "tolerance is -1 mm; need >= 0"),
     (
         ["build", "FIGURE", "-o", "x.stl", "--as", "frame", "--strut-radius", "0"],
-        "strut radius is 0 mm; need > 0",
+        "radius is 0 mm; need > 0",
     ),
 ]
 
@@ -283,28 +315,14 @@ def test_real_files_become_watertight(shared_data: Path, tmp_path: Path, name: s
     assert (mesh.bounds[1] >= skeleton.nodes.max(axis=0) - 1e-6).all()
 
 
-def test_meshes_of_many_levels_are_written_in_slabs(figure: str, tmp_path: Path) -> None:
-    whole, slabs = tmp_path / "whole.stl", tmp_path / "slabs.stl"
-    arguments = ["build", figure, "--smooth", "--levels", "3", "-o"]
-    assert main([*arguments, str(whole)]) == 0
-    assert main([*arguments, str(slabs), "--slabs", "5"]) == 0
-    assert whole.read_bytes() == slabs.read_bytes()
-    mesh = trimesh.load(whole)
-    assert mesh.is_watertight
-    assert len(mesh.faces) >= 2 * 4 * 4**3 * len(named.STICK_FIGURE.edges)
-
-
 @pytest.mark.parametrize(
     ("arguments", "name", "message"),
     [
-        (["--smooth", "--levels", "3"], "fine.3mf", "need .stl or .ply, or --levels 2"),
-        (["--slabs", "2"], "coarse.stl", "--slabs is for meshes of --smooth"),
-        (["--smooth", "--slabs", "2"], "coarse.stl", "--slabs is for meshes of --smooth"),
-        (["--levels", "1"], "coarse.stl", "--levels is for meshes of --smooth"),
-        (["--smooth", "--levels", "2"], "smooth.step", "not for CAD formats"),
-        (["--caps", "round"], "coarse.step", "--caps is for --smooth"),
-        (["--smooth", "--caps", "flat"], "flat.stl", "--caps flat is for CAD formats"),
-        (["--smooth", "--as", "shell"], "shell.obj", "--as shell is for the coarse quads"),
+        (["--blend", "1"], "coarse.stl", "--blend is for --round"),
+        (["--ends", "round"], "coarse.stl", "--ends is for --round"),
+        (["--sides", "8"], "coarse.stl", "--sides is for --round"),
+        (["--round", "--sides", "8"], "round.step", "--sides is for meshes, not for CAD formats"),
+        (["--round", "--as", "shell"], "shell.obj", "--as shell is for the coarse quads"),
         (["--strut-radius", "1"], "coarse.stl", "--strut-radius is for --as frame"),
     ],
 )
@@ -321,17 +339,6 @@ def test_options_that_do_nothing_are_refused_before_any_work(
     assert not (tmp_path / name).exists()
 
 
-def test_struts_that_overlap_have_no_fine_surface(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    crossing = tmp_path / "crossing.json"
-    crossing.write_text(skeleton_to_json(CROSSING), encoding="utf-8")
-    out = tmp_path / "fine.stl"
-    assert main(["build", str(crossing), "--smooth", "--levels", "4", "-o", str(out)]) == 2
-    assert "overlap others, edge" in capsys.readouterr().err
-    assert not out.exists()
-
-
 def parallel(distance: float) -> str:
     """Return two parallel struts of radius 1 as JSON, a corner of their sections to the other."""
     across = distance / np.sqrt(2)
@@ -340,48 +347,46 @@ def parallel(distance: float) -> str:
 
 
 @pytest.mark.parametrize(
-    ("distance", "arguments", "said"),
+    ("distance", "options", "said"),
     [
-        (1.9, ["-o", "out.step"], ["2 of 2 struts overlap", "may cross itself there"]),
-        (2.2, ["-o", "out.step"], []),  # squares of half width 1 would
-        (1.9, ["-o", "out.stl"], ["2 of 2 struts overlap", "they are united"]),
-        (2.2, ["-o", "out.stl"], []),
-        (2.2, ["--levels", "4", "-o", "out.stl"], []),
+        (1.9, ["--round"], True),
+        (2.2, ["--round"], False),
+        (2.2, [], True),  # the squares around the circles are 2.83 across corners
+        (2.9, [], False),
     ],
 )
 def test_overlaps_are_said_of_the_surface_that_is_written(
     distance: float,
-    arguments: list[str],
-    said: list[str],
+    options: list[str],
+    said: bool,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("close.json").write_text(parallel(distance), encoding="utf-8")
-    assert main(["build", "close.json", "--smooth", "--collars", *arguments]) == 0
-    error = capsys.readouterr().err
-    assert all(part in error for part in said)
-    assert bool(said) == ("overlap" in error)
+    assert main(["build", "close.json", *options, "-o", "out.stl"]) == 0
+    assert ("2 of 2 struts overlap" in capsys.readouterr().err) == said
+    assert main(["build", "close.json", *options, "-o", "out.step"]) == (2 if said else 0)
 
 
-def test_a_fine_mesh_is_not_said_to_be_united_and_then_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+def test_number_of_sides_is_a_multiple_of_four(
+    figure: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    source = tmp_path / "close.json"
-    source.write_text(parallel(1.9), encoding="utf-8")
-    out = tmp_path / "fine.ply"
-    assert main(["build", str(source), "--smooth", "--levels", "3", "-o", str(out)]) == 2
-    error = capsys.readouterr().err
-    assert "2 struts overlap others, edge 0 first: they can be united with --levels 2" in error
-    assert "they are united" not in error
+    out = tmp_path / "out.stl"
+    assert main(["build", figure, "--round", "--sides", "10", "-o", str(out)]) == 2
+    assert "sides is 10; need a multiple of 4" in capsys.readouterr().err
+    assert not out.exists()
 
 
-def test_fine_meshes_may_have_flat_caps(figure: str, tmp_path: Path) -> None:
+def test_a_round_frame_has_round_struts(figure: str, tmp_path: Path) -> None:
     volumes = []
-    for caps in ("round", "flat"):
-        out = tmp_path / f"{caps}.stl"
-        command = ["build", figure, "--smooth", "--levels", "3", "--caps", caps, "-o", str(out)]
-        assert main(command) == 0
-        volumes.append(trimesh.load(out).volume)
-    assert volumes[1] < volumes[0]
+    for options in ([], ["--round"]):
+        out = tmp_path / "frame.stl"
+        command = ["build", figure, "-o", str(out), "--as", "frame", "--strut-radius", "0.05"]
+        assert main([*command, *options]) == 0
+        mesh = trimesh.load(out)
+        assert mesh.is_watertight
+        volumes.append(mesh.volume)
+    # A square around a circle has 4/π of its area; nodes differ.
+    assert volumes[1] == pytest.approx(volumes[0] * np.pi / 4, rel=0.1)

@@ -14,8 +14,8 @@ import pytest
 import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
-from scaffold_cad.smooth import smooth_patches
 
+from scaffold_cad.brep.g1 import smooth_patches
 from scaffold_cad.errors import (
     BrepError,
     FormatError,
@@ -404,10 +404,9 @@ def test_a_path_that_is_none_is_refused(tmp_path: Path) -> None:
     assert not path.exists()
 
 
-@pytest.mark.parametrize("split", [None, 1])
-def test_faces_of_patches_are_named_after_edges(split: int | None, tmp_path: Path) -> None:
-    scaffold = build_scaffold(TRIPOD)
-    patches = smooth_patches(scaffold, split=split)
-    write(patches, tmp_path / "named.step")
-    names = re.findall(r"ADVANCED_FACE\('([^']*)'", (tmp_path / "named.step").read_text())
-    assert names == [f"edge {i}" for i in scaffold.edge_of_quad[patches.quad_of_patch]]
+@pytest.mark.parametrize("split", [0, 1])
+def test_smooth_patches_are_one_face_a_patch(split: int, tmp_path: Path) -> None:
+    patches = smooth_patches(build_scaffold(TRIPOD).mesh, split=split)
+    write(patches, tmp_path / "patches.step")
+    text = (tmp_path / "patches.step").read_text()
+    assert text.count("ADVANCED_FACE(") == len(patches.bezier.quads) == 15 * 4**split

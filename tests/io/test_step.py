@@ -11,8 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaffold_cad.brep.beziermesh import BezierMesh
-from scaffold_cad.io import step
-from scaffold_cad.io.step import write_step
+from scaffold_cad.io.step import tables, write_step
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from tests.meshes import CUBE, DART_PRISM, TORUS, TWISTED_TUBE, TWO_CUBES, ball, pillow, torus
 
@@ -79,7 +78,7 @@ def test_two_parts_are_two_solids(tmp_path: Path) -> None:
 def test_long_tables_are_written_chunk_by_chunk(tmp_path: Path, monkeypatch) -> None:
     whole, chunked = tmp_path / "whole.step", tmp_path / "chunked.step"
     write_step(bilinear(TORUS), whole, name="torus")
-    monkeypatch.setattr(step, "CHUNK", 7)
+    monkeypatch.setattr(tables, "CHUNK", 7)
     write_step(bilinear(TORUS), chunked, name="torus")
     assert without_time(chunked) == without_time(whole)
 
@@ -109,7 +108,7 @@ def test_faces_and_product_have_their_names(tmp_path: Path) -> None:
 
 def test_numbers_are_those_of_step() -> None:
     values = np.array([0.0, -0.0, 1.0, 0.1, 123456789.0, 1e-4, 9.9e-5, -1e-300, 1e16, 1 / 3])
-    texts = step._real_texts(values)
+    texts = tables._real_texts(values)
     assert [float(text) for text in texts] == values.tolist()
     for text in texts:
         assert re.fullmatch(r"-?\d+\.\d*(E[+-]\d+)?", text)  # ISO 10303-21, 6.4.2

@@ -11,7 +11,7 @@ import pytest
 from scaffold_cad.brep import tessellated
 from scaffold_cad.errors import BrepError
 from scaffold_cad.mesh.intersections import self_intersections
-from scaffold_cad.parts import LatticeBox, ScaffoldSolid, SmoothScaffold, objects
+from scaffold_cad.parts import LatticeBox, RoundStrutsSolid, ScaffoldSolid, skeletonpart
 from scaffold_cad.parts.booleans import Operation, check_boolean
 from scaffold_cad.solid.manifolds import to_manifold
 from tests.skeletons import NAMED, STRUT
@@ -31,10 +31,10 @@ BUSH = bd.Cylinder(3, 8) - bd.Cylinder(1.02, 8)
 """Closer to each other than coarse meshes can tell."""
 
 
-@pytest.mark.parametrize("part", [ScaffoldSolid, SmoothScaffold])
+@pytest.mark.parametrize("part", [ScaffoldSolid, RoundStrutsSolid])
 @pytest.mark.parametrize("name", ["tripod", "cross"])
 def test_unions_cuts_and_intersections_add_up(name: str, part: type) -> None:
-    solid = part(NAMED[name], collars=True)
+    solid = part(NAMED[name])
     surface = tessellated(solid)
     assert len(self_intersections(surface)) == 0
     shared = (solid & BOX).volume
@@ -94,11 +94,23 @@ def test_results_that_cannot_be_right_are_refused(
         check_boolean(operation, operands, result)
 
 
-def test_lattices_side_by_side_are_refused_where_occt_loses_them() -> None:
-    block = LatticeBox("bcc", 10, 10, 10, 10, radius=1, smooth=True)
+def test_round_lattices_side_by_side_are_united() -> None:
+    block = LatticeBox("bcc", 10, 10, 10, 10, radius=1, section="round")
     beside = bd.Pos(10, 0, 0) * block
+    reference = to_manifold(tessellated(block)) + to_manifold(tessellated(beside))
+    both = block + beside
+    assert both.is_valid
+    assert len(both.solids()) == 1
+    assert both.volume == pytest.approx(reference.volume(), rel=0.005)
+
+
+def test_what_occt_loses_is_refused_with_a_way_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    bar = ScaffoldSolid(STRUT)
+    lost = bd.Part()
+    monkeypatch.setattr(bd.Part, "__add__", lambda self, other: lost)
+    monkeypatch.setattr(bd.BasePartObject, "__add__", lambda self, other: lost, raising=False)
     with pytest.raises(BrepError, match="need one part of one skeleton that holds all struts"):
-        block + beside
+        bar + bd.Box(4, 4, 4)
 
 
 @pytest.fixture
@@ -109,7 +121,7 @@ def checks(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, list[float], floa
     def record(operation: str, operands: Sequence[Any], result: Any) -> None:
         calls.append((operation, [round(one.volume) for one in operands], round(result.volume)))
 
-    monkeypatch.setattr(objects, "check_boolean", record)
+    monkeypatch.setattr(skeletonpart, "check_boolean", record)
     return calls
 
 

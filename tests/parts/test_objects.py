@@ -25,17 +25,19 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.parts import (
     LatticeBox,
     LatticeFill,
+    RoundStrutsSolid,
     ScaffoldSolid,
-    SmoothScaffold,
     StrutFrame,
     lattice_part,
     to_mesh_shape,
 )
+from scaffold_cad.parts.models import Section
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import to_solid
 from scaffold_cad.solid.manifolds import to_manifold
 from scaffold_cad.solid.thicken import frame_scaffold
+from scaffold_cad.struts import round_struts
 from tests.meshes import CUBE
 from tests.skeletons import CROSS, JACK, RING, STICK_FIGURE, TAPER, TRIPOD, TWO_STRUTS, star
 
@@ -176,9 +178,9 @@ def test_joints_follow_the_algebra_and_single_locations() -> None:
     assert_joint(placed.joints["extremity 1"], [40, 0, 10], [1, 0, 0])
 
 
-@pytest.mark.parametrize("part", [ScaffoldSolid, SmoothScaffold])
+@pytest.mark.parametrize("part", [ScaffoldSolid, RoundStrutsSolid])
 def test_every_extremity_has_a_joint_that_leaves_its_strut(part: type) -> None:
-    made = part(STICK_FIGURE, collars=True)
+    made = part(STICK_FIGURE)
     extremities = STICK_FIGURE.extremities.tolist()
     assert sorted(made.joints) == sorted(f"extremity {node}" for node in extremities)
     for node in extremities:
@@ -260,14 +262,36 @@ def test_options_of_the_scaffold_are_passed_on_or_refused() -> None:
         ScaffoldSolid(Skeleton([[0, 0, 0]], [], 1.0))
 
 
-def test_smooth_part_is_round() -> None:
-    part = SmoothScaffold(TAPER.with_radii(1.5), caps="flat")
-    assert part.volume == pytest.approx(np.pi * 1.5**2 * 10, rel=0.01)
+def test_round_part_is_a_cylinder_or_a_cone() -> None:
+    part = RoundStrutsSolid(TAPER.with_radii(1.5))
+    assert part.volume == pytest.approx(np.pi * 1.5**2 * 10, rel=1e-9)
     assert part.is_valid
+    thick, thin = TAPER.radii
+    cone = np.pi * 10 * (thick**2 + thick * thin + thin**2) / 3
+    assert RoundStrutsSolid(TAPER).volume == pytest.approx(cone, rel=1e-9)
+    ball = RoundStrutsSolid(TAPER.with_radii(1.5), ends="round")
+    assert ball.volume == pytest.approx(np.pi * 1.5**2 * 10 + 4 / 3 * np.pi * 1.5**3, rel=1e-9)
+
+
+def test_joints_of_round_ends_are_in_the_middle_of_their_last_circle() -> None:
+    part = RoundStrutsSolid(BAR, ends="round")
+    assert_joint(part.joints["extremity 1"], [40, 0, 0], [1, 0, 0])
+
+
+def test_options_of_round_struts_are_passed_on_or_refused() -> None:
+    made = round_struts(BAR, ends="round")
+    assert RoundStrutsSolid(made).volume == pytest.approx(
+        RoundStrutsSolid(BAR, ends="round").volume
+    )
+    with pytest.raises(OptionError, match="ends given for RoundStruts, which are made; need a Sk"):
+        RoundStrutsSolid(made, ends="flat")
+
+
+def test_round_parts_are_cut_out_of_others() -> None:
     with bd.BuildPart() as builder:
         bd.Box(20, 20, 4)
-        SmoothScaffold(JACK, mode=bd.Mode.SUBTRACT)
-    shared = bd.Box(20, 20, 4) & SmoothScaffold(JACK)
+        RoundStrutsSolid(JACK, mode=bd.Mode.SUBTRACT)
+    shared = bd.Box(20, 20, 4) & RoundStrutsSolid(JACK)
     assert 4 * np.pi * 9 < shared.volume < 400  # four round struts and a node
     assert builder.part.volume == pytest.approx(20 * 20 * 4 - shared.volume)
 
@@ -280,7 +304,7 @@ def test_frames_of_skeletons_scaffolds_and_meshes() -> None:
     cage = StrutFrame(scaffold, 0.1)
     assert cage.volume == pytest.approx(frame_scaffold(scaffold, 0.1).mesh.signed_volume)
     assert_joint(cage.joints["extremity 1"], [10, 0, 0], [1, 0, 0])
-    crate = StrutFrame(CUBE, 0.05, smooth=True)
+    crate = StrutFrame(CUBE, 0.05, section="round")
     assert crate.is_valid
     assert crate.joints == {}
 
@@ -315,7 +339,9 @@ def test_lattice_box_is_added_under_locations() -> None:
 
 
 def test_lattice_box_grows_and_is_round_if_asked() -> None:
-    lattice = LatticeBox("bcc", 10.0, 10, 10, 10, lambda p: 0.5 + 0.02 * (p[:, 2] + 5), smooth=True)
+    lattice = LatticeBox(
+        "bcc", 10.0, 10, 10, 10, lambda p: 0.5 + 0.02 * (p[:, 2] + 5), section="round"
+    )
     assert lattice.is_valid
     radii = lattice.skeleton.radii
     assert (radii.min(), radii.max()) == pytest.approx((0.5, 0.7))
@@ -350,9 +376,9 @@ BALL = bd.Sphere(11)
 """Cuts struts at any place."""
 
 
-@pytest.mark.parametrize("smooth", [False, True])
-def test_stubs_that_overlap_are_left_out(smooth: bool) -> None:
-    lattice = LatticeFill(BALL, "octet", 9.0, 0.5, smooth=smooth)
+@pytest.mark.parametrize("section", ["square", "round"])
+def test_stubs_that_overlap_are_left_out(section: Section) -> None:
+    lattice = LatticeFill(BALL, "octet", 9.0, 0.5, section=section)
     assert lattice.is_valid
     every = fill(tessellated(BALL), "octet", 9.0, 0.5)
     assert len(every.edges) - 70 < len(lattice.skeleton.edges) < len(every.edges)
@@ -363,19 +389,20 @@ def test_stubs_that_overlap_are_left_out(smooth: bool) -> None:
 
 
 def test_stubs_that_overlap_are_kept_if_asked() -> None:
-    with pytest.raises(BrepError, match=r"of 240 struts may overlap others"):
+    with pytest.raises(BrepError, match=r"of 240 struts overlap others"):
         LatticeFill(BALL, "octet", 9.0, 0.5, drop_stubs=False)
     small = bd.Sphere(8)
-    united = LatticeFill(small, "octet", 9.0, 0.5, unite=True)
+    united = LatticeFill(small, "octet", 9.0, 0.5, overlaps="unite")
     assert len(united.skeleton.edges) == len(fill(tessellated(small), "octet", 9.0, 0.5).edges)
     assert united.is_valid
 
 
 def test_stubs_left_out_are_counted_in_a_warning(caplog: pytest.LogCaptureFixture) -> None:
     every = len(fill(tessellated(BALL), "octet", 9.0, 0.5).edges)
-    for smooth in (False, True):
+    sections: tuple[Section, ...] = ("square", "round")
+    for section in sections:
         caplog.clear()
-        left = len(LatticeFill(BALL, "octet", 9.0, 0.5, smooth=smooth).skeleton.edges)
+        left = len(LatticeFill(BALL, "octet", 9.0, 0.5, section=section).skeleton.edges)
         (record,) = caplog.records
         assert record.levelname == "WARNING"
         assert f"{every - left} of {every} struts left out: they end free" in record.message
@@ -391,16 +418,18 @@ def test_lattices_of_which_more_than_a_fifth_are_stubs_are_refused() -> None:
     assert bound.volume < whole.volume
 
 
-def test_smooth_struts_that_just_touch_are_refused() -> None:
+def test_round_struts_that_just_touch_are_refused() -> None:
     away = 1.98 * np.array([0.0, np.cos(np.radians(20)), np.sin(np.radians(20))])
     nodes = np.array([[0.0, 0, 0], [20, 0, 0], away, [20 + away[0], *away[1:]]])
     close = Skeleton(nodes, [[0, 1], [2, 3]], 1.0)
-    with pytest.raises(BrepError, match=r"2 of 2 struts may overlap others \(edges 0, 1\)"):
-        SmoothScaffold(close, collars=True)
+    with pytest.raises(BrepError, match=r"2 of 2 struts overlap others .* \(edges 0, 1;"):
+        RoundStrutsSolid(close)
+    apart = close.moved(close.nodes + [[0, 0, 0], [0, 0, 0], away * 0.02, away * 0.02])
+    assert RoundStrutsSolid(apart).volume == pytest.approx(2 * np.pi * 20, rel=1e-9)
 
 
 def test_struts_within_that_overlap_are_refused_all_the_same() -> None:
-    with pytest.raises(BrepError, match=r"struts may overlap others"):
+    with pytest.raises(BrepError, match=r"struts overlap others"):
         LatticeBox("octet", 5.0, 10, 10, 10, 1.5)
 
 
@@ -415,13 +444,13 @@ def test_lattice_joints_are_made_if_asked() -> None:
 
 def test_struts_that_overlap_are_refused_with_what_to_do() -> None:
     with pytest.raises(
-        BrepError, match=r"2 of 2 struts may overlap others \(edges 0, 1\).*unite=True.*to_mesh"
+        BrepError, match=r"2 of 2 struts overlap others .*\(edges 0, 1; .*overlaps='unite'.*a mesh"
     ):
         ScaffoldSolid(CLOSE)
 
 
 def test_struts_that_overlap_are_united_if_asked() -> None:
-    part = ScaffoldSolid(CLOSE, unite=True)
+    part = ScaffoldSolid(CLOSE, overlaps="unite")
     assert part.volume == pytest.approx(to_solid(build_scaffold(CLOSE)).volume())
     assert part.is_valid
     assert len(part.solids()) == 1
@@ -431,10 +460,11 @@ def test_struts_that_overlap_are_united_if_asked() -> None:
     assert len(part.joints) == 4
 
 
-def test_round_struts_are_united_with_16_sides() -> None:
-    part = SmoothScaffold(CLOSE, unite=True)
-    assert part.volume == pytest.approx(to_solid(build_scaffold(CLOSE), sides=16).volume())
+def test_round_struts_are_united_as_plane_facets() -> None:
+    part = RoundStrutsSolid(CLOSE, overlaps="unite")
+    assert part.volume == pytest.approx(to_solid(round_struts(CLOSE)).volume(), rel=0.005)
     assert part.is_valid
+    assert {face.geom_type for face in part.faces()} == {bd.GeomType.PLANE}
 
 
 def test_unions_of_several_parts_are_several_solids() -> None:
@@ -443,20 +473,20 @@ def test_unions_of_several_parts_are_several_solids() -> None:
         np.concatenate([CLOSE.edges, CLOSE.edges + 4]),
         1.0,
     )
-    part = ScaffoldSolid(twice, unite=True)
+    part = ScaffoldSolid(twice, overlaps="unite")
     assert len(part.solids()) == 2
-    assert part.volume == pytest.approx(2 * ScaffoldSolid(CLOSE, unite=True).volume)
+    assert part.volume == pytest.approx(2 * ScaffoldSolid(CLOSE, overlaps="unite").volume)
 
 
 def test_unions_of_too_many_triangles_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("scaffold_cad.parts.bodies.MOST_TRIANGLES", 20)
+    monkeypatch.setattr("scaffold_cad.products.facets.MOST_TRIANGLES", 20)
     with pytest.raises(BrepError, match=r"has \d+ triangles; need 20 or less .*to_mesh_shape"):
-        ScaffoldSolid(CLOSE, unite=True)
+        ScaffoldSolid(CLOSE, overlaps="unite")
 
 
 def test_errors_name_the_first_few_of_many_struts() -> None:
     directions = np.random.default_rng(1).standard_normal((12, 3)).tolist()
-    with pytest.raises(BrepError, match=r"\(edges \d+, \d+, \d+, \d+, \d+, \.\.\.\)"):
+    with pytest.raises(BrepError, match=r"\(edges \d+, \d+, \d+, \d+, \d+, \.\.\.;"):
         ScaffoldSolid(star(directions, radius=2.0))
 
 

@@ -20,7 +20,8 @@ from scaffold_cad import (
     Scaffold,
     TriangleMesh,
     build_scaffold,
-    smooth_mesh,
+    catmull_clark,
+    round_struts,
     smooth_patches,
     solidified,
     tile,
@@ -229,12 +230,32 @@ def test_a_skeleton_of_struts_is_a_skeleton() -> None:
         check_printability(CUBE, skeleton=build_scaffold(STRUT))  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("make", [solidified, smooth_mesh, smooth_patches])
-def test_all_that_has_a_surface_is_checked(make: Callable[[Scaffold], Any]) -> None:
+@pytest.mark.parametrize(
+    ("make", "volume"),
+    [
+        (solidified, 40.0),
+        (lambda scaffold: catmull_clark(scaffold.mesh, 0), 40.0),
+        (lambda scaffold: scaffold, 40.0),
+        (
+            lambda scaffold: smooth_patches(scaffold.mesh),
+            catmull_clark(build_scaffold(STRUT).mesh, 4).mesh.signed_volume,
+        ),
+    ],
+    ids=["solidified", "subdivision", "scaffold", "patches"],
+)
+def test_all_that_has_a_surface_is_checked(make: Callable[[Scaffold], Any], volume: float) -> None:
     pytest.importorskip("build123d")
     report = check_printability(make(build_scaffold(STRUT)))
     assert report.printable, report
-    assert report["volume"].value["volume_mm3"] == pytest.approx(10 * math.pi, rel=0.4)
+    assert report["volume"].value["volume_mm3"] == pytest.approx(volume, rel=0.02)
+
+
+def test_round_struts_are_checked_with_their_skeleton() -> None:
+    report = check_printability(round_struts(STRUT))
+    assert report.printable, report
+    assert report["volume"].value["volume_mm3"] == pytest.approx(10 * math.pi, rel=1e-9)
+    assert report["genus"].value["loops"] == 0
+    assert report["strut_diameter"].verdict == "ok"
 
 
 def test_builders_of_build123d_are_checked() -> None:

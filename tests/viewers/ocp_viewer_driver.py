@@ -13,13 +13,13 @@ import build123d as bd
 import numpy as np
 import ocp_viewer
 
-from scaffold_cad import build_scaffold, read_skeleton, thicken, to_brep
+from scaffold_cad import build_scaffold, read_skeleton, round_struts, thicken
 from scaffold_cad.viewers import show
 
 PATIENCE = 60.0
 """How long a browser without a graphics card may take to show all, s."""
 
-EXPECTED = ["skeleton", "scaffold", "frame", "smooth", "plate"]
+EXPECTED = ["skeleton", "scaffold", "frame", "rods", "plate"]
 
 
 def main(port: int, picture: str) -> None:
@@ -28,7 +28,7 @@ def main(port: int, picture: str) -> None:
     skeleton = read_skeleton("examples/skeletons/stick_woman.json")
     scaffold = build_scaffold(skeleton)
     frame = thicken(build_scaffold(skeleton.moved(skeleton.nodes + aside)), 0.55)
-    smooth = to_brep(build_scaffold(skeleton.moved(skeleton.nodes - aside)), smooth=True)
+    rods = round_struts(skeleton.moved(skeleton.nodes - aside))
     plate = bd.Pos(0, 0, -10) * bd.Box(140, 40, 3)
     plate.color = bd.Color("orange")
     for name in EXPECTED:

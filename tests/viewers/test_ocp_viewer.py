@@ -96,7 +96,7 @@ def test_ocp_viewer_shows_all_kinds_of_objects(tmp_path: Path) -> None:
         )
     assert done.returncode == 0, done.stderr
     names = json.loads(done.stdout.splitlines()[-1])
-    assert names == ["skeleton", "scaffold", "frame", "smooth", "plate"]
+    assert names == ["skeleton", "scaffold", "frame", "rods", "plate"]
     with Image.open(picture) as image:
         colors = image.convert("RGB").getcolors(maxcolors=1 << 24)
     background = max(count for count, _ in colors)

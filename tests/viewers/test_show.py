@@ -11,15 +11,17 @@ from typing import Any
 import build123d as bd
 import numpy as np
 import pytest
-from scaffold_cad.smooth import smooth_mesh, smooth_patches
 
+from scaffold_cad.brep.g1 import smooth_patches
 from scaffold_cad.errors import MissingBackendError, OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.subdivision import catmull_clark
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import Solidified
 from scaffold_cad.solid.manifolds import to_manifold, to_trimesh
+from scaffold_cad.struts import round_struts
 from scaffold_cad.viewers import show, to_cadquery, to_shape
 from tests.meshes import CUBE
 from tests.skeletons import STICK_FIGURE, TRIPOD
@@ -81,9 +83,25 @@ def test_scaffold_is_shown_by_its_faces_even_if_they_cross() -> None:
 
 
 def test_patches_are_shown_by_their_faces() -> None:
-    patches = smooth_patches(build_scaffold(TRIPOD))
+    patches = smooth_patches(build_scaffold(TRIPOD).mesh)
     assert len(to_shape(patches).faces()) == len(patches.bezier.quads)
     assert len(to_shape(patches.bezier).faces()) == len(patches.bezier.quads)
+
+
+def test_round_struts_are_shown_by_their_faces() -> None:
+    shape = to_shape(round_struts(TRIPOD))
+    assert len(shape.faces().filter_by(bd.GeomType.CYLINDER)) == 3
+    assert shape.is_valid
+
+
+def test_round_struts_that_overlap_or_are_many_are_shown_as_triangles(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    nodes = [[0, 0, 0], [20, 0, 0], [10, -8, 0.5], [10, 8, 0.5]]
+    crossing = round_struts(Skeleton(nodes, [[0, 1], [2, 3]], 1.0))
+    assert len(to_shape(crossing).faces()) == 1
+    monkeypatch.setattr("scaffold_cad.viewers.shapes.MOST_STRUTS", 2)
+    assert len(to_shape(round_struts(TRIPOD)).faces()) == 1
 
 
 @pytest.mark.parametrize(
@@ -103,7 +121,7 @@ def test_triangles_are_shown_as_triangles(mesh_of: Any) -> None:
 
 
 def test_many_quads_are_shown_as_triangles(monkeypatch: pytest.MonkeyPatch) -> None:
-    mesh = smooth_mesh(build_scaffold(TRIPOD), 1)
+    mesh = catmull_clark(build_scaffold(TRIPOD).mesh, 1)
     assert len(to_shape(mesh).faces()) == len(mesh.mesh.quads)
     monkeypatch.setattr("scaffold_cad.viewers.shapes.MOST_QUADS", len(mesh.mesh.quads) - 1)
     assert len(to_shape(mesh).faces()) == 1
@@ -181,7 +199,7 @@ def test_notebook_displays_the_object_itself(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setitem(sys.modules, "IPython.display", display)
     show(TRIPOD)
     assert shown == [TRIPOD]
-    patches = smooth_patches(build_scaffold(TRIPOD))
+    patches = smooth_patches(build_scaffold(TRIPOD).mesh)
     for what in (to_manifold(CUBE), bd.Box(1, 2, 3), patches):
         show(what)
     triangles = [len(one.triangles) for one in shown[1:] if isinstance(one, TriangleMesh)]

@@ -18,7 +18,7 @@ from scaffold_cad import (
     TriangleMesh,
     build_scaffold,
     catmull_clark,
-    smooth_mesh,
+    round_struts,
     solidified,
     tile,
     to_solid,
@@ -93,9 +93,9 @@ def test_many_edges_do_not_shine_through() -> None:
 
 def test_another_solid_may_be_shown() -> None:
     scaffold = build_scaffold(K4)
-    smooth = to_solid(scaffold, sides=16)
-    (surface,) = layers_of(model_page(scaffold, title="k4", solid=smooth))["solid"]["parts"]
-    assert len(b64decode(surface["rows"])) == 4 * 3 * smooth.num_tri()
+    rods = to_solid(round_struts(K4), sides=16)
+    (surface,) = layers_of(model_page(scaffold, title="k4", solid=rods))["solid"]["parts"]
+    assert len(b64decode(surface["rows"])) == 4 * 3 * rods.num_tri()
 
 
 NO_TRIANGLES = TriangleMesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=int))
@@ -112,6 +112,7 @@ SHOWN: dict[str, Callable[[], Any]] = {
     "no triangles": lambda: NO_TRIANGLES,
     "no quads": lambda: NO_QUADS,
     "solid": lambda: solidified(build_scaffold(K4)),
+    "round struts": lambda: round_struts(K4),
 }
 
 
@@ -144,7 +145,7 @@ def test_a_scaffold_without_a_solid_does_not_end_a_notebook_cell(
 
 
 def test_subdivisions_and_manifolds_are_shown_and_other_things_refused() -> None:
-    fine = smooth_mesh(build_scaffold(K4), levels=1)
+    fine = catmull_clark(build_scaffold(K4).mesh, levels=1)
     assert list(layers_of(model_page(fine, title="fine"))) == ["mesh"]
     solid = to_solid(catmull_clark(build_scaffold(STRUT).mesh).mesh)
     assert list(layers_of(model_page(solid, title="ball"))) == ["solid"]

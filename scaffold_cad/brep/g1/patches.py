@@ -1,4 +1,4 @@
-"""smooth_patches: the smooth solid as G1 Bézier patches, for a B-rep."""
+"""smooth_patches: the Catmull-Clark limit of a quad mesh as G1 Bézier patches, for a B-rep."""
 
 from __future__ import annotations
 
