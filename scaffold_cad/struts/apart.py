@@ -206,10 +206,16 @@ def _joined(parts: list[Pieces]) -> Pieces:
         points.append(np.pad(part.points, ((0, 0), (0, missing), (0, 0)), mode="edge"))
         hulls.append(np.where(part.hull >= 0, part.hull + count, -1))
         count += len(part.points)
-    names = ("start", "end", "radius", "nodes", "run")
-    every = [np.concatenate([getattr(part, name) for part in parts]) for name in names]
-    offset = np.concatenate([part.offset for part in parts])
-    return Pieces(*every, np.concatenate(hulls), np.concatenate(points), offset)
+    return Pieces(
+        np.concatenate([part.start for part in parts]),
+        np.concatenate([part.end for part in parts]),
+        np.concatenate([part.radius for part in parts]),
+        np.concatenate([part.nodes for part in parts]),
+        np.concatenate([part.run for part in parts]),
+        np.concatenate(hulls),
+        np.concatenate(points),
+        np.concatenate([part.offset for part in parts]),
+    )
 
 
 def slicing(count: int, spline: Spline) -> Floats:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from scaffold_cad.struts.options import BLEND, Ends, Nodes, StrutOptions
 from scaffold_cad.struts.recipes import RECIPES, WHOLE, Recipe
 from scaffold_cad.struts.room import allotted
 from scaffold_cad.struts.runs import Runs, straight_runs
+from scaffold_cad.struts.walls import without_wall
 
 MOST_IN_PIECES = 4
 """Most struts of a node whose patches may be cut into polynomial pieces."""
@@ -55,9 +56,27 @@ def round_struts(
     """
     check_skeleton(skeleton)
     options = StrutOptions(blend, ends, nodes, wall)
+    outer = _built(skeleton, options, None)
+    if wall is None:
+        return outer
+    inside = without_wall(skeleton, wall, at_ends=wall if ends == "flat" else 0.0)
+    inner = _built(inside, replace(options, wall=None, ends="flat"), outer.fillet + wall)
+    x = inner.x.copy()
+    ends_of = np.flatnonzero(inner.runs.valency[inner.runs.tails] == 1)
+    x[ends_of] = outer.x[ends_of]  # where an end is open, both circles begin alike
+    return replace(outer, inner=replace(inner, x=x, options=options))
+
+
+def _built(skeleton: Skeleton, options: StrutOptions, fillets: Floats | None) -> RoundStruts:
+    """Return solid struts.
+
+    Parameters
+    ----------
+    fillets : (n,) of the nodes, mm, instead of `options.blend`
+    """
     runs = straight_runs(skeleton)
     groups = _groups(runs)
-    wanted = [_stars(skeleton, runs, group, options) for group in groups]
+    wanted = [_stars(skeleton, runs, group, options, fillets) for group in groups]
     limits, no_room = _limits(runs, groups, wanted)
     solved = [
         part
@@ -109,7 +128,9 @@ def _groups(runs: Runs) -> list[_Group]:
     return groups
 
 
-def _stars(skeleton: Skeleton, runs: Runs, group: _Group, options: StrutOptions) -> Stars:
+def _stars(
+    skeleton: Skeleton, runs: Runs, group: _Group, options: StrutOptions, fillets: Floats | None
+) -> Stars:
     """Return what the blends of nodes are asked for, with room without end."""
     directions = runs.directions[group.half_runs]  # (M, N, 3)
     radii = runs.radii.reshape(-1)[group.half_runs]
@@ -117,6 +138,8 @@ def _stars(skeleton: Skeleton, runs: Runs, group: _Group, options: StrutOptions)
     ball = np.where(ball > radii.max(axis=1) * (1 + 1e-9), ball, 0.0)
     thin = radii.min(axis=1)
     blend = BLEND * thin if options.blend is None else np.full(len(thin), options.blend)
+    if fillets is not None:
+        blend = fillets[group.nodes]
     vertices, quads = _partitions(directions)
     most = np.full(radii.shape, np.inf)
     slopes = runs.slopes[group.half_runs]

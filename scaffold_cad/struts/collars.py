@@ -3,8 +3,8 @@
 The collar of a strut stands as near to the node as it can while the fillets end before it: there,
 and from there on, the filleted union is the strut itself. A fillet with another strut ends where a
 ball of radius ρ that touches both surfaces touches this one: at a distance d from the other of
-ρ (1 − cos φ), where φ is the angle between their normals, at most π/2. It is looked for all around the circle, on
-one side of the plane of both axes, as the other is its mirror image.
+ρ (1 − cos φ), where φ is the angle between their normals, at most π/2. It is looked for all around
+the circle, on one side of the plane of both axes, as the other is its mirror image.
 """
 
 from __future__ import annotations

@@ -85,7 +85,7 @@ class Union(Frozen):
     def value_and_slope(self, points: Floats) -> tuple[Floats, Floats]:
         """Return f at `points` (3, M, S), shape (M, S), and its gradient of length 1, (3, M, S)."""
         square = _square(points)
-        parts = [part for part in self._parts(points, square)]
+        parts = self._parts(points, square)
         distances = np.stack([distance for distance, *_ in parts])  # (N, M, S)
         blends = self.blends[:, None]
         # Far from all struts f is the distance to the nearest one.
@@ -153,7 +153,7 @@ class Union(Frozen):
         Along a ray all distances grow in proportion and normals stay, so that |y| is convex and
         falls: Newton steps from the surface of the union go up to the root and not past it.
         """
-        cosines, blends = self.cosines, self.blends[:, None]
+        cosines = self.cosines
         growth, start = [], []
         for strut in range(self.radii.shape[1]):
             cosine = cosines[:, strut, None]

@@ -22,8 +22,10 @@ from scaffold_cad.brep.analytic import (
     SplinePatches,
     Surface,
 )
+from scaffold_cad.brep.joining import PlaneRings, hollow
 from scaffold_cad.partition.arcs import side_twins
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
+from scaffold_cad.struts.options import Ends
 from scaffold_cad.struts.rings import parameters_at
 from scaffold_cad.struts.seams import QUARTER, Seams, seams
 from scaffold_cad.struts.splines import Spline
@@ -32,16 +34,41 @@ TURN = 2 * np.pi
 
 
 def brep_of_struts(struts: RoundStruts) -> AnalyticBrep:
-    """Return the B-rep of round struts, one solid a connected part.
+    """Return the B-rep of round struts, one solid a connected part; hollow ones with their inside.
 
     Struts that overlap make faces that cross: `RoundStruts.overlapping` names them.
     """
     plan = _Plan.of(struts)
-    uses = [
-        _patch_uses(plan),
-        _strut_uses(plan),
-        _cap_uses(plan) if plan.is_flat else _dome_uses(plan),
-    ]
+    outer = _shells_of(plan)
+    if struts.inner is None:
+        return outer
+    inside = _Plan.of(struts.inner)
+    is_open = np.zeros(len(outer.solid), dtype=np.bool_)
+    ends = np.arange(len(plan.ends) if struts.options.ends == "open" else 0)
+    part = component_labels(plan.struts.runs.edges, len(plan.struts.runs.nodes))
+    _, shell = np.unique(part[plan.struts.runs.edges[:, 0]], return_inverse=True)
+    shell = shell.reshape(-1)[plan.ends[ends] >> 1]
+    is_open[shell] = True
+    runs = struts.runs
+    rings = PlaneRings(
+        runs.nodes[runs.tails[plan.ends[ends]]],
+        -runs.directions[plan.ends[ends]],
+        struts.x[plan.ends[ends]],
+        np.stack([plan.end_rings + ends, inside.end_rings + ends], axis=1),
+        np.stack([np.zeros(len(ends), dtype=np.bool_), np.ones(len(ends), dtype=np.bool_)], axis=1),
+        shell,
+        len(runs.edges) + runs.tails[plan.ends[ends]],
+    )
+    return hollow(outer, _shells_of(inside), rings, is_open)
+
+
+def _shells_of(plan: _Plan) -> AnalyticBrep:
+    """Return the outer faces of struts, but for the ends of open ones."""
+    uses = [_patch_uses(plan), _strut_uses(plan)]
+    if plan.caps == "flat":
+        uses.append(_cap_uses(plan))
+    elif plan.caps == "round":
+        uses.append(_dome_uses(plan))
     face, order, edge, forward, parameters = (
         np.concatenate(column) for column in zip(*uses, strict=True)
     )
@@ -89,8 +116,8 @@ class _Plan(Frozen):
     """Half-runs at extremities, shape (e,)."""
     end_rank: Ints
     """Place of each half-run in `ends`, or -1, shape (2 k,)."""
-    is_flat: bool
-    """Whether struts end in discs."""
+    caps: Ends
+    """How struts end."""
     run_face: Ints
     """Place of each run's face among those of all runs, cylinders first, shape (k,)."""
 
@@ -106,9 +133,9 @@ class _Plan(Frozen):
         run_face[np.argsort(is_cone, kind="stable")] = np.arange(len(is_cone))
         count = len(runs.tails)
         ranks = [_rank(members, count) for members in (ringed, split, ends)]
-        is_flat = struts.options.ends == "flat"
+        caps = struts.options.ends
         return _Plan(
-            struts, found, ringed, ranks[0], split, ranks[1], ends, ranks[2], is_flat, run_face
+            struts, found, ringed, ranks[0], split, ranks[1], ends, ranks[2], caps, run_face
         )
 
     # Edges: seams, base arcs, rests of split arcs, end rings, meridians, arcs and spokes of nodes.
@@ -131,7 +158,7 @@ class _Plan(Frozen):
 
     @property
     def node_edges(self) -> int:
-        return self.meridians + (0 if self.is_flat else len(self.ends))
+        return self.meridians + (len(self.ends) if self.caps == "round" else 0)
 
     # Vertices: collar corners, splits, ends of struts, poles, corners of nodes.
 
@@ -149,13 +176,13 @@ class _Plan(Frozen):
 
     @property
     def node_vertices(self) -> int:
-        return self.poles + (0 if self.is_flat else len(self.ends))
+        return self.poles + (len(self.ends) if self.caps == "round" else 0)
 
     # Faces: discs, struts, domes, patches.
 
     @property
     def strut_faces(self) -> int:
-        return len(self.ends) if self.is_flat else 0
+        return len(self.ends) if self.caps == "flat" else 0
 
     @property
     def domes(self) -> int:
@@ -163,7 +190,7 @@ class _Plan(Frozen):
 
     @property
     def patch_faces(self) -> int:
-        return self.domes + (0 if self.is_flat else len(self.ends))
+        return self.domes + (len(self.ends) if self.caps == "round" else 0)
 
     def seam_vertex(self, half_runs: Ints) -> Ints:
         """Return the vertex at which the seam meets the ring of each of some half-runs."""
@@ -213,7 +240,7 @@ def _points(plan: _Plan) -> Points:
     splits = _ring_points(plan, plan.split, plan.seams.angle[plan.split])
     ends = _ring_points(plan, plan.ends, np.zeros(len(plan.ends)))
     points = [corners, splits, ends]
-    if not plan.is_flat:
+    if plan.caps == "round":
         center, size, _ = _domes(plan)
         points.append(center - size[:, None] * plan.struts.runs.directions[plan.ends])
     for group, *_ in _groups(plan):
@@ -257,7 +284,7 @@ def _edges(plan: _Plan) -> BrepEdges:
     radii = [runs.radii_at(half_run, plan.struts.collar[half_run])]
     circles = [angles, rest_angles, ring_angles]
     pairs = [seam, arc_ends, rest_ends, ring]
-    if not plan.is_flat:
+    if plan.caps == "round":
         middle_of, size, latitude = _domes(plan)
         outward = -runs.directions[ends]
         origin.append(middle_of)
@@ -331,11 +358,11 @@ def _surfaces(plan: _Plan) -> tuple[Ints, Axes, Floats, tuple[SplinePatches, ...
     ]
     sizes = [np.stack([radius, np.arctan(slope)], axis=1)[in_order]]
     kinds = [np.where(slope[in_order] == 0, Surface.CYLINDER, Surface.CONE)]
-    if plan.is_flat:
+    if plan.caps == "flat":
         columns.insert(0, (node, outward, struts.x[ends]))
         sizes.insert(0, np.zeros((len(ends), 2)))
         kinds.insert(0, np.full(len(ends), Surface.PLANE))
-    else:
+    elif plan.caps == "round":
         center, size, _ = _domes(plan)
         columns.append((center, outward, struts.x[ends]))
         sizes.append(np.stack([size, np.zeros(len(ends))], axis=1))
@@ -522,7 +549,8 @@ def _nodes_of_faces(plan: _Plan) -> Ints:
     patches = [
         np.repeat(group.nodes, 4 * group.half_runs.shape[1]) for group in plan.struts.blended
     ]
-    before, after = (at_ends, at_ends[:0]) if plan.is_flat else (at_ends[:0], at_ends)
+    before = at_ends if plan.caps == "flat" else at_ends[:0]
+    after = at_ends if plan.caps == "round" else at_ends[:0]
     return np.concatenate([before, struts, after, *patches])
 
 

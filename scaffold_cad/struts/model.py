@@ -55,6 +55,8 @@ class RoundStruts(Frozen, Shown):
     """Nodes without a surface of their own, shape (n,): what is there overlaps or is not proved."""
     crowded_runs: Bools
     """Runs that have no surface of their own, shape (k,): both of their nodes are crowded."""
+    inner: RoundStruts | None = None
+    """The inside of hollow struts, thinner by their wall; None for solid ones."""
 
     @cached_property
     def exact(self) -> Bools:
@@ -65,4 +67,5 @@ class RoundStruts(Frozen, Shown):
     def overlapping(self) -> Ints:
         """Edges at a crowded node, whose surfaces may cross others, ascending."""
         crowded: Bools = np.asarray(self.crowded[self.runs.edges].any(axis=1))
-        return np.flatnonzero(crowded[self.runs.run_of_edge])
+        edges = np.flatnonzero(crowded[self.runs.run_of_edge])
+        return edges if self.inner is None else np.union1d(edges, self.inner.overlapping)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.struts.blend import Solved
@@ -26,6 +26,8 @@ class Stacks(Frozen):
     """Vertices node by node, shape (M, b, 3), mm: corners, points of arcs, levels 1 and on."""
     rings: Ints
     """Vertices of each level of each strut, in 0..b-1, shape (M, N, levels + 1, sides)."""
+    normals: UnitVectors
+    """Outward unit normals at the points, shape (M, b, 3)."""
 
 
 def stacks(group: BlendedNodes, growth: Floats, levels: int, sides: int) -> Stacks:
@@ -59,7 +61,8 @@ def stacks(group: BlendedNodes, growth: Floats, levels: int, sides: int) -> Stac
     moved = np.empty((len(which), points.shape[1]))
     step = mean + v * (growth[:, :, None] - mean)  # (M, N, levels + 1)
     moved[np.arange(len(which))[:, None, None, None], rings[which]] = step[..., None]
-    return Stacks(points[which] + moved[..., None] * outward[which], rings[which])
+    placed = points[which] + moved[..., None] * outward[which]
+    return Stacks(placed, rings[which], outward[which])
 
 
 def first_rings(quads: Ints, steps: int) -> Ints:

@@ -44,13 +44,37 @@ class Triangulated(Frozen):
 
 
 def triangulated(struts: RoundStruts, sides: int, shift: Ints | None = None) -> Triangulated:
-    """Return the surface of round struts as triangles.
+    """Return the surface of round struts as triangles; hollow ones have theirs inside too.
 
     Parameters
     ----------
     sides : points of a ring, a multiple of 4
     shift : (k,) how the rings of each run are joined, see `Matching`; by default with least twist
     """
+    made, rings = _shell(struts, sides, shift)
+    if struts.inner is None:
+        return made
+    inside, inner_rings = _shell(struts.inner, sides, None)
+    count = len(made.mesh.vertices)
+    faces = [made.mesh.triangles, inside.mesh.triangles[:, ::-1] + count]
+    if struts.options.ends == "open":
+        faces.append(_annuli(rings, inner_rings + count))
+    mesh = TriangleMesh(
+        np.concatenate([made.mesh.vertices, inside.mesh.vertices]), np.concatenate(faces)
+    )
+    return Triangulated(mesh, made.node, made.shift)
+
+
+def _annuli(outer: Ints, inner: Ints) -> Triangles:
+    """Return the triangles between rings (e, s) that begin alike, seen from out of the struts."""
+    a, b = np.roll(outer, -1, axis=1), outer
+    d, c = np.roll(inner, -1, axis=1), inner
+    pairs = [np.stack([a, b, c], axis=-1), np.stack([a, c, d], axis=-1)]
+    return np.concatenate(pairs).reshape(-1, 3)
+
+
+def _shell(struts: RoundStruts, sides: int, shift: Ints | None) -> tuple[Triangulated, Ints]:
+    """Return the outer surface, and the rings at the ends of struts, (e, sides)."""
     nodes: list[Ints] = []
     sized = _sized(struts, sides, shift)
     rings = np.empty((len(struts.collar), sides), dtype=np.intp)
@@ -69,15 +93,16 @@ def triangulated(struts: RoundStruts, sides: int, shift: Ints | None = None) -> 
     rings[ends] = count + np.arange(len(ends) * sides).reshape(-1, sides)
     points.append(own[ends].reshape(-1, 3))
     count += len(ends) * sides
-    make = flat_ends if struts.options.ends == "flat" else round_ends
-    extra, triangles = make(struts.runs, ends, sized.radius[ends], rings[ends], own[ends], count)
-    points.append(extra)
-    faces.append(triangles)
+    if struts.options.ends != "open":
+        make = flat_ends if struts.options.ends == "flat" else round_ends
+        extra, closing = make(struts.runs, ends, sized.radius[ends], rings[ends], own[ends], count)
+        points.append(extra)
+        faces.append(closing)
     near, far = rings[0::2], rings[1::2]
     faces.append(band_triangles(near, far, sized.shift, sized.twist))
     mesh = TriangleMesh(np.concatenate(points), np.concatenate(faces))
     around = np.concatenate(nodes) if nodes else np.empty(0, dtype=np.intp)
-    return Triangulated(mesh, around, sized.shift)
+    return Triangulated(mesh, around, sized.shift), rings[ends]
 
 
 def _sized(struts: RoundStruts, sides: int, shift: Ints | None) -> _Sized:
