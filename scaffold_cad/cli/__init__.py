@@ -21,7 +21,7 @@ from scaffold_cad.errors import ScaffoldCadError
 COMMANDS = (build, lattice, cells, check, view, formats, info)
 
 PARAMETER = re.compile(
-    r"\b(overlaps|radius|blend|ends|sides|collars|section|fit|max_nodes)=('?)([\w.]*)\2"
+    r"\b(overlaps|radius|blend|ends|wall|sides|collars|section|fit|max_nodes)=('?)([\w.]*)\2"
 )
 """Parameters of the library that are flags here, as messages give them."""
 

@@ -83,6 +83,9 @@ def add_round_arguments(parser: argparse.ArgumentParser) -> None:
         "--ends", choices=get_args(Ends), help="how round struts end (default: flat)"
     )
     parser.add_argument(
+        "--wall", type=float, metavar="T", help="thickness of hollow round struts, mm"
+    )
+    parser.add_argument(
         "--sides",
         type=int,
         metavar="N",
@@ -160,7 +163,7 @@ def run(options: argparse.Namespace) -> None:
 
 def round_options(options: argparse.Namespace) -> dict[str, Any]:
     """Return the arguments for `round_struts` that are given."""
-    given = {name: getattr(options, name) for name in ("blend", "ends")}
+    given = {name: getattr(options, name) for name in ("blend", "ends", "wall")}
     return {name: value for name, value in given.items() if value is not None}
 
 
@@ -200,7 +203,7 @@ def _check_combination(options: argparse.Namespace) -> None:
 def check_round_options(options: argparse.Namespace) -> None:
     """Raise where an option of round struts is given without them."""
     if not options.round:
-        source.refuse(options, ["blend", "ends", "sides"], "is for --round")
+        source.refuse(options, ["blend", "ends", "wall", "sides"], "is for --round")
 
 
 def check_frame_options(options: argparse.Namespace) -> None:

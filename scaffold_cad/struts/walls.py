@@ -32,8 +32,8 @@ def without_wall(skeleton: Skeleton, wall: float, at_ends: float) -> Skeleton:
     if len(thin):
         radius = skeleton.edge_radii[thin[0]].min()
         raise OptionError(
-            f"wall is {wall:g} mm, and edge {thin[0]} has radius {radius:g} mm; need a wall that is "
-            "thinner than each radius"
+            f"wall is {wall:g} mm, and edge {thin[0]} has radius {radius:g} mm; need a wall that "
+            "is thinner than each radius"
         )
     is_end = skeleton.valency[skeleton.edges] == 1  # (m, 2)
     cut = at_ends * is_end
