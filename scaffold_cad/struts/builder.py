@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from scaffold_cad.base.arguments import check_kind
 from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors
 from scaffold_cad.base.vectors import any_perpendicular
+from scaffold_cad.errors import OptionError
 from scaffold_cad.partition import partition_spheres
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 from scaffold_cad.struts.apart import crossing_runs
@@ -35,6 +37,7 @@ def round_struts(
     ends: Ends = "flat",
     nodes: Nodes = "blend",
     wall: float | None = None,
+    like: RoundStruts | None = None,
 ) -> RoundStruts:
     """Return the struts of `skeleton` as exact cylinders and cones, blended at its nodes.
 
@@ -46,44 +49,78 @@ def round_struts(
     ends : how struts end: "flat" at their node, "round" beyond it, or "open" with a wall
     nodes : "blend", or "ball" for spheres of the nodes' radii
     wall : thickness of hollow struts, mm
+    like : struts of the same skeleton with its nodes elsewhere: partitions and triangles stay, for
+        animation and optimization
 
     Raises
     ------
     SkeletonError
         If the skeleton cannot be built on.
     OptionError
-        If an option has no such value.
+        If an option has no such value, or `like` is of another skeleton, other ends or another wall.
+    PartitionError
+        If nodes moved too far for the partitions of `like`.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, round_struts
+    >>> tips = [[20, 0, 0], [0, 20, 0], [0, 0, 20]]
+    >>> tripod = Skeleton([[0, 0, 0], *tips], [[0, 1], [0, 2], [0, 3]], edge_radii=[2, 2, 1])
+    >>> struts = round_struts(tripod, blend=1)
+    >>> struts.collar[::2].round(2).tolist(), struts.exact.tolist()
+    ([3.0, 3.0, 3.0], [True, True, True])
     """
     check_skeleton(skeleton)
     options = StrutOptions(blend, ends, nodes, wall)
-    outer = _built(skeleton, options, None)
+    if like is not None:
+        _check_like(skeleton, options, like)
+    outer = _built(skeleton, options, None, like)
     if wall is None:
         return outer
     inside = without_wall(skeleton, wall, at_ends=wall if ends == "flat" else 0.0)
-    inner = _built(inside, replace(options, wall=None, ends="flat"), outer.fillet + wall)
+    bare = replace(options, wall=None, ends="flat")
+    inner = _built(inside, bare, outer.fillet + wall, None if like is None else like.inner)
     x = inner.x.copy()
     ends_of = np.flatnonzero(inner.runs.valency[inner.runs.tails] == 1)
     x[ends_of] = outer.x[ends_of]  # where an end is open, both circles begin alike
     return replace(outer, inner=replace(inner, x=x, options=options))
 
 
-def _built(skeleton: Skeleton, options: StrutOptions, fillets: Floats | None) -> RoundStruts:
+def _check_like(skeleton: Skeleton, options: StrutOptions, like: RoundStruts) -> None:
+    """Raise unless struts of a skeleton can have the triangles of others."""
+    check_kind(like, RoundStruts)
+    if not np.array_equal(skeleton.edges, like.skeleton.edges):
+        raise OptionError(
+            f"like has {len(like.skeleton.edges)} edges, which are not the skeleton's "
+            f"{len(skeleton.edges)}; need the same graph, moved"
+        )
+    own = (options.ends, options.wall is None)
+    others = (like.options.ends, like.options.wall is None)
+    if own != others:
+        raise OptionError(
+            f"like has ends={like.options.ends!r} and wall={like.options.wall}; need the same"
+        )
+
+
+def _built(
+    skeleton: Skeleton, options: StrutOptions, fillets: Floats | None, like: RoundStruts | None
+) -> RoundStruts:
     """Return solid struts.
 
     Parameters
     ----------
     fillets : (n,) of the nodes, mm, instead of `options.blend`
     """
-    runs = straight_runs(skeleton)
+    runs = straight_runs(skeleton) if like is None else like.runs.moved(skeleton)
     groups = _groups(runs)
-    wanted = [_stars(skeleton, runs, group, options, fillets) for group in groups]
+    wanted = [_stars(skeleton, runs, group, options, fillets, like) for group in groups]
     limits, no_room = _limits(runs, groups, wanted)
     solved = [
         part
         for group, stars in zip(groups, wanted, strict=True)
         for part in _blended(group, _limited(stars, limits[group.half_runs]))
     ]
-    return _assembled(skeleton, options, runs, tuple(solved), no_room)
+    return replace(_assembled(skeleton, options, runs, tuple(solved), no_room), like=like)
 
 
 def _recipes(valency: int) -> list[Recipe]:
@@ -129,7 +166,12 @@ def _groups(runs: Runs) -> list[_Group]:
 
 
 def _stars(
-    skeleton: Skeleton, runs: Runs, group: _Group, options: StrutOptions, fillets: Floats | None
+    skeleton: Skeleton,
+    runs: Runs,
+    group: _Group,
+    options: StrutOptions,
+    fillets: Floats | None,
+    like: RoundStruts | None,
 ) -> Stars:
     """Return what the blends of nodes are asked for, with room without end."""
     directions = runs.directions[group.half_runs]  # (M, N, 3)
@@ -140,17 +182,37 @@ def _stars(
     blend = BLEND * thin if options.blend is None else np.full(len(thin), options.blend)
     if fillets is not None:
         blend = fillets[group.nodes]
-    vertices, quads = _partitions(directions)
+    vertices, quads = _partitions(directions, group, like)
     most = np.full(radii.shape, np.inf)
     slopes = runs.slopes[group.half_runs]
     return Stars(directions, radii, slopes, blend, ball, most, vertices, quads)
 
 
-def _partitions(directions: UnitVectors) -> tuple[UnitVectors, Ints]:
+def _partitions(
+    directions: UnitVectors, group: _Group, like: RoundStruts | None
+) -> tuple[UnitVectors, Ints]:
     """Return partition vertices (M, N + 2, 3) and quads (M, N, 4) around directions (M, N, 3)."""
-    two = directions.shape[1] == 2
-    made = bend_partitions(directions) if two else partition_spheres(directions)
+    if directions.shape[1] == 2:
+        made = bend_partitions(directions)
+    elif like is None:
+        made = partition_spheres(directions)
+    else:
+        quads, vertices = _of_nodes(like, group)
+        made = partition_spheres(directions, like=quads, near=vertices)
     return made.vertices, made.quads
+
+
+def _of_nodes(struts: RoundStruts, group: _Group) -> tuple[Ints, UnitVectors]:
+    """Return the quads (M, N, 4) and vertices (M, N + 2, 3) of nodes in other struts."""
+    count, valency = group.half_runs.shape
+    quads = np.empty((count, valency, 4), dtype=np.intp)
+    vertices = np.empty((count, valency + 2, 3))
+    for other in struts.blended:
+        if other.half_runs.shape[1] == valency:
+            place = np.searchsorted(group.nodes, other.nodes)
+            quads[place] = other.quads[other.shape_of]
+            vertices[place] = other.shapes.vertices[other.shape_of]
+    return quads, vertices
 
 
 def _union(stars: Stars) -> Union:

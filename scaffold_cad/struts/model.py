@@ -55,6 +55,8 @@ class RoundStruts(Frozen, Shown):
     """Nodes without a surface of their own, shape (n,): what is there overlaps or is not proved."""
     crowded_runs: Bools
     """Runs that have no surface of their own, shape (k,): both of their nodes are crowded."""
+    like: RoundStruts | None = None
+    """Struts of the same skeleton, moved, whose partitions and triangles these have."""
     inner: RoundStruts | None = None
     """The inside of hollow struts, thinner by their wall; None for solid ones."""
 

@@ -65,6 +65,11 @@ def stacks(group: BlendedNodes, growth: Floats, levels: int, sides: int) -> Stac
     return Stacks(placed, rings[which], outward[which])
 
 
+def block_size(valency: Ints, levels: int, sides: int) -> Ints:
+    """Return how many vertices the surface of a node of a valency has."""
+    return valency + 2 + 2 * valency * (sides // 4 - 1) + valency * levels * sides
+
+
 def first_rings(quads: Ints, steps: int) -> Ints:
     """Return the vertices along the arcs of each quad, counter-clockwise, (M, N, 4 steps).
 

@@ -10,6 +10,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.base.topology import Incidence, component_labels, incidence, valencies
 from scaffold_cad.base.vectors import dot, length
+from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton
 
 STRAIGHT = 1e-8
@@ -65,9 +66,40 @@ class Runs(Frozen):
         """The half-runs that leave each node."""
         return incidence(self.edges, len(self.nodes))
 
+    def moved(self, skeleton: Skeleton) -> Runs:
+        """Return the runs of the same graph with its nodes elsewhere.
+
+        Raises
+        ------
+        OptionError
+            If a joint that a run passes is bent.
+        """
+        own = straight_runs(skeleton)
+        at_ends = np.zeros(len(self.nodes), dtype=np.bool_)
+        at_ends[self.edges] = True
+        bent = np.flatnonzero((own.valency > 0) & ~at_ends)
+        if len(bent):
+            raise OptionError(
+                f"node {bent[0]} was a straight joint in like, and bends now; need like with a "
+                "bend there"
+            )
+        radii = _radii_at_ends(skeleton, self)
+        return Runs(skeleton.nodes, self.edges, radii, self.run_of_edge)
+
     def radii_at(self, half_runs: Ints, distances: Floats) -> Floats:
         """Return the radius of half-runs (h,) at distances (h,) from their nodes, mm, (h,)."""
         return self.radii.reshape(-1)[half_runs] + self.slopes[half_runs] * distances
+
+
+def _radii_at_ends(skeleton: Skeleton, runs: Runs) -> Floats:
+    """Return the radii at the ends of runs (k, 2) of several edges each."""
+    radii = np.empty(runs.edges.shape)
+    tails, sizes = skeleton.edges.reshape(-1), skeleton.edge_radii.reshape(-1)
+    run = np.repeat(runs.run_of_edge, 2)
+    for side in (0, 1):
+        at_end = np.flatnonzero(tails == runs.edges[run, side])
+        radii[run[at_end], side] = sizes[at_end]
+    return radii
 
 
 def straight_runs(skeleton: Skeleton) -> Runs:

@@ -11,7 +11,7 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.struts.bands import band_triangles, enlargement, matching, twist_of
 from scaffold_cad.struts.ends import flat_ends, round_ends
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
-from scaffold_cad.struts.rings import stacks
+from scaffold_cad.struts.rings import block_size, stacks
 
 LEVELS = 4
 """Intervals of a patch from its arc to its collar, for 16 sides."""
@@ -43,26 +43,27 @@ class Triangulated(Frozen):
     """How the rings of each run are joined, see `Matching`, shape (k,)."""
 
 
-def triangulated(struts: RoundStruts, sides: int, shift: Ints | None = None) -> Triangulated:
+def triangulated(struts: RoundStruts, sides: int) -> Triangulated:
     """Return the surface of round struts as triangles; hollow ones have theirs inside too.
+
+    Struts made like others have their triangles, with the vertices moved.
 
     Parameters
     ----------
     sides : points of a ring, a multiple of 4
-    shift : (k,) how the rings of each run are joined, see `Matching`; by default with least twist
     """
-    made, rings = _shell(struts, sides, shift)
+    outer, rings = _shell(struts, sides)
     if struts.inner is None:
-        return made
-    inside, inner_rings = _shell(struts.inner, sides, None)
-    count = len(made.mesh.vertices)
-    faces = [made.mesh.triangles, inside.mesh.triangles[:, ::-1] + count]
+        return outer
+    inside, inner_rings = _shell(struts.inner, sides)
+    count = len(outer.mesh.vertices)
+    faces = [outer.mesh.triangles, inside.mesh.triangles[:, ::-1] + count]
     if struts.options.ends == "open":
         faces.append(_annuli(rings, inner_rings + count))
     mesh = TriangleMesh(
-        np.concatenate([made.mesh.vertices, inside.mesh.vertices]), np.concatenate(faces)
+        np.concatenate([outer.mesh.vertices, inside.mesh.vertices]), np.concatenate(faces)
     )
-    return Triangulated(mesh, made.node, made.shift)
+    return Triangulated(mesh, outer.node, outer.shift)
 
 
 def _annuli(outer: Ints, inner: Ints) -> Triangles:
@@ -73,36 +74,62 @@ def _annuli(outer: Ints, inner: Ints) -> Triangles:
     return np.concatenate(pairs).reshape(-1, 3)
 
 
-def _shell(struts: RoundStruts, sides: int, shift: Ints | None) -> tuple[Triangulated, Ints]:
-    """Return the outer surface, and the rings at the ends of struts, (e, sides)."""
-    nodes: list[Ints] = []
-    sized = _sized(struts, sides, shift)
-    rings = np.empty((len(struts.collar), sides), dtype=np.intp)
+def _shell(struts: RoundStruts, sides: int) -> tuple[Triangulated, Ints]:
+    """Return the outer surface, and the rings at the ends of struts, (e, sides).
+
+    Vertices come node by node, by valency and number, then those of ends: they do not depend on
+    how the patches are cut.
+    """
+    model = None if struts.like is None else _shell(struts.like, sides)[0]
+    sized = _sized(struts, sides, None if model is None else model.shift)
     own = _own_rings(struts, sized, sides)  # (2 k, sides, 3)
-    points: list[Points] = []
+    starts, count = _blocks(struts, sides)
+    rings = np.empty((len(struts.collar), sides), dtype=np.intp)
+    at_nodes = np.empty((count, 3))
+    nodes: list[Ints] = []
     faces: list[Triangles] = []
-    count = 0
     for group in struts.blended:
-        placed, triangles, last = _node_surface(struts, group, own, sized.growth, sides)
-        points.append(placed)
-        faces.append(triangles + count)
-        nodes.append(np.repeat(group.nodes, len(triangles) // max(len(group.nodes), 1)))
-        rings[group.half_runs] = last + count
-        count += len(placed)
+        placed, own_faces, last = _node_surface(struts, group, own, sized.growth, sides)
+        block = len(placed) // len(group.nodes)
+        place = (starts[group.nodes][:, None] + np.arange(block)).reshape(-1)
+        at_nodes[place] = placed
+        faces.append(place[own_faces])
+        nodes.append(np.repeat(group.nodes, len(own_faces) // len(group.nodes)))
+        rings[group.half_runs] = place[last]
     ends = np.flatnonzero(struts.runs.valency[struts.runs.tails] == 1)
     rings[ends] = count + np.arange(len(ends) * sides).reshape(-1, sides)
-    points.append(own[ends].reshape(-1, 3))
-    count += len(ends) * sides
+    points = [at_nodes, own[ends].reshape(-1, 3)]
     if struts.options.ends != "open":
         make = flat_ends if struts.options.ends == "flat" else round_ends
+        count += len(ends) * sides
         extra, closing = make(struts.runs, ends, sized.radius[ends], rings[ends], own[ends], count)
         points.append(extra)
         faces.append(closing)
-    near, far = rings[0::2], rings[1::2]
-    faces.append(band_triangles(near, far, sized.shift, sized.twist))
-    mesh = TriangleMesh(np.concatenate(points), np.concatenate(faces))
+    faces.append(band_triangles(rings[0::2], rings[1::2], sized.shift, sized.twist))
     around = np.concatenate(nodes) if nodes else np.empty(0, dtype=np.intp)
-    return Triangulated(mesh, around, sized.shift), rings[ends]
+    triangles = np.concatenate(faces)
+    if model is not None:
+        around, triangles = model.node, model.mesh.triangles
+    return Triangulated(
+        TriangleMesh(np.concatenate(points), triangles), around, sized.shift
+    ), rings[ends]
+
+
+def _blocks(struts: RoundStruts, sides: int) -> tuple[Ints, int]:
+    """Return the first vertex of each blended node, shape (n,), and how many they have."""
+    valency = np.zeros(len(struts.runs.nodes), dtype=np.intp)
+    for group in struts.blended:
+        valency[group.nodes] = group.half_runs.shape[1]
+    order = np.argsort(valency, kind="stable")
+    sizes = np.where(valency > 0, block_size(valency, levels_of(sides), sides), 0)
+    starts = np.empty_like(sizes)
+    starts[order] = np.cumsum(sizes[order]) - sizes[order]
+    return starts, int(sizes.sum())
+
+
+def levels_of(sides: int) -> int:
+    """Return the intervals of a patch from its arc to its collar."""
+    return max(2, round(LEVELS * sides / 16))
 
 
 def _sized(struts: RoundStruts, sides: int, shift: Ints | None) -> _Sized:
@@ -135,8 +162,7 @@ def _node_surface(
     struts: RoundStruts, group: BlendedNodes, own: Points, growth: Floats, sides: int
 ) -> tuple[Points, Triangles, Ints]:
     """Return the vertices and triangles of nodes, and the rings at their collars, (M, N, sides)."""
-    levels = max(2, round(LEVELS * sides / 16))
-    sampled = stacks(group, growth[group.half_runs], levels, sides)
+    sampled = stacks(group, growth[group.half_runs], levels_of(sides), sides)
     count, block = sampled.points.shape[:2]
     rings = sampled.rings + (block * np.arange(count))[:, None, None, None]
     points = (sampled.points + struts.runs.nodes[group.nodes][:, None]).reshape(-1, 3)
