@@ -59,7 +59,7 @@ def sampled(blends: Blends, at_u: Floats, at_v: Floats) -> Samples:
     >>> (found,) = blends(Stars.of(tripod, radii=1.0, blends=0.5))
     >>> grid = np.linspace(0, 1, 5)
     >>> sampled(found, grid, grid).points.shape
-    (1, 209, 3)
+    (1, 215, 3)
     """
     for name, at in (("at_u", at_u), ("at_v", at_v)):
         if len(at) < 2 or at[0] != 0 or at[-1] != 1 or (np.diff(at) <= 0).any():
