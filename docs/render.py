@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 import pyvista as pv
 from PIL import Image, ImageDraw
-from scaffold_cad.smooth import Patches, smooth_mesh, smooth_patches
 
 from scaffold_cad import (
     Partition,
@@ -27,8 +26,10 @@ from scaffold_cad import (
     build_scaffold,
     cells,
     partition_sphere,
+    round_struts,
     thicken,
     tile,
+    to_solid,
     to_trimesh,
 )
 from scaffold_cad.base.arrays import Floats, Points, UnitVectors
@@ -99,15 +100,6 @@ def _grid_cells(count: int) -> Floats:
 
 def _polydata(points: Points, cells: Any) -> pv.PolyData:
     return pv.PolyData(points, np.insert(cells, 0, cells.shape[1], axis=1).reshape(-1))
-
-
-def smooth_surface(smooth: Patches) -> pv.PolyData:
-    """Return Bézier patches as fine grids with their own normals."""
-    points, normals = smooth.sampled(STEPS + 1)
-    surface = _polydata(points.reshape(-1, 3), _grid_cells(len(points)))
-    surface.point_data["Normals"] = normals.reshape(-1, 3)
-    surface.point_data.active_normals_name = "Normals"
-    return surface
 
 
 def wires(points: Points, pairs: Any, radius: float) -> pv.PolyData:
@@ -284,10 +276,9 @@ def draw_twist() -> None:
 
 
 def draw_lattice() -> None:
-    """Draw the smooth ring."""
-    smooth = smooth_mesh(build_scaffold(lattice.ring()), levels=2).mesh
+    """Draw the ring of round struts."""
     stage = Stage((-0.5, -1.0, 0.6), 800, 580)
-    stage.add(_polydata(smooth.vertices, smooth.quads), SAND)
+    stage.add(_faceted(to_solid(round_struts(lattice.ring(), blend=0.1), sides=16)), SAND)
     stage.save("lattice")
 
 
@@ -346,9 +337,8 @@ def draw_options() -> None:
     for label, options in OPTIONS.items():
         scaffold = build_scaffold(node, **options)
         stage = Stage((-0.6, -1.0, 0.55), 260, 260)
-        if label.startswith("smooth"):
-            smooth = smooth_mesh(scaffold, levels=3, caps="flat").mesh
-            stage.add(_polydata(smooth.vertices, smooth.quads), SAND)
+        if label == ROUND:
+            stage.add(_faceted(to_solid(round_struts(node), sides=48)), SAND)
         else:
             stage.add(patches(scaffold.mesh), SAND, opacity=0.55)
             stage.add(wires(scaffold.mesh.vertices, scaffold.mesh.edges, 0.07), INK, specular=0.0)
@@ -361,13 +351,16 @@ def draw_options() -> None:
     _save(_sheet(pictures, columns=3), "options")
 
 
+ROUND = "round_struts"
+"""What is written under the picture of round struts."""
+
 OPTIONS: dict[str, dict[str, Any]] = {
     'fit="enclose" (default)': {},
     'fit="paper"': {"fit": "paper"},
     "collars=True": {"collars": True},
     'section="inscribed"': {"section": "inscribed"},
     'section="area"': {"section": "area"},
-    "smooth, collars=True": {"collars": True},
+    ROUND: {},
 }
 """Options of `build_scaffold` by what is written under their picture."""
 
@@ -393,34 +386,26 @@ def _sheet(pictures: dict[str, Image.Image], columns: int) -> Image.Image:
     return sheet
 
 
-def draw_smooth_stick_woman() -> None:
-    """Draw the stick woman as a smooth solid."""
-    smooth = smooth_patches(build_scaffold(skeleton("stick_woman"), collars=True))
+def draw_round_stick_woman() -> None:
+    """Draw the stick woman of round struts, which overlap in places."""
     stage = Stage((-0.32, -1.0, 0.16), 780, 1060)
-    stage.add(smooth_surface(smooth), SAND)
-    stage.save("smooth_stick_woman")
+    stage.add(_faceted(to_solid(round_struts(skeleton("stick_woman"), ends="round"))), SAND)
+    stage.save("round_stick_woman")
 
 
-def draw_smooth_octet() -> None:
-    """Draw eight octet cells, with nodes of valencies up to 12, as a smooth solid."""
-    smooth = smooth_patches(build_scaffold(tile("octet", 20.0, 2, radius=1.3), collars=True))
+def draw_round_octet() -> None:
+    """Draw eight octet cells, with nodes of valencies up to 12, of round struts."""
+    struts = round_struts(tile("octet", 20.0, 2, radius=1.3))
     stage = Stage((-0.42, -1.0, 0.5), 740, 740)
-    stage.add(smooth_surface(smooth), BLUE)
-    stage.save("smooth_octet")
+    stage.add(_faceted(to_solid(struts, sides=32)), BLUE)
+    stage.save("round_octet")
 
 
-def draw_smooth_star() -> None:
-    """Draw eight struts around a node, with flat ends, and the borders of the patches."""
-    smooth = smooth_patches(build_scaffold(skeleton("star_8"), collars=True), caps="flat")
-    points, _ = smooth.sampled(4 * STEPS + 1)
-    rims = points[:, [0, -1]].reshape(-1, 4 * STEPS + 1, 3)
-    rims = np.concatenate([rims, points[:, :, [0, -1]].swapaxes(1, 2).reshape(rims.shape)])
-    first = np.arange(rims.shape[0])[:, None] * rims.shape[1] + np.arange(4 * STEPS)
-    pairs = np.stack([first, first + 1], axis=2).reshape(-1, 2)
+def draw_round_star() -> None:
+    """Draw eight round struts around a node, with flat ends."""
     stage = Stage((-0.15, -1.0, 0.35), 740, 740)
-    stage.add(smooth_surface(smooth), SAND)
-    stage.add(wires(rims.reshape(-1, 3), pairs, 0.02), INK, specular=0.0)
-    stage.save("smooth_star")
+    stage.add(_faceted(to_solid(round_struts(skeleton("star_8"), blend=1.0), sides=48)), SAND)
+    stage.save("round_star")
 
 
 def draw_convolution() -> None:
@@ -465,9 +450,9 @@ PICTURES: dict[str, Callable[[], None]] = {
     "overlapping_tree": draw_overlapping_tree,
     "twist": draw_twist,
     "lattice": draw_lattice,
-    "smooth_stick_woman": draw_smooth_stick_woman,
-    "smooth_octet": draw_smooth_octet,
-    "smooth_star": draw_smooth_star,
+    "round_stick_woman": draw_round_stick_woman,
+    "round_octet": draw_round_octet,
+    "round_star": draw_round_star,
     "cells": draw_cells,
     "options": draw_options,
     "page": draw_page,

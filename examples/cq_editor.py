@@ -9,7 +9,7 @@ import numpy as np
 from build123d import Axis, BuildPart, Cylinder, Edge, Location, Locations, RigidJoint
 
 from scaffold_cad import Skeleton, build_scaffold, thicken
-from scaffold_cad.parts import LatticeBox, SmoothScaffold
+from scaffold_cad.parts import LatticeBox, RoundStrutsSolid
 from scaffold_cad.viewers import show
 
 leg = Edge.make_three_point_arc((30, 0, 0), (22, 0, 40), (0, 0, 60))
@@ -20,7 +20,7 @@ skeleton = Skeleton.from_edges([*legs, neck], radius=3.0, tolerance=1.0)
 with BuildPart() as foot:
     with Locations((0, 0, -2)):
         Cylinder(radius=45, height=6)
-    struts = SmoothScaffold(skeleton, collars=True)
+    struts = RoundStrutsSolid(skeleton)
 
 shade = LatticeBox("kelvin", 30, 30, 30, 30, radius=1.5, label="shade", color="orangered")
 (top,) = [joint for joint in struts.joints.values() if joint.location.position.Z > 80]

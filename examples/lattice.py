@@ -1,16 +1,15 @@
 """A finger ring of Kelvin cells whose struts grow from one side to the other.
 
 The cells are tiled in a box, the box is bent into a ring, and its ends are welded. Written are the
-coarse scaffold as a STEP solid and the smooth one as an STL file.
+coarse scaffold as a STEP solid, and the ring of round struts as an STL file.
 """
 
 from pathlib import Path
 
 import numpy as np
 from _common import out_folder, save
-from scaffold_cad.smooth import smooth_mesh
 
-from scaffold_cad import Skeleton, build_scaffold, mapped, tile
+from scaffold_cad import Skeleton, build_scaffold, mapped, round_struts, tile
 from scaffold_cad.base.arrays import Floats, Points, Radii
 
 CELL = 4.5
@@ -32,7 +31,7 @@ def main(folder: Path) -> None:
     struts, certified = len(scaffold.skeleton.edges), scaffold.embedding().certified
     print(f"{struts} struts; certified that none overlaps another: {certified}")
     save(scaffold, folder / "ring.step")
-    save(smooth_mesh(scaffold, levels=2).mesh, folder / "ring.stl")
+    save(round_struts(scaffold.skeleton, blend=0.1), folder / "ring.stl")
 
 
 def ring() -> Skeleton:

@@ -1,12 +1,13 @@
 """The bottom bracket of a bicycle's frame: tubes that meet in one hollow node.
 
-The smooth solid around the tubes' axes, less their bores: to be printed of metal and brazed.
+Round struts around the tubes' axes and a ball where they meet, less the bores: to be printed of
+metal and brazed.
 """
 
 import numpy as np
 from manifold3d import Manifold
 
-from scaffold_cad import Skeleton, build_scaffold, thicken, to_solid, write
+from scaffold_cad import Skeleton, round_struts, thicken, to_solid, write
 
 TUBES = np.array(
     [
@@ -34,9 +35,9 @@ def make() -> Manifold:
         [[0, tip] for tip in range(1, len(tips) + 1)],
         np.concatenate([[BODY], TUBES[:, 2]]),
     )
-    node = to_solid(build_scaffold(axes, collars=True), sides=16)
+    node = to_solid(round_struts(axes), sides=16)
     for (_, _, radius, length), direction, tip in zip(TUBES, along, tips, strict=True):
-        axis = Skeleton([np.zeros(3), 2 * tip], [[0, 1]], radius)
+        axis = Skeleton([-0.02 * tip, 2 * tip], [[0, 1]], radius)  # bores overlap in the middle
         node -= thicken(axis, radius - WALL, sides=16)
         node = node.trim_by_plane(-direction, -length)  # flat ends
     return node

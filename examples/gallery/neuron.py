@@ -7,7 +7,7 @@ skeleton is written as an SWC file too, as programs for neurons read it.
 import numpy as np
 from manifold3d import Manifold
 
-from scaffold_cad import Skeleton, build_scaffold, to_solid, write
+from scaffold_cad import Skeleton, round_struts, to_solid, write
 from scaffold_cad.base.vectors import normalize
 
 DENDRITES, STEP, THINNEST = 6, 7.0, 0.55
@@ -41,7 +41,7 @@ def neuron(seed: int) -> Skeleton:
 
 def make() -> Manifold:
     """Return the neuron as a solid; branches that touch are united."""
-    return to_solid(build_scaffold(neuron(seed=11)), sides=8)
+    return to_solid(round_struts(neuron(seed=11), ends="round"), sides=8)
 
 
 if __name__ == "__main__":

@@ -6,7 +6,7 @@ Each branch forks into four, and its section is the sum of theirs.
 import numpy as np
 from manifold3d import Manifold
 
-from scaffold_cad import Skeleton, build_scaffold, to_solid, write
+from scaffold_cad import Skeleton, round_struts, to_solid, write
 
 SPAN, TIP = 48.0, 0.6
 """Side of the square under the overhang, and radius of the tips, mm."""
@@ -37,8 +37,8 @@ def support() -> Skeleton:
 
 
 def make() -> Manifold:
-    """Return the support as a smooth solid."""
-    return to_solid(build_scaffold(support()), sides=8)
+    """Return the support as a solid of round struts."""
+    return to_solid(round_struts(support()), sides=8)
 
 
 if __name__ == "__main__":

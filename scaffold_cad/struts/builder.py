@@ -63,12 +63,12 @@ def round_struts(
 
     Examples
     --------
-    >>> from scaffold_cad import Skeleton, round_struts
-    >>> tips = [[20, 0, 0], [0, 20, 0], [0, 0, 20]]
-    >>> tripod = Skeleton([[0, 0, 0], *tips], [[0, 1], [0, 2], [0, 3]], edge_radii=[2, 2, 1])
-    >>> struts = round_struts(tripod, blend=1)
-    >>> struts.collar[::2].round(2).tolist(), struts.exact.tolist()
-    ([3.0, 3.0, 3.0], [True, True, True])
+    >>> from scaffold_cad import Skeleton
+    >>> tips = [[9, 0, 0], [0, 9, 0], [0, 0, 9]]
+    >>> tripod = Skeleton([[0, 0, 0], *tips], [[0, 1], [0, 2], [0, 3]], 1.0)
+    >>> struts = round_struts(tripod, blend=0.4)
+    >>> struts.exact.tolist(), round(float(struts.fillet[0]), 6)
+    ([True, True, True], 0.4)
     """
     check_skeleton(skeleton)
     options = StrutOptions(blend, ends, nodes, wall)

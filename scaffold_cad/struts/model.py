@@ -35,7 +35,15 @@ class BlendedNodes(Frozen):
 
 @dataclass(frozen=True, eq=False)
 class RoundStruts(Frozen, Shown):
-    """A skeleton's struts as exact cylinders and cones, with blends at its nodes."""
+    """A skeleton's struts as exact cylinders and cones, with blends at its nodes.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, round_struts
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> round_struts(strut).overlapping.tolist()
+    []
+    """
 
     skeleton: Skeleton
     """The skeleton that was asked for."""

@@ -424,7 +424,7 @@ def test_round_struts_that_just_touch_are_refused() -> None:
     close = Skeleton(nodes, [[0, 1], [2, 3]], 1.0)
     with pytest.raises(BrepError, match=r"2 of 2 struts overlap others .* \(edges 0, 1;"):
         RoundStrutsSolid(close)
-    apart = close.moved(close.nodes + [[0, 0, 0], [0, 0, 0], away * 0.02, away * 0.02])
+    apart = close.moved(close.nodes + np.array([[0.0], [0.0], [0.02], [0.02]]) * away)
     assert RoundStrutsSolid(apart).volume == pytest.approx(2 * np.pi * 20, rel=1e-9)
 
 

@@ -1,0 +1,68 @@
+"""Which runs are proved to keep apart: never those that meet, and those with room between."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from scaffold_cad.base.segments import nearest_on_segments
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.struts import round_struts
+from scaffold_cad.struts.apart import Capsules, crossing_runs, meeting_runs, slicing
+from scaffold_cad.struts.splines import Spline
+
+
+def pair(gap: float, radii: object = 1.0) -> Skeleton:
+    nodes = [[0, 0, 0], [20, 0, 0], [10, -8, gap], [10, 8, gap]]
+    return Skeleton(nodes, [[0, 1], [2, 3]], radii)
+
+
+@pytest.mark.parametrize(("gap", "meet"), [(1.99, True), (2.01, False), (0.0, True)])
+def test_cylinders_meet_where_their_axes_are_nearer_than_their_radii(
+    gap: float, meet: bool
+) -> None:
+    struts = round_struts(pair(gap))
+    assert struts.overlapping.tolist() == ([0, 1] if meet else [])
+    assert struts.crowded_runs.tolist() == [meet, meet]
+
+
+def test_thicker_polygons_meet_sooner() -> None:
+    struts = round_struts(pair(2.01))
+    assert len(crossing_runs(struts.runs, struts.blended, struts.collar)) == 0
+    assert crossing_runs(struts.runs, struts.blended, struts.collar, 0.01).tolist() == [[0, 1]]
+
+
+def test_cones_are_looked_at_in_pieces() -> None:
+    # As wide as at its thick end all along, the cone would meet the cylinder.
+    assert len(round_struts(pair(3.2, [1.0, 3.0, 1.0, 1.0])).overlapping) == 0
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_struts_that_meet_are_always_found(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    ends, radius = rng.normal(size=(2, 2, 3)), rng.uniform(0.05, 0.3, 2)
+    capsules = Capsules(
+        ends[:, 0], ends[:, 1], radius, np.array([[0, 1], [2, 3]]), np.array([0, 1])
+    )
+    a, b = nearest_on_segments(*(ends[:1, 0], ends[:1, 1], ends[1:, 0], ends[1:, 1]))
+    meet = np.linalg.norm(a - b) < radius.sum()
+    assert len(meeting_runs(capsules)) == meet
+
+
+def test_neighbors_and_pieces_of_one_run_are_not_compared() -> None:
+    start, end = np.zeros((3, 3)), np.eye(3)
+    nodes = np.array([[0, 1], [0, 2], [3, 4]])
+    found = meeting_runs(Capsules(start, end, np.ones(3), nodes, np.array([0, 1, 1])))
+    assert found.tolist() == [[0, 1]]  # the third and the first
+
+
+def test_slices_together_are_the_curve() -> None:
+    spline = Spline.bezier()
+    control = np.random.default_rng(2).normal(size=(spline.count, 3))
+    pieces = slicing(4, spline) @ control  # (4, d + 1, 3)
+    for number, piece in enumerate(pieces):
+        ends = spline.values_at(np.array([number, number + 1]) / 4) @ control
+        np.testing.assert_allclose(piece[[0, -1]], ends, atol=1e-12)
