@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import check_choice
+from scaffold_cad.base.arguments import check_choice, checks_keywords
 from scaffold_cad.base.arrays import Floats, Points, as_floats
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.errors import OptionError, SkeletonError
@@ -47,6 +47,7 @@ FillRegion: TypeAlias = "ArrayLike | Shape | HasTriangles | Callable[[Points], A
 negative inside."""
 
 
+@checks_keywords()
 def fill(
     region: FillRegion,
     cell: str | UnitCell,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_real
+from scaffold_cad.base.arguments import as_real, checks_keywords
 from scaffold_cad.base.arrays import as_floats
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
@@ -58,6 +58,7 @@ NUDGE_DIRECTION = np.array([0.6, 0.5, 0.62])
 _log = logging.getLogger(__name__)
 
 
+@checks_keywords()
 def lattice_part(
     body: Body,
     cell: str | UnitCell,

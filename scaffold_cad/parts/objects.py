@@ -154,7 +154,7 @@ class StrutFrame(SkeletonPart):
     def __init__(
         self,
         what: Skeleton | Scaffold | QuadMesh,
-        radius: float,
+        radius: Radius,
         *,
         smooth: bool = False,
         unite: bool = False,
@@ -166,7 +166,7 @@ class StrutFrame(SkeletonPart):
         Parameters
         ----------
         what : whose edges
-        radius : of the struts, mm
+        radius : of the struts, mm; one number, or a function of positions (n, 3) that returns (n,)
         smooth : whether struts are round and nodes smooth; struts are square otherwise
         unite : whether struts that overlap are united; the faces are then triangles
         with_joints : whether extremities get joints

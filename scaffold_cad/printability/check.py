@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.welding import welded
 from scaffold_cad.printability.direction import direction_findings
@@ -31,6 +31,7 @@ from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import to_solid
 
 
+@checks_keywords()
 def check_printability(
     what: Any,
     process: str | Process = "sls",
@@ -106,6 +107,7 @@ def check_printability(
     return Report(name, process, tuple(findings), mesh, upwards)
 
 
+@checks_keywords(check_printability)
 def assert_printable(what: Any, process: str | Process = "sls", **options: Any) -> None:
     """Raise an AssertionError that holds the report unless `what` is printable; for tests.
 

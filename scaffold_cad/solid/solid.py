@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
 from scaffold_cad.base.notebook import Shown
 from scaffold_cad.base.segments import nearest_on_segments
@@ -62,6 +62,7 @@ class Solidified(Frozen, Shown):
     """Volume of each void that overlapping struts enclosed, mm³; they are filled."""
 
 
+@checks_keywords()
 def to_solid(what: Scaffold | QuadMesh | TriangleMesh, *, sides: int = 4) -> Manifold:
     """Return `what` as a watertight manifold3d solid.
 
@@ -97,6 +98,7 @@ def to_solid(what: Scaffold | QuadMesh | TriangleMesh, *, sides: int = 4) -> Man
     return manifolds.to_manifold(what)
 
 
+@checks_keywords()
 def solidified(scaffold: Scaffold, *, sides: int = 4) -> Solidified:
     """Return the watertight solid of `scaffold`, and which of its struts were united.
 

@@ -99,7 +99,7 @@ ONE_NUMBER = r"need a number, or a function of positions \(n, 3\) that returns r
         (lambda: sc.solve_radius("sc", 5.0, "x"), "relative density is 'x'; need a number"),
         (lambda: sc.solve_radius("sc", [5.0, {}], 0.1), "cell size in mm is not an array of num"),
         (lambda: measured_density("sc", 5.0, None, float), "radius is None; need a number"),
-        (lambda: sc.thicken(STRUT, "1"), "strut radius is '1'; need a number"),
+        (lambda: sc.thicken(STRUT, "1"), "radius is '1'; need a number"),
         (lambda: STRUT.scaled("2"), "scale factor is '2'; need a number"),
         (lambda: STRUT.scaled([1, 2, 3]), "scale factor is a list; need a number"),
         (lambda: STRUT.simplified(None), "simplification tolerance is None; need a number"),

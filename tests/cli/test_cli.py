@@ -88,8 +88,8 @@ def test_overlaps_are_said_and_united(tmp_path: Path, capsys: pytest.CaptureFixt
     source.write_text(skeleton_to_json(CROSSING))
     assert main(["build", str(source), "-o", str(out)]) == 0
     assert (
-        "2 of 3 struts overlap others or their nodes, edge 0 first; they are united; --collars "
-        "keeps struts straight" in capsys.readouterr().err
+        "2 of 3 struts overlap others or their nodes, edge 0 first; they are united; collars "
+        "keep struts straight" in capsys.readouterr().err
     )
     assert trimesh.load(out).is_watertight
     assert main(["build", str(source), "-o", str(out), "--smooth", "--collars"]) == 0
@@ -189,7 +189,7 @@ BAD_INPUT = [
     (["build", "FIGURE", "-o", "x.stl", "--simplify", "-1"], "tolerance is -1 mm; need >= 0"),
     (
         ["build", "FIGURE", "-o", "x.stl", "--as", "frame", "--strut-radius", "0"],
-        "strut radius is 0 mm; need > 0",
+        "--strut-radius is 0 mm; need > 0",
     ),
 ]
 
