@@ -28,7 +28,14 @@ QUARTERS = list(product([0.25, 0.75], repeat=3))
 
 
 def cells() -> dict[str, UnitCell]:
-    """Return all known unit cells by name; `print` one to see what it is."""
+    """Return all known unit cells by name; `print` one to see what it is.
+
+    Examples
+    --------
+    >>> from scaffold_cad import cells
+    >>> cells()["bcc"].edges.shape
+    (8, 2)
+    """
     return dict(_CELLS)
 
 
@@ -64,6 +71,13 @@ def register_cell(cell: UnitCell, *, periodic: bool = True) -> None:
         If it is no unit cell, or another one has that name.
     SkeletonError
         If the cell is not periodic, or a lattice of it is not a valid skeleton.
+
+    Examples
+    --------
+    >>> from scaffold_cad import UnitCell, cells, register_cell
+    >>> register_cell(UnitCell("pillar", [[0, 0, 0], [0, 0, 1]], [[0, 1]]), periodic=False)
+    >>> "pillar" in cells()
+    True
     """
     check_kind(cell, UnitCell)
     key = _key(cell.name)

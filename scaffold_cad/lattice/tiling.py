@@ -49,6 +49,12 @@ def tile(
         1e8 struts.
     SkeletonError
         If a map folds cells, or they do not meet between its patches.
+
+    Examples
+    --------
+    >>> from scaffold_cad import tile
+    >>> len(tile("bcc", 8.0, counts=2, radius=0.5).edges)  # 8 cells of 8 struts
+    64
     """
     if on is not None:
         return lattice_on(on, cell, radius=radius, size=size, counts=counts).skeleton
@@ -81,6 +87,13 @@ def mapped(
         If `skeleton` is none, or `mapping` returns another shape.
     SkeletonError
         If a position that it returns is not finite.
+
+    Examples
+    --------
+    >>> from scaffold_cad import mapped, tile
+    >>> box = tile("sc", 5.0, 2, radius=0.5)
+    >>> float(mapped(box, lambda points: points * [1, 1, 2]).nodes.max())
+    20.0
     """
     check_kind(skeleton, Skeleton)
     nodes = np.asarray(mapping(skeleton.nodes))

@@ -35,6 +35,13 @@ class UnitCell(Frozen):
 
     Struts and nodes on the faces are shared with the neighbouring cells. List a strut that lies
     in a face in the opposite face too, as it belongs there: in a lattice it appears once.
+
+    Examples
+    --------
+    >>> from scaffold_cad import UnitCell, tile
+    >>> diagonal = UnitCell("diagonal", [[0, 0, 0], [1, 1, 1]], [[0, 1]])
+    >>> len(tile(diagonal, 5.0, 2, radius=0.5).edges)
+    8
     """
 
     name: str

@@ -24,6 +24,13 @@ def smooth_mesh(scaffold: Scaffold, levels: int = 2, caps: Caps = "round") -> Su
     ------
     OptionError
         If `scaffold` is none, `levels` is no whole number ≥ 0, or `caps` has none of its values.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, build_scaffold, smooth_mesh
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> smooth_mesh(build_scaffold(strut), levels=1).mesh.euler_characteristic
+    2
     """
     surface = fine_surface(scaffold, levels, caps)
     fine, points = subdivided(surface.control, surface.points, surface.levels)

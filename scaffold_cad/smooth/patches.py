@@ -116,6 +116,13 @@ def smooth_patches(
         If the mesh is not closed.
     OptionError
         If `surface` is none, or `degree`, `split` or `caps` is out of its range.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, build_scaffold, smooth_patches
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> smooth_patches(build_scaffold(strut)).bezier.degree
+    5
     """
     patches = patches_around(surface, degree, split, caps)
     if len(patches.turned):

@@ -89,6 +89,14 @@ def lattice_on(
     SkeletonError
         If the map folds cells, or a cell does not meet itself between two patches; the place is
         named.
+
+    Examples
+    --------
+    >>> from scaffold_cad import CylinderMap, lattice_on
+    >>> tube = CylinderMap(10.0, height=12.0, thickness=3.0)
+    >>> placed = lattice_on(tube, "bcc", radius=0.3, size=3.0)
+    >>> placed.skeleton.component_count
+    1
     """
     check_kind(mapping, CellMap)
     cell = as_cell(cell)
