@@ -20,11 +20,13 @@ from scaffold_cad.convolution import ConvolutionField
 from scaffold_cad.convolution import project as project
 from scaffold_cad.filling import (
     between_faces,
+    cut,
     delaunay_foam,
     face_map,
     fill,
     lattice_part,
     mesh_map,
+    snapped,
     voronoi_foam,
 )
 from scaffold_cad.io import read_skeleton
@@ -57,6 +59,7 @@ from scaffold_cad.scaffold import Embedding as Embedding
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.scaffold import rotation_minimizing_frames as rotation_minimizing_frames
 from scaffold_cad.skeleton import BeamLattice, Skeleton, check_skeleton
+from scaffold_cad.skeleton.supporting import self_supporting
 from scaffold_cad.smooth import Deviation as Deviation
 from scaffold_cad.smooth import FineSurface as FineSurface
 from scaffold_cad.smooth import Patches as Patches
@@ -98,6 +101,7 @@ __all__ = [
     "cells",
     "check_printability",
     "check_skeleton",
+    "cut",
     "delaunay_foam",
     "face_map",
     "fill",
@@ -109,9 +113,11 @@ __all__ = [
     "read_skeleton",
     "register_cell",
     "relative_density",
+    "self_supporting",
     "show",
     "smooth_mesh",
     "smooth_patches",
+    "snapped",
     "solidified",
     "solve_radius",
     "tile",

@@ -1,5 +1,6 @@
 """Parts of other people filled with struts."""
 
+from scaffold_cad.filling.cutting import cut, snapped
 from scaffold_cad.filling.fill import fill
 from scaffold_cad.filling.foams import delaunay_foam, voronoi_foam
 from scaffold_cad.filling.maps import between_faces, face_map, mesh_map
@@ -7,10 +8,12 @@ from scaffold_cad.filling.parts import lattice_part
 
 __all__ = [
     "between_faces",
+    "cut",
     "delaunay_foam",
     "face_map",
     "fill",
     "lattice_part",
     "mesh_map",
+    "snapped",
     "voronoi_foam",
 ]

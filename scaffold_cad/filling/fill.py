@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike
 from scaffold_cad.base.arguments import check_choice, checks_keywords
 from scaffold_cad.base.arrays import Floats, Points, as_floats
 from scaffold_cad.base.radii import Radius
+from scaffold_cad.base.regions import BoxRegion, ImplicitRegion, Keep, Region
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.filling.crumbs import report_small, without_crumbs
-from scaffold_cad.lattice.clipping import Keep, clipped, least_length
+from scaffold_cad.lattice.clipping import clipped, least_length
 from scaffold_cad.lattice.meshregion import MeshRegion
-from scaffold_cad.lattice.regions import BoxRegion, ImplicitRegion, Region
 from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.repetition import as_counts, repeated
 from scaffold_cad.lattice.tiling import cell_size

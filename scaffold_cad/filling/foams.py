@@ -6,9 +6,9 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.radii import Radius
+from scaffold_cad.base.regions import Keep
 from scaffold_cad.filling.fill import FillRegion, as_region
 from scaffold_cad.lattice import foams
-from scaffold_cad.lattice.clipping import Keep
 from scaffold_cad.lattice.foampoints import CellSizes
 from scaffold_cad.skeleton import Skeleton
 

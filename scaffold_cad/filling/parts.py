@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike
 from scaffold_cad.base.arguments import as_real, checks_keywords
 from scaffold_cad.base.arrays import as_floats
 from scaffold_cad.base.radii import Radius
+from scaffold_cad.base.regions import Region
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 from scaffold_cad.filling.fill import HasTriangles, as_region, fill
 from scaffold_cad.lattice import UnitCell
-from scaffold_cad.lattice.regions import Region
 from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.mesh.bodies import body_of, check_uncrossed, shells_of
 from scaffold_cad.mesh.collapse import without_short_edges
@@ -233,7 +233,7 @@ def _struts_touching(
     struts = Struts(whole.nodes, whole.edges)
     touching = np.asarray(region.contains(whole.nodes)[whole.edges].any(axis=1))
     if through:
-        touching[region.crossings(struts)[0]] = True
+        touching[region.crossings(struts.nodes, struts.edges)[0]] = True
     if not touching.any():
         raise SkeletonError(
             f"no strut of the lattice is in the body from {low.tolist()} to {high.tolist()} mm; "

@@ -13,10 +13,10 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_real, check_kind, checks_keywords
 from scaffold_cad.base.radii import Radius
+from scaffold_cad.base.regions import Keep
 from scaffold_cad.errors import OptionError
 from scaffold_cad.filling import fill
 from scaffold_cad.lattice import UnitCell
-from scaffold_cad.lattice.clipping import Keep
 from scaffold_cad.mesh import QuadMesh
 from scaffold_cad.parts.bodies import BodySurface, body_surface, sound_body
 from scaffold_cad.parts.skeletonpart import CommonOptions, PartOptions, SkeletonPart

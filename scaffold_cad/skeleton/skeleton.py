@@ -39,6 +39,7 @@ from scaffold_cad.base.topology import (
 )
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import SkeletonError
+from scaffold_cad.skeleton.editing import Editing
 from scaffold_cad.skeleton.repair import (
     LEAST_LENGTH,
     LEAST_RADIUS,
@@ -57,7 +58,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Skeleton(Frozen, Shown):
+class Skeleton(Frozen, Shown, Editing):
     """A skeleton (G, p, r): nodes joined by straight edges, with radii of nodes and of struts.
 
     The constructor refuses what no graph may hold: wrong shapes, numbers that are not finite or
@@ -119,6 +120,11 @@ class Skeleton(Frozen, Shown):
     def __str__(self) -> str:
         counts = f"{counted(len(self.nodes), 'node')}, {counted(len(self.edges), 'edge')}"
         return f"Skeleton: {counts}, {size_text(self.nodes)}, {radii_text(self.radii)}"
+
+    def _like(
+        self, nodes: ArrayLike, edges: ArrayLike, radii: ArrayLike, edge_radii: ArrayLike
+    ) -> Skeleton:
+        return Skeleton(nodes, edges, radii, edge_radii)
 
     @classmethod
     def from_edges(

@@ -407,13 +407,6 @@ def test_cells_too_small_for_the_region_are_refused_before_memory_is_taken(
             fill(region, "bcc", size, 0.1)
 
 
-def test_cut_struts_are_pieces_in_a_row() -> None:
-    struts = Struts(np.array([[0.0, 0, 0], [10, 0, 0], [10, 20, 0]]), np.array([[0, 1], [1, 2]]))
-    pieces = struts.cut(np.array([0, 1, 1]), np.array([0.5, 0.25, 0.75]))
-    assert pieces.edges.tolist() == [[0, 3], [3, 1], [1, 4], [4, 5], [5, 2]]
-    assert pieces.nodes[3:].tolist() == [[5, 0, 0], [10, 5, 0], [10, 15, 0]]
-
-
 def test_collapsed_struts_end_where_a_fixed_node_is() -> None:
     nodes = np.array([[0.0, 0, 0], [1, 0, 0], [3, 0, 0], [9, 0, 0]])
     struts = Struts(nodes, np.array([[0, 1], [1, 2], [2, 3]]))
