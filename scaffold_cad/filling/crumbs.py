@@ -29,7 +29,7 @@ def without_crumbs(struts: Struts, cell: UnitCell, size: Floats) -> Struts:
         return struts
     piece = component_labels(struts.edges, len(struts.nodes))[struts.edges[:, 0]]
     total = np.bincount(piece, weights=struts.lengths)
-    least = CRUMB * min(float(cell.motif.strut_lengths(size).sum()), float(total.max()))
+    least = CRUMB * min(float(cell.strut_lengths(size).sum()), float(total.max()))
     keep = total[piece] >= least
     if not keep.all():
         lost = np.unique(piece[~keep])

@@ -139,11 +139,11 @@ def measured_density(
     for x, y, z in product((2, 3), repeat=3):
         sign = (-1) ** (9 - x - y - z)
         inside += sign * volume(tile(cell, size, (x, y, z), radius=radius))
-    return inside / float(cell_size(cell, size).prod())
+    return inside / cell.volume(cell_size(cell, size))
 
 
 def _density_of_unit_radius(cell: str | UnitCell, size: ArrayLike) -> float:
     """Return the first-order relative density of struts of radius 1 mm."""
     cell = as_cell(cell)
     sizes = cell_size(cell, size)
-    return float(np.pi * cell.motif.strut_lengths(sizes).sum() / sizes.prod())
+    return float(np.pi * cell.strut_lengths(sizes).sum() / cell.volume(sizes))

@@ -11,12 +11,20 @@ import numpy as np
 from scaffold_cad.base.arguments import check_kind
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, as_floats
 from scaffold_cad.base.radii import Radius, radii_at
+from scaffold_cad.base.regions import BoxRegion
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice.clipping import clipped
 from scaffold_cad.lattice.maps.cellmap import CellMap, extents
 from scaffold_cad.lattice.maps.grading import CellSize, graded, mean_size
-from scaffold_cad.lattice.maps.seams import Placed, check_folds, check_sides, grid_corners, seams
+from scaffold_cad.lattice.maps.seams import (
+    SAME_PLACE,
+    Placed,
+    check_folds,
+    check_sides,
+    grid_corners,
+    seams,
+)
 from scaffold_cad.lattice.maps.trimming import PolygonRegion
 from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.repetition import as_counts, repeated
@@ -106,6 +114,9 @@ def lattice_on(
     if mapping.patches > 1:
         check_sides(mapping, cell, numbers)
     struts, patch = _struts(mapping, cell, numbers)
+    spans = struts.ends - struts.starts  # in cells
+    around = np.asarray(mapping.wraps) & (struts.nodes > np.asarray(numbers) + SAME_PLACE)
+    struts = Struts(np.where(around, struts.nodes - numbers, struts.nodes), struts.edges)
     corners = np.tile(grid_corners(numbers), (mapping.patches, 1))
     of_corner = np.repeat(np.arange(mapping.patches), len(corners) // mapping.patches)
     places = np.concatenate([struts.nodes / numbers, corners])
@@ -116,12 +127,13 @@ def lattice_on(
     nodes = positions[: len(patch)]
     check_folds(positions[len(patch) :], numbers, mapping.patches)
     mean = whole / numbers
-    placed = Placed(mapping, struts.nodes, patch, nodes, numbers, float(mean.min()))
+    placed = Placed(
+        mapping, struts.nodes, patch, nodes, numbers, float(mean.min()), bool(around.any())
+    )
     target, drawn_together = seams(placed)
     kept, edges = _each_once(target, struts)
-    stretch = length(nodes[struts.edges[:, 1]] - nodes[struts.edges[:, 0]]) / length(
-        (struts.ends - struts.starts) * mean
-    )
+    real = nodes[struts.edges[:, 1]] - nodes[struts.edges[:, 0]]
+    stretch = length(real) / length(spans * mean)
     used, ends = np.unique(edges, return_inverse=True)
     skeleton = Skeleton(nodes[used], ends.reshape(-1, 2), 1.0)
     if drawn_together and len(overlapping_half_edges(skeleton.nodes, skeleton.edges)):
@@ -197,7 +209,9 @@ def three_counts(counts: Counts | None) -> Ints:
 
 def _struts(mapping: CellMap, cell: UnitCell, counts: tuple[int, int, int]) -> tuple[Struts, Ints]:
     """Return the struts of all patches in cells, trimmed, and the patch of each node (n,)."""
-    one = repeated(cell, np.ones(3), counts)
+    one = repeated(cell, np.ones(3), counts, axes=np.eye(3))
+    if cell.is_net:
+        one = _net_in_cube(mapping, cell, counts)
     if mapping.loops:
         loops = tuple(loop * counts[:2] for loop in mapping.loops)
         one = clipped(one, PolygonRegion(loops), SHORTEST_FRACTION)
@@ -217,6 +231,31 @@ def _struts(mapping: CellMap, cell: UnitCell, counts: tuple[int, int, int]) -> t
         ),
         patch,
     )
+
+
+def _net_in_cube(mapping: CellMap, cell: UnitCell, counts: tuple[int, int, int]) -> Struts:
+    """Return the struts of a net, which may go through the faces of its box, in cells.
+
+    Where the map closes they go on at the beginning, elsewhere they are cut at its sides.
+
+    Raises
+    ------
+    OptionError
+        If the map has several patches.
+    """
+    if mapping.patches > 1:
+        raise OptionError(
+            f"struts of {cell.name!r} go through the faces of its box and the map has "
+            f"{mapping.patches} patches; need one patch, or another cell"
+        )
+    reach = int(cell.motif.moves.max())
+    before = np.where(mapping.wraps, 0, reach)
+    around = counts + before
+    number = (int(around[0]), int(around[1]), int(around[2]))
+    struts = repeated(cell, np.ones(3), number, -before.astype(np.float64), np.eye(3))
+    low = np.where(mapping.wraps, -1e9, 0.0)
+    high = np.where(mapping.wraps, 1e9, counts)
+    return clipped(struts, BoxRegion([low, high]), SHORTEST_FRACTION)
 
 
 def _each_once(target: Ints, struts: Struts) -> tuple[Ints, Ints]:
