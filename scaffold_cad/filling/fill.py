@@ -14,8 +14,8 @@ from scaffold_cad.base.arrays import Floats, Points, as_floats
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import BoxRegion, ImplicitRegion, Keep, Region
 from scaffold_cad.errors import OptionError, SkeletonError
-from scaffold_cad.filling.crumbs import report_small, without_crumbs
 from scaffold_cad.lattice.clipping import clipped, least_length
+from scaffold_cad.lattice.crumbs import report_small, without_crumbs
 from scaffold_cad.lattice.maps import CellMap, lattice_on
 from scaffold_cad.lattice.maps.cellmap import extents
 from scaffold_cad.lattice.maps.grading import CellSize

@@ -15,6 +15,7 @@ from scaffold_cad.base.regions import BoxRegion
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice.clipping import clipped
+from scaffold_cad.lattice.crumbs import without_crumbs
 from scaffold_cad.lattice.maps.cellmap import CellMap, extents
 from scaffold_cad.lattice.maps.grading import CellSize, graded, mean_size
 from scaffold_cad.lattice.maps.seams import (
@@ -74,11 +75,12 @@ def lattice_on(
     radius: Radius,
     size: CellSize | None = None,
     counts: Counts | None = None,
+    dangling: bool = True,
 ) -> MappedLattice:
     """Return the lattice of a cell on a map, and its stretch.
 
     Where the map closes, cells share the nodes at its seam; where it is trimmed, struts are cut
-    at the border.
+    at the border, and loose crumbs of less than half a cell are left out.
 
     Parameters
     ----------
@@ -88,6 +90,7 @@ def lattice_on(
     size : of a cell, mm: one number, three (along u, v and w), or a function of positions (n, 3)
         that returns (n,) numbers, as a `Field` is. The number of cells that fits best is taken
     counts : cells along u, v and w (of each patch) in place of a size
+    dangling : whether struts that end free at a border stay
 
     Raises
     ------
@@ -113,7 +116,7 @@ def lattice_on(
     numbers = _counts(mapping, cell, whole, size, counts)
     if mapping.patches > 1:
         check_sides(mapping, cell, numbers)
-    struts, patch = _struts(mapping, cell, numbers)
+    struts, patch = _struts(mapping, cell, numbers, dangling)
     spans = struts.ends - struts.starts  # in cells
     around = np.asarray(mapping.wraps) & (struts.nodes > np.asarray(numbers) + SAME_PLACE)
     struts = Struts(np.where(around, struts.nodes - numbers, struts.nodes), struts.edges)
@@ -207,7 +210,9 @@ def three_counts(counts: Counts | None) -> Ints:
     return np.broadcast_to(values, 3)
 
 
-def _struts(mapping: CellMap, cell: UnitCell, counts: tuple[int, int, int]) -> tuple[Struts, Ints]:
+def _struts(
+    mapping: CellMap, cell: UnitCell, counts: tuple[int, int, int], dangling: bool
+) -> tuple[Struts, Ints]:
     """Return the struts of all patches in cells, trimmed, and the patch of each node (n,)."""
     one = repeated(cell, np.ones(3), counts, axes=np.eye(3))
     if cell.is_net:
@@ -215,6 +220,9 @@ def _struts(mapping: CellMap, cell: UnitCell, counts: tuple[int, int, int]) -> t
     if mapping.loops:
         loops = tuple(loop * counts[:2] for loop in mapping.loops)
         one = clipped(one, PolygonRegion(loops), SHORTEST_FRACTION)
+        if not dangling:
+            one = one.without_dangling()
+        one = without_crumbs(one, cell, np.ones(3))
         if len(one.edges) == 0:
             raise SkeletonError(
                 f"no strut of unit cell {cell.name!r} is within the borders of the face; "

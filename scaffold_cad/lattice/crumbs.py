@@ -8,8 +8,8 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.base.topology import component_labels
-from scaffold_cad.lattice import UnitCell
 from scaffold_cad.lattice.struts import Struts
+from scaffold_cad.lattice.unitcell import UnitCell
 
 CRUMB = 0.5
 """Strut length below which a loose piece is a crumb: in those of a cell, and of the largest piece.
