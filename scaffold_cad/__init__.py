@@ -24,9 +24,11 @@ from scaffold_cad.filling import (
     delaunay_foam,
     face_map,
     fill,
+    graded_radius,
     lattice_part,
     mesh_map,
     snapped,
+    solve_radius,
     voronoi_foam,
 )
 from scaffold_cad.io import read_skeleton
@@ -43,7 +45,6 @@ from scaffold_cad.lattice import (
     mapped,
     register_cell,
     relative_density,
-    solve_radius,
     tile,
 )
 from scaffold_cad.lattice import CellMap as CellMap
@@ -106,6 +107,7 @@ __all__ = [
     "face_map",
     "fill",
     "frame_scaffold",
+    "graded_radius",
     "lattice_on",
     "lattice_part",
     "mapped",

@@ -145,5 +145,4 @@ def measured_density(
 def _density_of_unit_radius(cell: str | UnitCell, size: ArrayLike) -> float:
     """Return the first-order relative density of struts of radius 1 mm."""
     cell = as_cell(cell)
-    sizes = cell_size(cell, size)
-    return float(np.pi * cell.strut_lengths(sizes).sum() / cell.volume(sizes))
+    return cell.density_coefficient_of(cell_size(cell, size))

@@ -209,8 +209,11 @@ class UnitCell(Frozen):
         It is π times the strut length in a cell of size 1 over the cell's volume; the overlaps
         at the nodes, of order (r/a)³, are neglected.
         """
-        lengths = self.strut_lengths(self.proportions)
-        return float(np.pi * lengths.sum() / self.volume(self.proportions))
+        return self.density_coefficient_of(self.proportions)
+
+    def density_coefficient_of(self, size: Floats) -> float:
+        """Return the first-order relative density of struts of radius 1 mm, size (3,) in mm."""
+        return float(np.pi * self.strut_lengths(size).sum() / self.volume(size))
 
 
 def check_periodic(cell: UnitCell) -> None:
