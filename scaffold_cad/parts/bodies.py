@@ -22,6 +22,7 @@ from scaffold_cad.solid.roundstruts import ROUND_SIDES
 
 if TYPE_CHECKING:
     from build123d import Shape
+    from manifold3d import Manifold
 
 MOST_TRIANGLES = 10_000
 """Most triangles of a union that become faces: CAD programs are slow with more."""
@@ -96,7 +97,18 @@ def solid_of_union(scaffold: Scaffold, *, sides: int) -> Shape:
     BrepError
         If it has more than 10 000 triangles, or one without area.
     """
-    mesh = manifolds.manifold_triangles(to_solid(scaffold, sides=sides))
+    return solid_of_manifold(to_solid(scaffold, sides=sides))
+
+
+def solid_of_manifold(manifold: Manifold) -> Shape:
+    """Return a manifold3d solid as a B-rep, each triangle a plane face.
+
+    Raises
+    ------
+    BrepError
+        If it has more than 10 000 triangles, or one without area.
+    """
+    mesh = manifolds.manifold_triangles(manifold)
     if len(mesh.triangles) > MOST_TRIANGLES:
         raise BrepError(
             f"the union of the struts has {len(mesh.triangles)} triangles; need "

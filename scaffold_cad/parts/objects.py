@@ -16,9 +16,10 @@ from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import Keep
 from scaffold_cad.errors import OptionError
 from scaffold_cad.filling import fill
-from scaffold_cad.lattice import UnitCell
+from scaffold_cad.filling.parts import flush_box
+from scaffold_cad.lattice import CellMap, UnitCell
 from scaffold_cad.mesh import QuadMesh
-from scaffold_cad.parts.bodies import BodySurface, body_surface, sound_body
+from scaffold_cad.parts.bodies import BodySurface, body_surface, solid_of_manifold, sound_body
 from scaffold_cad.parts.skeletonpart import CommonOptions, PartOptions, SkeletonPart
 from scaffold_cad.parts.stubs import without_overlapping_stubs
 from scaffold_cad.scaffold import Scaffold, build_scaffold
@@ -31,6 +32,9 @@ if TYPE_CHECKING:
 
 ALIGNED = {Align.MIN: 0.0, Align.CENTER: 0.5, Align.MAX: 1.0, Align.NONE: 0.0}
 """Where the origin is in a box, as a fraction of its size."""
+
+FLUSH_SIDES = 8
+"""Sides of round struts that are cut flush: each of their triangles becomes a face."""
 
 
 class ScaffoldSolid(SkeletonPart):
@@ -215,6 +219,9 @@ class LatticeBox(SkeletonPart):
         keep: Keep = "clip",
         dangling: bool = True,
         drop_stubs: bool = True,
+        axes: ArrayLike | None = None,
+        on: CellMap | None = None,
+        trim: bool = False,
         smooth: bool = False,
         unite: bool = False,
         with_joints: bool = False,
@@ -230,10 +237,14 @@ class LatticeBox(SkeletonPart):
         length, width, height : of the box, mm
         radius : of the struts, mm; one number, or a function of positions (n, 3) in the box before
             it is rotated and placed, that returns (n,)
-        keep, dangling : what becomes of struts that the box cuts, see `fill`
+        keep, dangling, axes, on : what becomes of struts that the box cuts, how cells are turned,
+            and a map that they are put on, see `fill`
         drop_stubs : whether struts that end free and overlap others are left out, unless they are
             united
         smooth : whether struts are round and nodes smooth; struts are square otherwise
+        trim : whether the struts' solids are cut flush with the box, so that the part measures
+            `length` x `width` x `height`; struts that overlap are then united, and the faces are
+            triangles
         unite : whether struts that overlap are united; the faces are then triangles
         with_joints : whether extremities get joints
         align : of the box, as of build123d's `Box`
@@ -251,10 +262,21 @@ class LatticeBox(SkeletonPart):
         if not (np.isfinite(sides) & (sides > 0)).all():
             raise OptionError(f"the box is {length:g} x {width:g} x {height:g} mm; need > 0")
         low = -sides * [ALIGNED[one] for one in tuplify(align, 3) or [Align.NONE] * 3]
-        skeleton = fill([low, low + sides], cell, size, radius, keep=keep, dangling=dangling)
-        surface = lattice_surface(skeleton, smooth=smooth, drop_stubs=drop_stubs and not unite)
+        bounds = np.stack([low, low + sides])
+        skeleton = fill(bounds, cell, size, radius, keep=keep, dangling=dangling, axes=axes, on=on)
+        surface = lattice_surface(
+            skeleton, smooth=smooth and not trim, drop_stubs=drop_stubs and not (unite or trim)
+        )
+        if trim:
+            body = solid_of_manifold(
+                flush_box(
+                    bounds, cell, size, radius, axes=axes, on=on, sides=FLUSH_SIDES if smooth else 4
+                )
+            )
+        else:
+            body = sound_body(surface, unite=unite)
         super().__init__(
-            sound_body(surface, unite=unite),
+            body,
             surface.scaffold,
             with_joints=with_joints,
             **options,
@@ -288,6 +310,8 @@ class LatticeFill(SkeletonPart):
         dangling: bool = True,
         drop_stubs: bool = True,
         origin: ArrayLike | None = None,
+        axes: ArrayLike | None = None,
+        on: CellMap | None = None,
         smooth: bool = False,
         unite: bool = False,
         with_joints: bool = False,
@@ -301,7 +325,7 @@ class LatticeFill(SkeletonPart):
         cell : a unit cell or its name, see `cells`
         size : of one cell, mm: three numbers, or one
         radius : of the struts, mm; one number, or a function of positions (n, 3) that returns (n,)
-        keep, dangling, origin : see `fill`
+        keep, dangling, origin, axes, on : see `fill`
         drop_stubs : whether struts that end free and overlap others, as cut ones do, are left out,
             unless they are united
         smooth : whether struts are round and nodes smooth; struts are square otherwise
@@ -319,7 +343,9 @@ class LatticeFill(SkeletonPart):
             If struts overlap and are not to be united, more than a fifth of them would be left out
             as stubs, or the union has too many triangles.
         """
-        skeleton = fill(part, cell, size, radius, keep=keep, dangling=dangling, origin=origin)
+        skeleton = fill(
+            part, cell, size, radius, keep=keep, dangling=dangling, origin=origin, axes=axes, on=on
+        )
         surface = lattice_surface(skeleton, smooth=smooth, drop_stubs=drop_stubs and not unite)
         super().__init__(
             sound_body(surface, unite=unite),
