@@ -8,9 +8,9 @@ from typing import Any, get_args
 
 import pytest
 
+from scaffold_cad.base.regions import Keep
 from scaffold_cad.brep import Kind
 from scaffold_cad.convolution import KernelName
-from scaffold_cad.lattice.clipping import Keep
 from scaffold_cad.partition.sphere import METHODS
 from scaffold_cad.scaffold import ScaffoldOptions
 from scaffold_cad.scaffold.stars import Fit, Section
