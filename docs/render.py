@@ -292,6 +292,9 @@ VIEWS: dict[str, tuple[tuple[float, float, float], str]] = {
     "sandwich_panel": ((-0.8, -1.0, 0.5), BLUE),
     "geodesic_dome": ((-0.5, -1.0, 0.5), SAND),
     "spiral": ((-0.35, -1.0, 0.75), SAND),
+    "shoe_sole": ((-0.55, -1.0, 0.7), BLUE),
+    "helmet": ((-0.5, -1.0, 0.45), SAND),
+    "pipe_sleeve": ((1.0, -0.45, 0.35), BLUE),
     "animation": ((-0.1, -1.0, 0.15), SAND),
 }
 """Where each picture of the gallery is seen from, and its color."""

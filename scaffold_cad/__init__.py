@@ -22,11 +22,15 @@ from scaffold_cad.convolution import ConvolutionField
 from scaffold_cad.convolution import project as project
 from scaffold_cad.filling import (
     between_faces,
+    cut,
     delaunay_foam,
     face_map,
     fill,
+    graded_radius,
     lattice_part,
     mesh_map,
+    snapped,
+    solve_radius,
     voronoi_foam,
 )
 from scaffold_cad.io import read_skeleton
@@ -43,7 +47,6 @@ from scaffold_cad.lattice import (
     mapped,
     register_cell,
     relative_density,
-    solve_radius,
     tile,
 )
 from scaffold_cad.lattice import CellMap as CellMap
@@ -61,6 +64,7 @@ from scaffold_cad.scaffold import Embedding as Embedding
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.scaffold import rotation_minimizing_frames as rotation_minimizing_frames
 from scaffold_cad.skeleton import BeamLattice, Skeleton, check_skeleton
+from scaffold_cad.skeleton.supporting import self_supporting
 from scaffold_cad.solid import Solidified as Solidified
 from scaffold_cad.solid import frame_scaffold, solidified, to_solid, to_trimesh
 from scaffold_cad.solid import thicken as thicken
@@ -96,10 +100,12 @@ __all__ = [
     "cells",
     "check_printability",
     "check_skeleton",
+    "cut",
     "delaunay_foam",
     "face_map",
     "fill",
     "frame_scaffold",
+    "graded_radius",
     "lattice_on",
     "lattice_part",
     "mapped",
@@ -108,8 +114,10 @@ __all__ = [
     "register_cell",
     "relative_density",
     "round_struts",
+    "self_supporting",
     "show",
     "smooth_patches",
+    "snapped",
     "solidified",
     "solve_radius",
     "tile",

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import inspect
 import subprocess
 import sys
 
 import pytest
 
 import scaffold_cad
+from scaffold_cad.errors import KeywordError
 
 NAMES_OF_0_1 = """
 BeamLattice ConvolutionField Embedding Partition Patches QuadMesh Report Scaffold Skeleton
@@ -52,3 +54,31 @@ def test_part_classes_load_build123d_when_they_are_asked_for() -> None:
 def test_an_unknown_name_is_refused() -> None:
     with pytest.raises(AttributeError, match="'scaffold_cad' has no attribute 'StrutFrames'"):
         scaffold_cad.StrutFrames  # noqa: B018
+
+
+CHECKED = [
+    "assert_printable",
+    "build_scaffold",
+    "check_printability",
+    "delaunay_foam",
+    "fill",
+    "frame_scaffold",
+    "lattice_part",
+    "solidified",
+    "thicken",
+    "to_brep",
+    "to_solid",
+    "voronoi_foam",
+]
+
+
+@pytest.mark.parametrize("name", CHECKED)
+def test_a_misspelled_keyword_gets_the_right_one(name: str) -> None:
+    function = getattr(scaffold_cad, name)
+    last = [
+        one.name
+        for one in inspect.signature(function).parameters.values()
+        if one.kind is not inspect.Parameter.VAR_KEYWORD
+    ][-1]
+    with pytest.raises(KeywordError, match=rf"{name}\(\) has no .*; did you mean '{last}'\?"):
+        function(**{last + last[-1]: None})

@@ -12,7 +12,6 @@ from build123d import Face
 from OCP.BRepAdaptor import BRepAdaptor_Curve2d, BRepAdaptor_Surface
 from OCP.BRepTools import BRepTools_WireExplorer
 from OCP.GeomAbs import GeomAbs_CurveType
-from OCP.gp import gp_Pnt, gp_Vec
 from OCP.TopAbs import TopAbs_Orientation
 from OCP.TopoDS import TopoDS_Edge, TopoDS_Face
 
@@ -20,6 +19,7 @@ from scaffold_cad.base.arguments import check_kind
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.base.positions import equal_positions
 from scaffold_cad.base.vectors import length, normalize
+from scaffold_cad.brep.surfacevalues import values_of
 from scaffold_cad.errors import BrepError
 
 BORDER_SAMPLES = 128
@@ -89,7 +89,7 @@ class FaceSurface(Frozen):
     def at(self, places: Floats, patch: Ints) -> tuple[Points, UnitVectors]:  # noqa: ARG002
         """Return positions (n, 3) and outward unit normals (n, 3) at places (n, 2)."""
         parameters = self.low + places * (self.high - self.low)
-        points, across_u, across_v = _derivatives(self.face, parameters)
+        points, across_u, across_v = values_of(BRepAdaptor_Surface(self.face.wrapped), parameters)
         normals = np.cross(across_u, across_v)
         size = length(normals)
         poles = np.flatnonzero(size <= 1e-9 * size.max(initial=0.0))
@@ -110,28 +110,11 @@ class FaceSurface(Frozen):
             along = 0 if min(places[row, 1], 1 - places[row, 1]) < SAME_PARAMETER else 1
             ring = np.tile(beside, (AROUND, 1))
             ring[:, along] = around
-            _, du, dv = _derivatives(self.face, self.low + ring * (self.high - self.low))
+            _, du, dv = values_of(
+                BRepAdaptor_Surface(self.face.wrapped), self.low + ring * (self.high - self.low)
+            )
             normals[pole == k] = normalize(np.cross(du, dv)).sum(axis=0)
         return normals
-
-
-def _derivatives(face: Face, parameters: Floats) -> tuple[Points, Floats, Floats]:
-    """Return positions and derivatives along u and v at parameters (n, 2), each (n, 3)."""
-    surface = BRepAdaptor_Surface(face.wrapped)
-    point, du, dv = gp_Pnt(), gp_Vec(), gp_Vec()
-    evaluate = surface.D1
-    rows = []
-    for u, v in parameters.tolist():
-        evaluate(u, v, point, du, dv)
-        rows.append(
-            (
-                point.X(), point.Y(), point.Z(),
-                du.X(), du.Y(), du.Z(),
-                dv.X(), dv.Y(), dv.Z(),
-            )
-        )  # fmt: skip
-    values = np.array(rows).reshape(-1, 3, 3)
-    return values[:, 0], values[:, 1], values[:, 2]
 
 
 def _closes(

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
+from scaffold_cad.base.arguments import as_number
 from scaffold_cad.brep import BREP_SUFFIXES
 from scaffold_cad.cli import source
 from scaffold_cad.cli.progress import ROUND_RATE, SCAFFOLD_RATE, SOLID_RATE, Progress
@@ -183,7 +184,7 @@ def scaffold_from(options: argparse.Namespace, skeleton: Skeleton) -> Scaffold:
 def frame_radius(options: argparse.Namespace, skeleton: Skeleton) -> float:
     """Return the radius of a frame's struts, mm."""
     if options.strut_radius is not None:
-        return float(options.strut_radius)
+        return as_number(options.strut_radius, "--strut-radius")
     radius = FRAME_RADIUS * float(np.median(skeleton.radii))
     _log.info("the frame's struts have radius %.4g mm; --strut-radius sets another", radius)
     return radius

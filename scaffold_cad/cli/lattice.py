@@ -13,12 +13,16 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.brep import BREP_SUFFIXES
 from scaffold_cad.cli import build, sizes, source
+from scaffold_cad.cli.maps import add_maps, map_of
 from scaffold_cad.cli.progress import ROUND_RATE, SCAFFOLD_RATE, SOLID_RATE, Progress
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.filling import fill
 from scaffold_cad.filling.fill import cells_around
+from scaffold_cad.filling.parts import flush_box
 from scaffold_cad.io import BYTES_PER_EDGE, read_triangles
 from scaffold_cad.io.write import check_writable, write
+from scaffold_cad.lattice import CellMap, UnitCell, lattice_on
+from scaffold_cad.lattice.maps.cellmap import extents
 from scaffold_cad.lattice.registry import unit_cell
 from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.mesh.quadmesh import QuadMesh
@@ -51,7 +55,7 @@ def add_parser(
     parser = commands.add_parser(
         "lattice",
         parents=[common],
-        help="fill a box or a part with a lattice",
+        help="fill a box or a part with a lattice, or put one on a face",
         description="Struts are straight and of constant section between their nodes' blends, as "
         "those of `build --collars`.",
     )
@@ -75,6 +79,10 @@ def add_parser(
     )
     where.add_argument(
         "--inside", type=Path, metavar="PART", help="closed part: .step .brep .stl .3mf .obj .ply"
+    )
+    add_maps(where, parser)
+    parser.add_argument(
+        "--trim", action="store_true", help="cut struts flush with the box: it measures as asked"
     )
     parser.add_argument(
         "--skin", type=float, metavar="T", help="thickness of a closed wall around it, mm"
@@ -120,11 +128,17 @@ def _check_combination(options: argparse.Namespace) -> None:
     """Raise where an option would do nothing, or the format cannot hold what is asked."""
     build.check_round_options(options)
     suffix = options.output.suffix.lower()
-    bodied = options.inside is not None or options.skin is not None
+    if options.trim and options.box is None:
+        raise OptionError("--trim cuts struts flush with a box; need --box")
+    if options.skin is not None and options.box is None and options.inside is None:
+        raise OptionError("--skin is the wall of a box or a part; need --box or --inside")
+    if options.trim and (options.skin is not None or options.beams):
+        raise OptionError("--trim is for struts without a skin; need it without --skin and --beams")
+    bodied = options.inside is not None or options.skin is not None or options.trim
     if suffix in BREP_SUFFIXES and (bodied or options.beams):
         raise FormatError(
             f"cannot write {options.output}: STEP and BREP files hold lattices of a box only, "
-            "without --skin or --beams; need a mesh format"
+            "without --skin, --trim or --beams; need a mesh format"
         )
     if not options.beams:
         return
@@ -137,8 +151,16 @@ def _check_combination(options: argparse.Namespace) -> None:
 def _product(options: argparse.Namespace, progress: Progress) -> Any:
     """Return what to write."""
     bodied = options.inside is not None or options.skin is not None
+    mapping = map_of(options)
+    if mapping is not None:
+        skeleton = _on_map(mapping, options)
+        return skeleton if options.beams else _struts(skeleton, options, progress)
     part = None if options.inside is None else _body(options.inside)
     cells = _cell_count(options.box if part is None else part.vertices, options)
+    sides = (options.sides or LATTICE_SIDES) if options.round else 4
+    if options.trim:
+        with progress.stage("lattice", cells, "cells", SOLID_RATE / 10):
+            return flush_box(options.box, options.cell, options.size, options.radius, sides=sides)
     if options.beams or not bodied:
         skeleton = fill(
             options.box if part is None else part, options.cell, options.size, options.radius
@@ -153,7 +175,7 @@ def _product(options: argparse.Namespace, progress: Progress) -> Any:
             options.size,
             options.radius,
             skin=options.skin,
-            sides=(options.sides or LATTICE_SIDES) if options.round else 4,
+            sides=sides,
         )
 
 
@@ -162,7 +184,27 @@ def _cell_count(corners: Points, options: argparse.Namespace) -> int:
     cell = unit_cell(options.cell)
     bounds = np.stack([corners.min(axis=0), corners.max(axis=0)])
     counts, _ = cells_around(bounds, cell, cell_size(cell, options.size))
-    cells, most = math.prod(counts), source.max_nodes(options)
+    return _allowed(math.prod(counts), cell, options)
+
+
+def _on_map(mapping: CellMap, options: argparse.Namespace) -> Skeleton:
+    """Return the lattice on a map; refuse what memory may not hold."""
+    cell = unit_cell(options.cell)
+    sizes_of_cell = cell_size(cell, options.size)
+    _allowed(mapping.patches * int(np.prod(extents(mapping) / sizes_of_cell)), cell, options)
+    lattice = lattice_on(mapping, cell, radius=options.radius, size=options.size)
+    _log.info(
+        "%d struts, %.3g to %.3g times as long as in a cell of the mean size",
+        len(lattice.skeleton.edges),
+        lattice.least_stretch,
+        lattice.largest_stretch,
+    )
+    return lattice.skeleton
+
+
+def _allowed(cells: int, cell: UnitCell, options: argparse.Namespace) -> int:
+    """Return a number of cells; refuse what memory may not hold."""
+    most = source.max_nodes(options)
     nodes, struts = cells * cell.site_count, cells * cell.strut_count
     if nodes > most:
         raise OptionError(

@@ -27,6 +27,15 @@ def three_sizes(text: str) -> tuple[float, float, float]:
     return x, y, z
 
 
+def two_sizes(text: str) -> tuple[float, float]:
+    """Return two numbers: 30x5 or 30,5."""
+    numbers = _numbers(text)
+    if numbers.shape != (2,):
+        raise argparse.ArgumentTypeError(f"{text!r}; need two numbers, as in 30x5")
+    first, second = numbers.tolist()
+    return first, second
+
+
 def box(text: str) -> Floats:
     """Return the two corners of a box of that size from 0, shape (2, 3)."""
     return np.array([[0.0, 0.0, 0.0], three_sizes(text)])

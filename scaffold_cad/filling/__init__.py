@@ -1,5 +1,7 @@
 """Parts of other people filled with struts."""
 
+from scaffold_cad.filling.cutting import cut, snapped
+from scaffold_cad.filling.densities import graded_radius, solve_radius
 from scaffold_cad.filling.fill import fill
 from scaffold_cad.filling.foams import delaunay_foam, voronoi_foam
 from scaffold_cad.filling.maps import between_faces, face_map, mesh_map
@@ -7,10 +9,14 @@ from scaffold_cad.filling.parts import lattice_part
 
 __all__ = [
     "between_faces",
+    "cut",
     "delaunay_foam",
     "face_map",
     "fill",
+    "graded_radius",
     "lattice_part",
     "mesh_map",
+    "snapped",
+    "solve_radius",
     "voronoi_foam",
 ]

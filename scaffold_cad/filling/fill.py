@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import product
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import check_choice
+from scaffold_cad.base.arguments import check_choice, checks_keywords
 from scaffold_cad.base.arrays import Floats, Points, as_floats
 from scaffold_cad.base.radii import Radius
+from scaffold_cad.base.regions import BoxRegion, ImplicitRegion, Keep, Region
 from scaffold_cad.errors import OptionError, SkeletonError
-from scaffold_cad.filling.crumbs import report_small, without_crumbs
-from scaffold_cad.lattice.clipping import Keep, clipped, least_length
+from scaffold_cad.lattice.clipping import clipped, least_length
+from scaffold_cad.lattice.crumbs import report_small, without_crumbs
+from scaffold_cad.lattice.maps import CellMap, lattice_on
+from scaffold_cad.lattice.maps.cellmap import extents
+from scaffold_cad.lattice.maps.grading import CellSize
+from scaffold_cad.lattice.maps.solids import as_axes
 from scaffold_cad.lattice.meshregion import MeshRegion
-from scaffold_cad.lattice.regions import BoxRegion, ImplicitRegion, Region
 from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.repetition import as_counts, repeated
+from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.lattice.unitcell import UnitCell
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -47,10 +53,11 @@ FillRegion: TypeAlias = "ArrayLike | Shape | HasTriangles | Callable[[Points], A
 negative inside."""
 
 
+@checks_keywords()
 def fill(
     region: FillRegion,
     cell: str | UnitCell,
-    size: ArrayLike,
+    size: CellSize,
     radius: Radius,
     *,
     keep: Keep = "clip",
@@ -58,6 +65,8 @@ def fill(
     crumbs: bool = False,
     bounds: ArrayLike | None = None,
     origin: ArrayLike | None = None,
+    axes: ArrayLike | None = None,
+    on: CellMap | None = None,
     shortest: float | None = None,
 ) -> Skeleton:
     """Return the part of an endless lattice that lies in a region, its surface included.
@@ -78,6 +87,10 @@ def fill(
         surface cuts them off at edges; the log says how many were left out
     bounds : lowest and highest corner of a box around the region; for a function only
     origin : a corner of a cell, mm; by default the lowest corner of the bounds
+    axes : directions of the sides of cells, rows (3, 3), to turn the lattice; by default x, y, z,
+        or the cell's own
+    on : a map that cells are put on, such as `face_map`, before they are cut to the region; `size`
+        may then be a function of positions
     shortest : pieces of cut struts shorter than this are shrunk to a node on the surface, mm;
         by default 1/1000 of the cell's size
 
@@ -99,12 +112,14 @@ def fill(
     """
     check_choice(keep, "keep", get_args(Keep))
     cell = as_cell(cell)
-    sizes = cell_size(cell, size)
-    shortest = least_length(shortest, SHORTEST_FRACTION * float(sizes.min()))
     space = as_region(region, bounds)
-    report_small(space.bounds, cell, sizes)
-    counts, corner = cells_around(space.bounds, cell, sizes, origin)
-    struts = repeated(cell, sizes, counts, corner)
+    if on is None:
+        struts, sizes = _endless(space, cell, size, origin, axes)
+    elif origin is None and axes is None:
+        struts, sizes = _on_map(on, cell, size)
+    else:
+        raise OptionError("origin or axes are given with a map; need them for none")
+    shortest = least_length(shortest, SHORTEST_FRACTION * float(sizes.min()))
     if keep == "whole":
         struts = struts.kept(space.contains(struts.middles))
     else:
@@ -120,6 +135,30 @@ def fill(
             "(smaller cells?)"
         )
     return struts.skeleton(radius) if keep == "whole" else struts.cleaned_skeleton(radius)
+
+
+def _endless(
+    space: Region,
+    cell: UnitCell,
+    size: CellSize,
+    origin: ArrayLike | None,
+    axes: ArrayLike | None,
+) -> tuple[Struts, Floats]:
+    """Return the struts of a lattice around a region, and the size of a cell (3,), mm."""
+    if callable(size):
+        raise OptionError("the cell size is a function without a map; need one (on=BoxMap(...))")
+    sizes = cell_size(cell, size)
+    report_small(space.bounds, cell, sizes)
+    frame = cell.axes if axes is None else cell.axes @ as_axes(axes)
+    counts, corner = cells_around(space.bounds, cell, sizes, origin, frame)
+    return repeated(cell, sizes, counts, corner, frame), sizes
+
+
+def _on_map(on: CellMap, cell: UnitCell, size: CellSize) -> tuple[Struts, Floats]:
+    """Return the struts of a lattice on a map, and the size of a mean cell (3,), mm."""
+    lattice = lattice_on(on, cell, radius=1.0, size=size)
+    mean = extents(on) / lattice.counts
+    return Struts(lattice.skeleton.nodes, lattice.skeleton.edges), mean
 
 
 def as_region(region: FillRegion, bounds: ArrayLike | None = None) -> Region:
@@ -142,21 +181,36 @@ def as_region(region: FillRegion, bounds: ArrayLike | None = None) -> Region:
 
 
 def cells_around(
-    bounds: Floats, cell: UnitCell, size: Floats, origin: ArrayLike | None = None
+    bounds: Floats,
+    cell: UnitCell,
+    size: Floats,
+    origin: ArrayLike | None = None,
+    axes: Floats | None = None,
 ) -> tuple[tuple[int, int, int], Points]:
-    """Return how many cells along x, y and z a box meets, and the lowest corner of the first.
+    """Return how many cells along their sides a box meets, and the corner of the first.
+
+    Parameters
+    ----------
+    bounds : (2, 3) float64, lowest and highest corner of the box, mm
+    origin : a corner of a cell, mm; by default the lowest corner of the box
+    axes : (3, 3) float64, unit directions of the sides of cells, rows; by default the cell's own
 
     Raises
     ------
     OptionError
         If `origin` is no position, or the cells have too many struts, see `as_counts`.
     """
-    low, high = bounds
-    corner = low if origin is None else as_floats(origin, "origin", OptionError)
+    corner = bounds[0] if origin is None else as_floats(origin, "origin", OptionError)
     if corner.shape != (3,) or not np.isfinite(corner).all():
         raise OptionError(f"origin is {corner.tolist()}; need three numbers, mm")
+    frame = cell.axes if axes is None else axes
+    corners = np.array(list(product(*bounds.T))) - corner  # (8, 3)
+    if not np.array_equal(frame, np.eye(3)):
+        corners = corners @ np.linalg.inv(frame)
     with np.errstate(over="ignore", invalid="ignore"):  # too many cells to count are too many
-        first = np.floor((low - corner) / size + COUNT_SLACK)
-        last = np.ceil((high - corner) / size - COUNT_SLACK)
+        first = np.floor(corners.min(axis=0) / size + COUNT_SLACK)
+        last = np.ceil(corners.max(axis=0) / size - COUNT_SLACK)
+        if cell.is_net:  # struts come from below through the faces of the first cells
+            first -= cell.motif.moves.max()
         counts = as_counts(cell, np.maximum(last - first, 1))
-    return counts, corner + first * size
+    return counts, corner + (first * size) @ frame

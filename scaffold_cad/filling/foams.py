@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.radii import Radius
+from scaffold_cad.base.regions import Keep
 from scaffold_cad.filling.fill import FillRegion, as_region
 from scaffold_cad.lattice import foams
-from scaffold_cad.lattice.clipping import Keep
 from scaffold_cad.lattice.foampoints import CellSizes
 from scaffold_cad.skeleton import Skeleton
 
 
+@checks_keywords()
 def voronoi_foam(
     count: int | ArrayLike | None,
     region: FillRegion,
@@ -85,6 +87,7 @@ def voronoi_foam(
     )
 
 
+@checks_keywords()
 def delaunay_foam(
     count: int | ArrayLike | None,
     region: FillRegion,

@@ -8,14 +8,17 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_real
+from scaffold_cad.base.arguments import as_real, checks_keywords
 from scaffold_cad.base.arrays import as_floats
 from scaffold_cad.base.radii import Radius
+from scaffold_cad.base.regions import BoxRegion, Region
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 from scaffold_cad.filling.fill import HasTriangles, as_region, fill
-from scaffold_cad.lattice import UnitCell
-from scaffold_cad.lattice.regions import Region
+from scaffold_cad.lattice import CellMap, UnitCell
+from scaffold_cad.lattice.maps.grading import CellSize
+from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.struts import Struts
+from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.mesh.bodies import body_of, check_uncrossed, shells_of
 from scaffold_cad.mesh.collapse import without_short_edges
 from scaffold_cad.mesh.insets import inset
@@ -60,6 +63,7 @@ NUDGE_DIRECTION = np.array([0.6, 0.5, 0.62])
 _log = logging.getLogger(__name__)
 
 
+@checks_keywords()
 def lattice_part(
     body: Body,
     cell: str | UnitCell,
@@ -128,6 +132,74 @@ def lattice_part(
             return whole if skin is not None else _without_crumbs(whole)
         _log.debug("with the lattice moved by %g cells the part %s", nudge, fault)
     raise MeshError(f"the part {fault}; need a clean surface (try another cell size or radius)")
+
+
+def flush_box(
+    box: ArrayLike,
+    cell: str | UnitCell,
+    size: CellSize,
+    radius: Radius,
+    *,
+    axes: ArrayLike | None = None,
+    on: CellMap | None = None,
+    sides: int = 4,
+) -> Manifold:
+    """Return a box of lattice whose struts are cut flush with its faces: it measures as the box.
+
+    Parameters
+    ----------
+    box : lowest and highest corner, mm
+    cell, size, radius, axes, on : as for `fill`
+    sides : of the struts, 4, 8 or 16
+
+    Raises
+    ------
+    OptionError
+        If an argument is out of its range.
+    MeshError
+        If the cut struts cross themselves, whatever way they are moved by 1/300 of a cell.
+    SkeletonError
+        If no strut is in the box.
+
+    Examples
+    --------
+    >>> from scaffold_cad.filling.parts import flush_box
+    >>> [round(side, 6) for side in flush_box([[0] * 3, [30, 20, 20]], "bcc", 10, 1).bounding_box()]
+    [0.0, 0.0, 0.0, 30.0, 20.0, 20.0]
+    """
+    import manifold3d
+
+    region = BoxRegion(box)
+    low, high = region.bounds
+    known = as_cell(cell)
+    if on is not None:
+        margin = float((high - low).max()) / 2
+    elif callable(size):
+        raise OptionError("the cell size is a function without a map; need one (on=BoxMap(...))")
+    else:
+        margin = float(cell_size(known, size).max())
+    fault = ""
+    for nudge in NUDGES:
+        origin = None if on is not None else low + nudge * margin * NUDGE_DIRECTION
+        around = [low - margin, high + margin]
+        whole = fill(around, known, size, radius, origin=origin, axes=axes, on=on)
+        touching = np.asarray(region.contains(whole.nodes)[whole.edges].any(axis=1))
+        touching[region.crossings(whole.nodes, whole.edges)[0]] = True
+        struts = whole.with_edges(touching)
+        solid = _lattice(struts, sides)
+        cutter = manifold3d.Manifold.cube((high - low).tolist()).translate(low.tolist())
+        part = solid.manifold ^ cutter
+        try:
+            clean = _without_slivers(part, float(np.abs(region.bounds).max()))
+            flush = manifolds.to_manifold(clean_surface(clean))
+        except MeshError as error:
+            fault = _with_place(error)
+            if on is not None:
+                break
+        else:
+            to_unite("unite", solid.united_edges, struts)
+            return _without_crumbs(flush)
+    raise MeshError(f"the box {fault}; need a clean surface (try another cell size or radius)")
 
 
 def _sound(mesh: TriangleMesh) -> tuple[TriangleMesh, Manifold]:
@@ -241,7 +313,7 @@ def _struts_touching(
     struts = Struts(whole.nodes, whole.edges)
     touching = np.asarray(region.contains(whole.nodes)[whole.edges].any(axis=1))
     if through:
-        touching[region.crossings(struts)[0]] = True
+        touching[region.crossings(struts.nodes, struts.edges)[0]] = True
     if not touching.any():
         raise SkeletonError(
             f"no strut of the lattice is in the body from {low.tolist()} to {high.tolist()} mm; "

@@ -14,6 +14,7 @@ out again. So does a package with a module as an entry point of the group ``scaf
 from scaffold_cad.io import (  # noqa: F401
     brep,
     bvh,
+    cgd,
     cjson,
     dxf,
     gel,
@@ -36,6 +37,8 @@ from scaffold_cad.io import (  # noqa: F401
 from scaffold_cad.io._json import skeleton_to_json
 from scaffold_cad.io._networkx import skeleton_from_networkx, skeleton_to_networkx
 from scaffold_cad.io._raw import RawSkeleton
+from scaffold_cad.io.cgd import read_nets
+from scaffold_cad.io.fields import read_field
 from scaffold_cad.io.meshes import read_triangles
 from scaffold_cad.io.reading import (
     BYTES_PER_EDGE,
@@ -61,6 +64,8 @@ __all__ = [
     "known_formats",
     "known_suffixes",
     "mesh_formats",
+    "read_field",
+    "read_nets",
     "read_raw",
     "read_skeleton",
     "read_triangles",

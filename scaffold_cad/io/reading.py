@@ -31,7 +31,7 @@ def read_skeleton(
     split_contacts: bool = False,
     max_nodes: int | None = None,
 ) -> Skeleton:
-    """Return the skeleton that a file holds, repaired so that it can be scaffolded.
+    r"""Return the skeleton that a file holds, repaired so that it can be scaffolded.
 
     What was repaired is logged as a warning by the logger ``scaffold_cad.io``.
 
@@ -54,6 +54,17 @@ def read_skeleton(
         numbered from 0 in order of the file.
     OptionError
         If an option is out of range.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from scaffold_cad import read_skeleton
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder, "strut.obj")
+    ...     _ = path.write_text("v 0 0 0\nv 9 0 0\nl 1 2\n")
+    ...     len(read_skeleton(path, radius=1.0).edges)
+    1
     """
     if not strict:
         cleaning = read_with_repairs(

@@ -69,6 +69,17 @@ def write(
         yet, or `path` is not a path.
     MissingBackendError
         If the package that writes the format is not installed.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from scaffold_cad import Skeleton, build_scaffold, write
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> with TemporaryDirectory() as folder:
+    ...     write(build_scaffold(strut), Path(folder, "strut.stl"))
+    ...     Path(folder, "strut.stl").stat().st_size  # 84 bytes, and 50 a triangle
+    684
     """
     path, what = _target(path, what), built(what)
     writer = writer_of(path)

@@ -19,7 +19,9 @@ BOX = [(a, b) for a in range(8) for b in range(8) if b > a and (a ^ b) in (1, 2,
 """Edges of a cube whose corners are numbered by x, y and z, a bit each."""
 
 
-def graph_picture(name: str, nodes: Points, edges: Edges, proportions: Floats) -> str:
+def graph_picture(
+    name: str, nodes: Points, edges: Edges, proportions: Floats, axes: Floats | None = None
+) -> str:
     """Return an SVG picture of a graph in its box.
 
     Parameters
@@ -27,10 +29,13 @@ def graph_picture(name: str, nodes: Points, edges: Edges, proportions: Floats) -
     nodes : (n, 3) in the unit cube
     edges : (m, 2)
     proportions : (3,) of the box
+    axes : (3, 3) unit directions of its sides, rows; by default along x, y and z
     """
     up = np.cross(TOWARDS, RIGHT)
     corners = (np.arange(8)[:, None] >> np.arange(3) & 1) - 0.5
     points = np.concatenate([corners, nodes - 0.5]) * proportions
+    if axes is not None:
+        points = points @ axes
     lines = np.concatenate([BOX, edges + 8])
     seen = points @ np.stack([RIGHT, -up, TOWARDS], axis=1)  # (p, 3): right, down, near
     places = SIZE / 2 + seen[:, :2] * 0.44 * SIZE / np.abs(seen[:8, :2]).max()

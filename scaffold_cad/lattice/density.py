@@ -42,6 +42,12 @@ def relative_density(cell: str | UnitCell, size: ArrayLike, radius: float) -> fl
     OptionError
         If the cell is not known, a size or the radius is not > 0, or the struts are so thick
         that the formula gives 1 or more, which is no density.
+
+    Examples
+    --------
+    >>> from scaffold_cad import relative_density
+    >>> 0.0 < relative_density("bcc", 5.0, radius=0.3) < 0.2
+    True
     """
     radius = as_number(radius, "radius")
     of_unit_radius = _density_of_unit_radius(cell, size)
@@ -77,6 +83,12 @@ def solve_radius(
     OptionError
         If the cell is not known, a size is not > 0, the density is not in (0, 1), or no radius
         was found that has it.
+
+    Examples
+    --------
+    >>> from scaffold_cad import relative_density, solve_radius
+    >>> round(relative_density("bcc", 5.0, solve_radius("bcc", 5.0, 0.1)), 6)
+    0.1
     """
     if not 0 < as_real(relative_density, "relative density") < 1:
         raise OptionError(
@@ -127,11 +139,10 @@ def measured_density(
     for x, y, z in product((2, 3), repeat=3):
         sign = (-1) ** (9 - x - y - z)
         inside += sign * volume(tile(cell, size, (x, y, z), radius=radius))
-    return inside / float(cell_size(cell, size).prod())
+    return inside / cell.volume(cell_size(cell, size))
 
 
 def _density_of_unit_radius(cell: str | UnitCell, size: ArrayLike) -> float:
     """Return the first-order relative density of struts of radius 1 mm."""
     cell = as_cell(cell)
-    sizes = cell_size(cell, size)
-    return float(np.pi * cell.motif.strut_lengths(sizes).sum() / sizes.prod())
+    return cell.density_coefficient_of(cell_size(cell, size))

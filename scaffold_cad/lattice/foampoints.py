@@ -12,9 +12,9 @@ from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arguments import as_count, as_number, as_real
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Points, as_floats, as_points
+from scaffold_cad.base.regions import BoxRegion, Region, as_box
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice.maps.grading import sizes_at
-from scaffold_cad.lattice.regions import BoxRegion, Region, as_box
 
 LARGEST_REGULARITY = 0.7
 """Beyond it, random points find no room any more."""

@@ -12,9 +12,10 @@ from scipy.spatial import Delaunay
 
 from scaffold_cad.base.arrays import Bools, Floats
 from scaffold_cad.base.radii import Radius
+from scaffold_cad.base.regions import BoxRegion, Keep, Region
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.errors import OptionError, SkeletonError
-from scaffold_cad.lattice.clipping import Keep, clipped, least_length
+from scaffold_cad.lattice.clipping import clipped, least_length
 from scaffold_cad.lattice.foampoints import (
     MOST_POINTS,
     CellSizes,
@@ -24,7 +25,6 @@ from scaffold_cad.lattice.foampoints import (
     seeds_in,
 )
 from scaffold_cad.lattice.powercells import cell_edges, centers, repeated_around
-from scaffold_cad.lattice.regions import BoxRegion, Region
 from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.skeleton import Skeleton
 
@@ -151,7 +151,7 @@ def delaunay_foam(
     struts = Struts(points, np.unique(np.sort(sides, axis=1), axis=0))
     if not isinstance(space, BoxRegion):
         leaves = np.zeros(len(struts.edges), dtype=np.bool_)
-        leaves[space.crossings(struts)[0]] = True
+        leaves[space.crossings(struts.nodes, struts.edges)[0]] = True
         struts = struts.kept(~leaves)
     held = np.zeros(len(points), dtype=np.bool_)
     return _foam(struts, space, radius, held, least_length(shortest, _shortest(seeds)))

@@ -7,11 +7,10 @@ from functools import cached_property
 import numpy as np
 from scipy.ndimage import label
 
-from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, read_only
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, read_only
+from scaffold_cad.base.regions import surface_tolerance
 from scaffold_cad.base.vectors import dot, length, rotate
 from scaffold_cad.lattice.boxgrid import BoxGrid
-from scaffold_cad.lattice.regions import surface_tolerance
-from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.mesh.bodies import check_balanced, turned_outwards
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.mesh.welding import welded, without_repeated_corners
@@ -51,9 +50,9 @@ class MeshRegion:
         read_only(self.bounds)
         self.tolerance = surface_tolerance(self.bounds, SURFACE_FRACTION)
 
-    def crossings(self, struts: Struts) -> tuple[Ints, Floats]:
-        """Return where struts pierce triangles, a shared side as often as triangles meet there."""
-        start, end = struts.starts, struts.ends
+    def crossings(self, nodes: Points, edges: Edges) -> tuple[Ints, Floats]:
+        """Return where edges pierce triangles, a shared side as often as triangles meet there."""
+        start, end = nodes[edges[:, 0]], nodes[edges[:, 1]]
         found_strut, found_along = [np.zeros(0, dtype=np.intp)], [np.zeros(0)]
         for strut, triangle in self._grid.near(np.minimum(start, end), np.maximum(start, end)):
             a, normal = self._corners[triangle, 0], self._normals[triangle]

@@ -6,8 +6,9 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Edges, Floats, Ints, Points
 from scaffold_cad.errors import OptionError
+from scaffold_cad.lattice.motifs import Motif
 from scaffold_cad.lattice.struts import Struts
-from scaffold_cad.lattice.unitcell import Motif, UnitCell
+from scaffold_cad.lattice.unitcell import UnitCell
 
 MOST_STRUTS = 100_000_000
 """Most struts of a lattice: they alone take some 6 GB, and a scaffold of them 100 times that."""
@@ -34,9 +35,13 @@ def as_counts(cell: UnitCell, counts: Floats | Ints) -> tuple[int, int, int]:
 
 
 def repeated(
-    cell: UnitCell, size: Floats, counts: tuple[int, int, int], origin: Points | None = None
+    cell: UnitCell,
+    size: Floats,
+    counts: tuple[int, int, int],
+    origin: Points | None = None,
+    axes: Floats | None = None,
 ) -> Struts:
-    """Return the struts of `counts` cells along x, y and z, each once, in order of their cells.
+    """Return the struts of `counts` cells along their sides, each once, in order of their cells.
 
     Parameters
     ----------
@@ -44,10 +49,12 @@ def repeated(
     size : (3,) float64, of one cell, mm
     counts : cells along x, y and z, see `as_counts`
     origin : (3,) float64, lowest corner of the first cell, mm; by default 0
+    axes : (3, 3) float64, unit directions of the sides, rows; by default those of the cell
     """
     motif = cell.motif
-    # Sites on far faces belong to a further layer of cells.
-    layers = (counts[0] + 1, counts[1] + 1, counts[2] + 1)
+    # Sites on far faces, and those of struts through them, belong to further layers of cells.
+    further = max(int(motif.moves.max(initial=0)), 1)
+    layers = (counts[0] + further, counts[1] + further, counts[2] + further)
     keys = _strut_keys(motif, counts, layers)  # (m, 2)
     used = np.zeros(layers[0] * layers[1] * layers[2] * len(motif.sites), dtype=np.bool_)
     used[keys] = True
@@ -55,6 +62,9 @@ def repeated(
     place, site = np.divmod(np.flatnonzero(used), len(motif.sites))
     steps = np.stack(np.unravel_index(place, layers), axis=1)  # (n, 3)
     nodes = (steps + motif.sites[site]) * size
+    frame = cell.axes if axes is None else axes
+    if not np.array_equal(frame, np.eye(3)):
+        nodes = nodes @ frame
     return Struts(nodes if origin is None else nodes + origin, edges)
 
 

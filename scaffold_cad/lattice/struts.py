@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Points
 from scaffold_cad.base.radii import Radius, radii_at
-from scaffold_cad.base.topology import component_labels, valencies
+from scaffold_cad.base.topology import valencies
 from scaffold_cad.base.vectors import length
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.skeleton.cutting import drawn_together
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,26 +47,6 @@ class Struts:
         """Return the struts marked in `keep` (m,); all nodes stay."""
         return Struts(self.nodes, self.edges[keep])
 
-    def cut(self, strut: Ints, along: Floats) -> Struts:
-        """Return the pieces of the struts cut at the places given, ordered by strut and `along`.
-
-        The new nodes come after the old ones. Cut k is made between pieces `strut[k] + k` and
-        `strut[k] + k + 1`.
-
-        Parameters
-        ----------
-        strut : (k,) intp
-        along : (k,) float64, in (0, 1)
-        """
-        start, end = self.starts[strut], self.ends[strut]
-        new = len(self.nodes) + np.arange(len(strut))
-        cuts = np.bincount(strut, minlength=len(self.edges))
-        pieces = np.repeat(self.edges, cuts + 1, axis=0)
-        before = strut + np.arange(len(strut))
-        pieces[before, 1] = new
-        pieces[before + 1, 0] = new
-        return Struts(np.concatenate([self.nodes, start + along[:, None] * (end - start)]), pieces)
-
     def collapsed(self, short: Bools, fixed: Bools) -> Struts:
         """Return the struts with those marked in `short` (m,) shrunk to nothing.
 
@@ -74,13 +55,7 @@ class Struts:
         """
         if not short.any():
             return self
-        label = component_labels(self.edges[short], len(self.nodes))
-        has_fixed = np.bincount(label, weights=fixed) > 0
-        weight = np.where(has_fixed[label], fixed, True).astype(np.float64)
-        total = np.bincount(label, weights=weight)
-        nodes = np.stack(
-            [np.bincount(label, weights=weight * x) / total for x in self.nodes.T], axis=1
-        )
+        nodes, label = drawn_together(self.nodes, self.edges, short, fixed)
         return Struts(nodes, label[self.edges[~short]])
 
     def without_dangling(self) -> Struts:

@@ -27,6 +27,7 @@ def tile(
     *,
     radius: Radius,
     on: CellMap | None = None,
+    dangling: bool = True,
 ) -> Skeleton:
     """Return the lattice of `counts` cells along x, y and z from the origin, or cells on a map.
 
@@ -41,6 +42,7 @@ def tile(
     on : a map of cells, such as `CylinderMap` or `face_map` of a build123d face; it needs either
         the size of a cell, which may then be a function of positions, or counts along u, v and w.
         `lattice_on` returns the same with its stretch
+    dangling : whether struts that end free at the border of a trimmed map stay
 
     Raises
     ------
@@ -49,9 +51,17 @@ def tile(
         1e8 struts.
     SkeletonError
         If a map folds cells, or they do not meet between its patches.
+
+    Examples
+    --------
+    >>> from scaffold_cad import tile
+    >>> len(tile("bcc", 8.0, counts=2, radius=0.5).edges)  # 8 cells of 8 struts
+    64
     """
     if on is not None:
-        return lattice_on(on, cell, radius=radius, size=size, counts=counts).skeleton
+        return lattice_on(
+            on, cell, radius=radius, size=size, counts=counts, dangling=dangling
+        ).skeleton
     if size is None or callable(size):
         raise OptionError(
             f"cell size in mm is not an array of numbers: it is {size}; need them where no map is"
@@ -81,6 +91,13 @@ def mapped(
         If `skeleton` is none, or `mapping` returns another shape.
     SkeletonError
         If a position that it returns is not finite.
+
+    Examples
+    --------
+    >>> from scaffold_cad import mapped, tile
+    >>> box = tile("sc", 5.0, 2, radius=0.5)
+    >>> float(mapped(box, lambda points: points * [1, 1, 2]).nodes.max())
+    20.0
     """
     check_kind(skeleton, Skeleton)
     nodes = np.asarray(mapping(skeleton.nodes))

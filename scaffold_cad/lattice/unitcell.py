@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arrays import (
-    Bools,
     Edges,
     Floats,
+    Frames,
     Frozen,
-    Ints,
     Points,
     as_floats,
     as_points,
@@ -23,10 +22,14 @@ from scaffold_cad.base.topology import valencies
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice.cellpictures import graph_picture
+from scaffold_cad.lattice.motifs import FACE_TOLERANCE, Motif, motif_of, net_motif
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 
-FACE_TOLERANCE = 1e-9
-"""Difference below which two coordinates in the unit cube are the same; no unit."""
+RIGHT_ANGLE = 1e-9
+"""Difference below which an angle is a right one, rad."""
+
+LEAST_HEIGHT = 1e-6
+"""Least square of the height of a slanted cell whose sides are 1 long."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +38,13 @@ class UnitCell(Frozen):
 
     Struts and nodes on the faces are shared with the neighbouring cells. List a strut that lies
     in a face in the opposite face too, as it belongs there: in a lattice it appears once.
+
+    Examples
+    --------
+    >>> from scaffold_cad import UnitCell, tile
+    >>> diagonal = UnitCell("diagonal", [[0, 0, 0], [1, 1, 1]], [[0, 1]])
+    >>> len(tile(diagonal, 5.0, 2, radius=0.5).edges)
+    8
     """
 
     name: str
@@ -46,7 +56,9 @@ class UnitCell(Frozen):
     description: str
     """One sentence on what the cell is."""
     proportions: Floats
-    """Size along x, y and z of a cell of size 1 that is not distorted, shape (3,)."""
+    """Size along its three sides of a cell of size 1 that is not distorted, shape (3,)."""
+    axes: Frames
+    """Unit directions of its three sides, rows, shape (3, 3): those of x, y and z, or slanted."""
 
     def __init__(
         self,
@@ -55,7 +67,19 @@ class UnitCell(Frozen):
         edges: ArrayLike,
         description: str = "",
         proportions: ArrayLike = (1.0, 1.0, 1.0),
+        angles: ArrayLike = (np.pi / 2, np.pi / 2, np.pi / 2),
     ) -> None:
+        """Take a cell.
+
+        Parameters
+        ----------
+        name : of the cell
+        nodes : positions in the unit cube (n, 3), fractions of the sides
+        edges : node pairs (m, 2)
+        description : one sentence on what the cell is
+        proportions : lengths of its sides a, b and c
+        angles : between b and c, c and a, a and b (α, β, γ as in crystallography), rad
+        """
         if not isinstance(name, str) or not name.strip():
             raise OptionError(f"a unit cell's name is {name!r}; need a text that is not blank")
         try:
@@ -69,6 +93,7 @@ class UnitCell(Frozen):
             edges=struts.edges,
             description=description,
             proportions=as_three(proportions, f"proportions of unit cell {name!r}"),
+            axes=cell_axes(angles, name),
         )
 
     def __str__(self) -> str:
@@ -76,6 +101,7 @@ class UnitCell(Frozen):
         return (
             f"{self.name}: {self.description} Struts a cell {self.strut_count}, "
             f"nodes a cell {self.site_count}, valency {valency}, "
+            f"Maxwell's count {self.maxwell_number}, "
             f"relative density about {self.density_coefficient:.4g} (r/a)²."
         )
 
@@ -86,7 +112,7 @@ class UnitCell(Frozen):
     @cached_property
     def motif(self) -> Motif:
         """The nodes and struts of one cell of an endless lattice, each of them once."""
-        return _motif(self.nodes, self.edges)
+        return motif_of(self.nodes, self.edges)
 
     @property
     def strut_count(self) -> int:
@@ -103,6 +129,79 @@ class UnitCell(Frozen):
         """Valencies that nodes of an endless lattice have, ascending."""
         return tuple(np.unique(valencies(self.motif.struts, self.site_count)).tolist())
 
+    @classmethod
+    def of_net(
+        cls,
+        name: str,
+        sites: ArrayLike,
+        edges: ArrayLike,
+        moves: ArrayLike,
+        description: str = "",
+        proportions: ArrayLike = (1.0, 1.0, 1.0),
+        angles: ArrayLike = (np.pi / 2, np.pi / 2, np.pi / 2),
+    ) -> UnitCell:
+        """Return the cell of a periodic net, whose struts may go through the faces of the box.
+
+        A block of such cells keeps these struts whole: they stand out of it on the far sides.
+
+        Parameters
+        ----------
+        name, description, proportions, angles : as for a cell
+        sites : positions (k, 3), fractions of the sides, of the nodes of one cell
+        edges : pairs of sites (m, 2), each strut of one cell once
+        moves : whole cells (m, 3) by which the second site of each strut is moved
+
+        Raises
+        ------
+        SkeletonError
+            If a strut has no length, is listed twice, or leaves a node in the direction of another.
+
+        Examples
+        --------
+        >>> from scaffold_cad import tile
+        >>> chain = UnitCell.of_net("chain", [[0, 0, 0]], [[0, 0]], [[1, 0, 0]])
+        >>> len(tile(chain, 10.0, (5, 1, 1), radius=1.0).edges)
+        5
+        """
+        box = cls(name, [[0, 0, 0], [1, 1, 1]], [[0, 1]], description, proportions, angles)
+        motif = net_motif(name, sites, edges, moves)
+        ends = (motif.sites[motif.struts] + motif.moves).reshape(-1, 3)
+        nodes, number = np.unique(ends, axis=0, return_inverse=True)
+        cell = object.__new__(cls)
+        values = {field: getattr(box, field) for field in box.__dataclass_fields__}
+        cell._keep(**{**values, "nodes": nodes, "edges": number.reshape(-1, 2), "motif": motif})
+        _check_net(cell)
+        return cell
+
+    @property
+    def is_net(self) -> bool:
+        """Whether struts may go through the faces of the box, see `of_net`."""
+        return bool(self.nodes.max() > 1.0)
+
+    @property
+    def is_slanted(self) -> bool:
+        """Whether its sides are not along x, y and z."""
+        return not np.array_equal(self.axes, np.eye(3))
+
+    def strut_lengths(self, size: Floats) -> Floats:
+        """Return the length of each strut of the motif in a cell of `size` (3,), shape (s,), mm."""
+        motif = self.motif
+        ends = motif.sites[motif.struts] + motif.moves  # (s, 2, 3)
+        return length(((ends[:, 1] - ends[:, 0]) * size) @ self.axes)
+
+    def volume(self, size: Floats) -> float:
+        """Return the volume of a cell of `size` (3,), mm³."""
+        return float(size.prod() * np.linalg.det(self.axes))
+
+    @property
+    def maxwell_number(self) -> int:
+        """Struts a cell less three a node, of an endless lattice: < 0 where it cannot be rigid.
+
+        Rigid pin-jointed frames need 0 or more (Maxwell's count); a lattice below it carries loads
+        by the bending of its struts.
+        """
+        return self.strut_count - 3 * self.site_count
+
     @property
     def density_coefficient(self) -> float:
         """C in the relative density ρ ≈ C (r/a)² of thin round struts of radius r, cell size a.
@@ -110,33 +209,11 @@ class UnitCell(Frozen):
         It is π times the strut length in a cell of size 1 over the cell's volume; the overlaps
         at the nodes, of order (r/a)³, are neglected.
         """
-        lengths = self.motif.strut_lengths(self.proportions)
-        return float(np.pi * lengths.sum() / self.proportions.prod())
+        return self.density_coefficient_of(self.proportions)
 
-
-@dataclass(frozen=True, eq=False)
-class Motif(Frozen):
-    """What one cell adds to an endless lattice: sites (nodes) and struts, none shared.
-
-    Any node of the lattice is a site moved by whole cells. A strut joins two sites, each moved
-    by 0 or 1 cells along x, y and z, with 0 for at least one of the two along each axis.
-    """
-
-    sites: Points
-    """Positions in the unit cube, coordinates in [0, 1), shape (k, 3)."""
-    site_of_node: Ints
-    """Site of which each node of the unit cell is a copy, shape (n,)."""
-    struts: Edges
-    """Sites that each strut joins, shape (s, 2)."""
-    moves: Ints
-    """Cells by which each strut's two sites are moved, 0 or 1, shape (s, 2, 3)."""
-    copies: Bools
-    """Whether the unit cell lists the strut moved by i, j, k cells, shape (s, 2, 2, 2)."""
-
-    def strut_lengths(self, size: Floats) -> Floats:
-        """Return the length of each strut in a cell of `size` (3,), shape (s,), in its unit."""
-        ends = self.sites[self.struts] + self.moves  # (s, 2, 3)
-        return length((ends[:, 1] - ends[:, 0]) * size)
+    def density_coefficient_of(self, size: Floats) -> float:
+        """Return the first-order relative density of struts of radius 1 mm, size (3,) in mm."""
+        return float(np.pi * self.strut_lengths(size).sum() / self.volume(size))
 
 
 def check_periodic(cell: UnitCell) -> None:
@@ -148,6 +225,8 @@ def check_periodic(cell: UnitCell) -> None:
         If a node on a face has no copy on the opposite face, where the neighbour's struts would
         go on, or a strut in a face is not listed in the opposite face.
     """
+    if cell.is_net:
+        return
     motif = cell.motif
     for site, position in enumerate(motif.sites):
         copies = np.flatnonzero(motif.site_of_node == site)
@@ -172,6 +251,68 @@ def check_periodic(cell: UnitCell) -> None:
             f"unit cell {cell.name!r}: no strut from {start} to {end}; need one there as in the "
             "opposite face"
         )
+
+
+def _check_net(cell: UnitCell) -> None:
+    """Raise unless all struts around each node of a net's lattice are proper.
+
+    Raises
+    ------
+    SkeletonError
+        If one has no length, or leaves a node in the direction of another.
+    """
+    motif, size = cell.motif, cell.proportions
+    ends = (motif.sites[motif.struts] + motif.moves) * size @ cell.axes  # (s, 2, 3)
+    spans = ends[:, 1] - ends[:, 0]
+    none = np.flatnonzero(~spans.any(axis=1))
+    if len(none):
+        one, other = motif.struts[none[0]].tolist()
+        raise SkeletonError(
+            f"net {cell.name!r}: the strut from site {one} to {other} has no length; need one"
+        )
+    # One node a site, in its middle; its struts end at nodes of their own.
+    both = np.concatenate([spans, -spans])
+    at = motif.struts.T.reshape(-1)
+    middles = 4 * float(np.abs(spans).max(initial=1.0)) * np.arange(len(motif.sites))
+    nodes = np.column_stack([middles, np.zeros((len(middles), 2))])
+    star = Skeleton(
+        np.concatenate([nodes, nodes[at] + both]),
+        np.stack([at, len(nodes) + np.arange(len(at))], axis=1),
+        1.0,
+    )
+    unused = np.flatnonzero(np.bincount(at, minlength=len(nodes)) == 0)
+    if len(unused):
+        raise SkeletonError(f"net {cell.name!r}: site {unused[0]} has no strut; need one")
+    try:
+        check_skeleton(star)
+    except SkeletonError as error:
+        raise SkeletonError(f"net {cell.name!r}: {error}") from None
+
+
+def cell_axes(angles: ArrayLike, name: str) -> Frames:
+    """Return the unit directions of a cell's sides, a along x and b in the plane of x and y.
+
+    Parameters
+    ----------
+    angles : α, β and γ, between b and c, c and a, a and b, rad
+
+    Raises
+    ------
+    OptionError
+        If no cell has these angles.
+    """
+    three = as_three(angles, f"angles of unit cell {name!r}, rad,")
+    right = np.abs(three - np.pi / 2) < RIGHT_ANGLE
+    a, b, c = np.where(right, 0.0, np.cos(three)).tolist()
+    sine = float(np.sqrt(max(1 - c**2, 0.0)))
+    across = (a - b * c) / sine if sine else 0.0
+    up = 1 - b**2 - across**2
+    if not (sine > 0 and up > LEAST_HEIGHT and (three < np.pi).all()):
+        degrees = np.round(np.degrees(three), 6).tolist()
+        raise OptionError(
+            f"unit cell {name!r} has angles of {degrees} degrees; need three that span space"
+        )
+    return np.array([[1.0, 0.0, 0.0], [c, sine, 0.0], [b, across, np.sqrt(up)]])
 
 
 def as_three(values: ArrayLike, name: str) -> Floats:
@@ -200,38 +341,6 @@ def _snapped(nodes: Points) -> Points:
     return snapped
 
 
-def _motif(nodes: Points, edges: Edges) -> Motif:
-    on_far_face = nodes == 1.0
-    sites, site_of_node = _sites(np.where(on_far_face, 0.0, nodes))
-    moves = on_far_face[edges].astype(np.intp)  # (m, 2, 3)
-    cell = moves.min(axis=1)  # (m, 3)
-    moves -= cell[:, None]
-    # One number an end, whatever cell the strut is listed in; the lower one first.
-    ends = site_of_node[edges] * 8 + moves @ np.array([4, 2, 1])  # (m, 2)
-    ends.sort(axis=1)
-    struts, strut_of_edge = np.unique(ends, axis=0, return_inverse=True)
-    copies = np.zeros((len(struts), 2, 2, 2), dtype=np.bool_)
-    copies[strut_of_edge.reshape(-1), cell[:, 0], cell[:, 1], cell[:, 2]] = True
-    moves = struts[:, :, None] >> np.array([2, 1, 0]) & 1
-    return Motif(sites, site_of_node, struts >> 3, moves, copies)
-
-
-def _sites(positions: Points) -> tuple[Points, Ints]:
-    """Return the distinct rows of `positions` (n, 3) and which of them each row is."""
-    ranks = np.stack([_ranks(column) for column in positions.T], axis=1)
-    _, first, site = np.unique(ranks, axis=0, return_index=True, return_inverse=True)
-    return positions[first], site.reshape(-1)
-
-
-def _ranks(values: Floats) -> Ints:
-    """Return the ranks of `values` (n,), the same for values that differ by the tolerance."""
-    order = np.argsort(values, kind="stable")
-    steps = np.diff(values[order], prepend=values[order[:1]]) > FACE_TOLERANCE
-    ranks = np.empty(len(values), dtype=np.intp)
-    ranks[order] = np.cumsum(steps)
-    return ranks
-
-
 def cell_picture(cell: UnitCell) -> str:
     """Return an SVG picture of one cell in its box."""
-    return graph_picture(cell.name, cell.nodes, cell.edges, cell.proportions)
+    return graph_picture(cell.name, cell.nodes, cell.edges, cell.proportions, cell.axes)

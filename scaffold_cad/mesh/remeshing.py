@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, Triangles, UnitVectors
 from scaffold_cad.base.vectors import dot, length, normalize, sums_by_row
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.collapse import without_short_edges
+from scaffold_cad.mesh.nearest import NearestPlace
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
@@ -21,12 +21,12 @@ LONGEST, SHORTEST = 4 / 3, 4 / 5
 that is split are not drawn together again (Botsch and Kobbelt, A remeshing approach to
 multiresolution modeling, 2004)."""
 
-NEAREST = 8
-"""How many triangles are looked at for the one nearest to a vertex."""
-
 QUAD_SIDE = 2.5
 """Wanted side of triangles, in sides of a square as large as one of the quads that each is cut
 into; found by trial: triangles made anew come out a little larger."""
+
+EVEN_ACROSS = 60
+"""Most triangles along the longest side of a surface whose large ones are cut."""
 
 MOST_TRIANGLES = 2_000_000
 """Most triangles of a mesh made anew."""
@@ -63,6 +63,14 @@ def quadrangulated(mesh: TriangleMesh, size: float) -> QuadMesh:
     return quads.moved(target.nearest(quads.vertices))
 
 
+def evened(mesh: TriangleMesh) -> TriangleMesh:
+    """Return the very same surface with large triangles cut until most are of about one size."""
+    corners = mesh.vertices[mesh.triangles]
+    extent = float(np.ptp(corners.reshape(-1, 3), axis=0).max())
+    sides = length(corners - np.roll(corners, 1, axis=1))
+    return _split(mesh, max(float(np.median(sides)), extent / EVEN_ACROSS))
+
+
 def three_quads_each(mesh: TriangleMesh) -> QuadMesh:
     """Return each triangle cut into three quads, from its middle to those of its sides."""
     rows = mesh.triangles
@@ -83,7 +91,7 @@ def three_quads_each(mesh: TriangleMesh) -> QuadMesh:
     return QuadMesh(vertices, np.stack(quads, axis=1).reshape(-1, 4))
 
 
-def _remeshed(mesh: TriangleMesh, size: float) -> tuple[TriangleMesh, _Target]:
+def _remeshed(mesh: TriangleMesh, size: float) -> tuple[TriangleMesh, NearestPlace]:
     """Return the surface made anew, and the old one."""
     area = float(length(_double_areas(mesh.vertices, mesh.triangles)).sum()) / 2
     if not area > 0:
@@ -95,7 +103,7 @@ def _remeshed(mesh: TriangleMesh, size: float) -> tuple[TriangleMesh, _Target]:
         )
     is_open = len(mesh.faulty_sides()[1]) > 0
     mesh = _split(mesh, size)
-    target = _Target(mesh)
+    target = NearestPlace(mesh)
     for _ in range(ROUNDS):
         mesh = _split(mesh, LONGEST * size)
         mesh = without_short_edges(mesh, SHORTEST * size, is_open=is_open)
@@ -184,7 +192,7 @@ def _apart(corners: Ints) -> Bools:
     return keep
 
 
-def _relaxed(mesh: TriangleMesh, target: _Target) -> TriangleMesh:
+def _relaxed(mesh: TriangleMesh, target: NearestPlace) -> TriangleMesh:
     """Return the mesh with its inner vertices in the middle of their neighbors, on the target."""
     edges, of_side = _edges(mesh.triangles)
     uses = np.bincount(of_side.reshape(-1), minlength=len(edges))
@@ -206,45 +214,6 @@ def _vertex_normals(mesh: TriangleMesh) -> UnitVectors:
     areas = np.repeat(_double_areas(mesh.vertices, mesh.triangles), 3, axis=0)
     total = sums_by_row(areas, mesh.triangles.reshape(-1), len(mesh.vertices))
     return normalize(total + np.finfo(float).tiny)
-
-
-class _Target:
-    """A fine mesh that points are put back on."""
-
-    def __init__(self, mesh: TriangleMesh) -> None:
-        self._corners = mesh.vertices[mesh.triangles]  # (t, 3, 3)
-        self._tree = cKDTree(self._corners.mean(axis=1))
-
-    def nearest(self, points: Points) -> Points:
-        """Return the nearest place of the mesh to each of `points` (n, 3), among near triangles."""
-        count = min(NEAREST, len(self._corners))
-        _, triangles = self._tree.query(points, k=count)
-        triangles = triangles.reshape(len(points), count)
-        every = np.repeat(points, count, axis=0)
-        feet = nearest_on_triangles(every, self._corners[triangles.reshape(-1)])
-        gaps = length(feet - every).reshape(-1, count)
-        chosen: Points = feet.reshape(-1, count, 3)[np.arange(len(points)), gaps.argmin(axis=1)]
-        return chosen
-
-
-def nearest_on_triangles(points: Points, corners: Floats) -> Points:
-    """Return the place of each triangle (n, 3, 3) that is nearest to its point (n, 3), (n, 3)."""
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    normal = np.cross(b - a, c - a)
-    size = np.maximum(dot(normal, normal), np.finfo(float).tiny)
-    foot = points - (dot(points - a, normal) / size)[:, None] * normal
-    inside = np.ones(len(points), dtype=np.bool_)
-    best, gap = foot, np.full(len(points), np.inf)
-    for start, end in ((a, b), (b, c), (c, a)):
-        span = end - start
-        inside &= dot(np.cross(span, foot - start), normal) >= 0
-        square = np.maximum(dot(span, span), np.finfo(float).tiny)
-        along = np.clip(dot(points - start, span) / square, 0, 1)
-        place = start + along[:, None] * span
-        far = length(place - points)
-        best = np.where((far < gap)[:, None], place, best)
-        gap = np.minimum(gap, far)
-    return np.where((inside & normal.any(axis=1))[:, None], foot, best)
 
 
 def _edges(rows: Triangles) -> tuple[Edges, Ints]:

@@ -18,6 +18,7 @@ from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.vectors import any_perpendicular
 from scaffold_cad.partition.arcs import arcs_of
 
+# How clearances change with these constants: `python -m tests.benchmarks.tuning`.
 SHORT_ARC = 0.4
 """An arc shorter than this part of the reach beside it counts as a shortfall."""
 SHORT_ARC_RATIO = 0.8

@@ -13,19 +13,22 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_real, check_kind, checks_keywords
 from scaffold_cad.base.radii import Radius
+from scaffold_cad.base.regions import Keep
 from scaffold_cad.errors import OptionError
 from scaffold_cad.filling import fill
-from scaffold_cad.lattice import UnitCell
-from scaffold_cad.lattice.clipping import Keep
+from scaffold_cad.filling.parts import flush_box
+from scaffold_cad.lattice import CellMap, UnitCell
 from scaffold_cad.mesh import QuadMesh
 from scaffold_cad.parts.models import Model, Section, model_of
 from scaffold_cad.parts.skeletonpart import CommonOptions, PartOptions, SkeletonPart
 from scaffold_cad.parts.stubs import without_overlapping_stubs
 from scaffold_cad.products.breps import to_brep
+from scaffold_cad.products.facets import faceted
 from scaffold_cad.products.overlaps import Overlaps
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import frame_skeleton
+from scaffold_cad.solid.manifolds import manifold_triangles
 from scaffold_cad.struts import RoundStruts, round_struts
 
 if TYPE_CHECKING:
@@ -33,6 +36,9 @@ if TYPE_CHECKING:
 
 ALIGNED = {Align.MIN: 0.0, Align.CENTER: 0.5, Align.MAX: 1.0, Align.NONE: 0.0}
 """Where the origin is in a box, as a fraction of its size."""
+
+FLUSH_SIDES = 8
+"""Sides of round struts that are cut flush: each of their triangles becomes a face."""
 
 
 class ScaffoldSolid(SkeletonPart):
@@ -154,7 +160,7 @@ class StrutFrame(SkeletonPart):
     def __init__(
         self,
         what: Skeleton | Scaffold | QuadMesh,
-        radius: float,
+        radius: Radius,
         *,
         section: Section = "square",
         overlaps: Overlaps = "refuse",
@@ -166,7 +172,7 @@ class StrutFrame(SkeletonPart):
         Parameters
         ----------
         what : whose edges
-        radius : of the struts, mm
+        radius : of the struts, mm; one number, or a function of positions (n, 3) that returns (n,)
         section : "square", or "round" for round struts, see `round_struts`
         overlaps : what becomes of struts that overlap, see `to_brep`
         with_joints : whether extremities get joints
@@ -215,6 +221,9 @@ class LatticeBox(SkeletonPart):
         keep: Keep = "clip",
         dangling: bool = True,
         drop_stubs: bool = True,
+        axes: ArrayLike | None = None,
+        on: CellMap | None = None,
+        trim: bool = False,
         section: Section = "square",
         overlaps: Overlaps = "refuse",
         with_joints: bool = False,
@@ -230,10 +239,14 @@ class LatticeBox(SkeletonPart):
         length, width, height : of the box, mm
         radius : of the struts, mm; one number, or a function of positions (n, 3) in the box before
             it is rotated and placed, that returns (n,)
-        keep, dangling : what becomes of struts that the box cuts, see `fill`
+        keep, dangling, axes, on : what becomes of struts that the box cuts, how cells are turned,
+            and a map that they are put on, see `fill`
         drop_stubs : whether struts that end free and overlap others are left out, unless they are
             united
         section : "square", or "round" for round struts, see `round_struts`
+        trim : whether the struts' solids are cut flush with the box, so that the part measures
+            `length` x `width` x `height`; struts that overlap are then united, and the faces are
+            triangles
         overlaps : what becomes of struts that overlap, see `to_brep`
         with_joints : whether extremities get joints
         align : of the box, as of build123d's `Box`
@@ -251,10 +264,18 @@ class LatticeBox(SkeletonPart):
         if not (np.isfinite(sides) & (sides > 0)).all():
             raise OptionError(f"the box is {length:g} x {width:g} x {height:g} mm; need > 0")
         low = -sides * [ALIGNED[one] for one in tuplify(align, 3) or [Align.NONE] * 3]
-        skeleton = fill([low, low + sides], cell, size, radius, keep=keep, dangling=dangling)
-        lattice = _lattice(skeleton, section, drop_stubs and overlaps == "refuse")
+        bounds = np.stack([low, low + sides])
+        skeleton = fill(bounds, cell, size, radius, keep=keep, dangling=dangling, axes=axes, on=on)
+        if trim:
+            lattice = model_of(skeleton, "square")
+            flush = FLUSH_SIDES if section == "round" else 4
+            trimmed = flush_box(bounds, cell, size, radius, axes=axes, on=on, sides=flush)
+            body = faceted(manifold_triangles(trimmed))
+        else:
+            lattice = _lattice(skeleton, section, drop_stubs and overlaps == "refuse")
+            body = to_brep(lattice, overlaps=overlaps)
         super().__init__(
-            to_brep(lattice, overlaps=overlaps),
+            body,
             lattice,
             with_joints=with_joints,
             **options,
@@ -288,6 +309,8 @@ class LatticeFill(SkeletonPart):
         dangling: bool = True,
         drop_stubs: bool = True,
         origin: ArrayLike | None = None,
+        axes: ArrayLike | None = None,
+        on: CellMap | None = None,
         section: Section = "square",
         overlaps: Overlaps = "refuse",
         with_joints: bool = False,
@@ -301,7 +324,7 @@ class LatticeFill(SkeletonPart):
         cell : a unit cell or its name, see `cells`
         size : of one cell, mm: three numbers, or one
         radius : of the struts, mm; one number, or a function of positions (n, 3) that returns (n,)
-        keep, dangling, origin : see `fill`
+        keep, dangling, origin, axes, on : see `fill`
         drop_stubs : whether struts that end free and overlap others, as cut ones do, are left out,
             unless they are united
         section : "square", or "round" for round struts, see `round_struts`
@@ -319,7 +342,9 @@ class LatticeFill(SkeletonPart):
             If struts overlap and are refused, more than a fifth of them would be left out as stubs,
             or their union has too many triangles.
         """
-        skeleton = fill(part, cell, size, radius, keep=keep, dangling=dangling, origin=origin)
+        skeleton = fill(
+            part, cell, size, radius, keep=keep, dangling=dangling, origin=origin, axes=axes, on=on
+        )
         lattice = _lattice(skeleton, section, drop_stubs and overlaps == "refuse")
         super().__init__(
             to_brep(lattice, overlaps=overlaps),

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.welding import welded
 from scaffold_cad.printability.direction import direction_findings
@@ -32,6 +32,7 @@ from scaffold_cad.solid import to_solid
 from scaffold_cad.struts import RoundStruts
 
 
+@checks_keywords()
 def check_printability(
     what: Any,
     process: str | Process = "sls",
@@ -111,6 +112,7 @@ def check_printability(
     return Report(name, process, tuple(findings), mesh, upwards)
 
 
+@checks_keywords(check_printability)
 def assert_printable(what: Any, process: str | Process = "sls", **options: Any) -> None:
     """Raise an AssertionError that holds the report unless `what` is printable; for tests.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from scaffold_cad import brep
-from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.brep import Kind
 from scaffold_cad.brep.analytic import AnalyticBrep
 from scaffold_cad.brep.beziermesh import BezierMesh
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from build123d import Shape
 
 
+@checks_keywords()
 def to_brep(
     what: Scaffold | RoundStruts | QuadMesh | BezierMesh | Patches,
     kind: Kind = "solid",

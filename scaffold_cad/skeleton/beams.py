@@ -28,6 +28,13 @@ class BeamLattice(Frozen):
     References
     ----------
     3MF Beam Lattice Extension 1.2, with balls.
+
+    Examples
+    --------
+    >>> from scaffold_cad import BeamLattice, Skeleton
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> BeamLattice(strut, balls=1.5).balls
+    array([1.5, 1.5])
     """
 
     skeleton: Skeleton

@@ -28,6 +28,7 @@ from scaffold_cad.base.arrays import (
 )
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.notebook import Shown
+from scaffold_cad.base.summaries import counted, radii_text, size_text
 from scaffold_cad.base.topology import (
     Chains,
     Incidence,
@@ -38,6 +39,7 @@ from scaffold_cad.base.topology import (
 )
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import SkeletonError
+from scaffold_cad.skeleton.editing import Editing
 from scaffold_cad.skeleton.repair import (
     LEAST_LENGTH,
     LEAST_RADIUS,
@@ -56,7 +58,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Skeleton(Frozen, Shown):
+class Skeleton(Frozen, Shown, Editing):
     """A skeleton (G, p, r): nodes joined by straight edges, with radii of nodes and of struts.
 
     The constructor refuses what no graph may hold: wrong shapes, numbers that are not finite or
@@ -64,6 +66,16 @@ class Skeleton(Frozen, Shown):
     scaffolded, and `cleaned` repairs it.
 
     Half-edge `2 e` leaves node `edges[e, 0]`, half-edge `2 e + 1` leaves `edges[e, 1]`.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton
+    >>> tips = [[9, 0, 0], [0, 9, 0], [0, 0, 9]]
+    >>> tripod = Skeleton([[0, 0, 0], *tips], [[0, 1], [0, 2], [0, 3]], 1.0)
+    >>> tripod.branch_points, tripod.extremities
+    (array([0]), array([1, 2, 3]))
+    >>> print(tripod)
+    Skeleton: 4 nodes, 3 edges, 9 x 9 x 9 mm, radius 1 mm
     """
 
     nodes: Points
@@ -104,6 +116,15 @@ class Skeleton(Frozen, Shown):
         if "edge_radii" not in state:  # of an earlier version
             state = {**state, "edge_radii": state["radii"][state["edges"]]}
         super().__setstate__(state)
+
+    def __str__(self) -> str:
+        counts = f"{counted(len(self.nodes), 'node')}, {counted(len(self.edges), 'edge')}"
+        return f"Skeleton: {counts}, {size_text(self.nodes)}, {radii_text(self.radii)}"
+
+    def _like(
+        self, nodes: ArrayLike, edges: ArrayLike, radii: ArrayLike, edge_radii: ArrayLike
+    ) -> Skeleton:
+        return Skeleton(nodes, edges, radii, edge_radii)
 
     @classmethod
     def from_edges(
@@ -400,6 +421,15 @@ def check_skeleton(skeleton: Skeleton) -> None:
         For the first of: no edge, a self-loop, an isolated node, coincident nodes, an edge too
         short for its direction to be computed, a repeated edge, a radius too small for the
         rounding of coordinates, two edges that leave a node within 0.01° of each other.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, check_skeleton
+    >>> lonely = Skeleton([[0, 0, 0], [9, 0, 0], [5, 5, 5]], [[0, 1]], 1.0)
+    >>> check_skeleton(lonely)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ...
+    scaffold_cad.errors.SkeletonError: node 2 has no edge; ...
     """
     check_kind(skeleton, Skeleton)
     nodes, edges = skeleton.nodes, skeleton.edges

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
 from scaffold_cad.base.notebook import Shown
 from scaffold_cad.base.segments import nearest_on_segments
@@ -54,6 +54,7 @@ class Solidified(Frozen, Shown):
     """Volume of each void that overlapping struts enclosed, mm³; they are filled."""
 
 
+@checks_keywords()
 def to_solid(
     what: Scaffold | RoundStruts | QuadMesh | TriangleMesh, *, sides: int | None = None
 ) -> Manifold:
@@ -91,6 +92,7 @@ def to_solid(
     return manifolds.to_manifold(what)
 
 
+@checks_keywords()
 def solidified(what: Scaffold | RoundStruts, *, sides: int | None = None) -> Solidified:
     """Return the watertight solid of a scaffold or of round struts, and which struts were united.
 

@@ -11,9 +11,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from scaffold_cad.base.arguments import as_number, check_kind
+from scaffold_cad.base.arguments import check_kind, checks_keywords
+from scaffold_cad.base.radii import Radius, radii_at
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
@@ -25,14 +24,16 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 
-def thicken(what: Scaffold | QuadMesh | Skeleton, radius: float, *, sides: int = 4) -> Manifold:
+@checks_keywords()
+def thicken(what: Scaffold | QuadMesh | Skeleton, radius: Radius, *, sides: int = 4) -> Manifold:
     """Return the edges of a scaffold, quad mesh or skeleton as struts: one watertight solid.
 
     Parameters
     ----------
     what : whose edges
-    radius : of the struts, mm; of the circle that a strut's section stands for: a square is around
-        it, a section with more sides has its area
+    radius : mm; one number, or a function of positions (n, 3) that returns radii (n,): of the
+        circle that a strut's section stands for. A square is around it, a section with more sides
+        has its area
     sides : of a strut: 4 for square ones, 8 or another multiple of 4 for round ones
 
     Raises
@@ -54,7 +55,8 @@ def thicken(what: Scaffold | QuadMesh | Skeleton, radius: float, *, sides: int =
     return to_solid(round_struts(frame_skeleton(what, radius)), sides=sides)
 
 
-def frame_scaffold(what: Scaffold | QuadMesh | Skeleton, radius: float) -> Scaffold:
+@checks_keywords()
+def frame_scaffold(what: Scaffold | QuadMesh | Skeleton, radius: Radius) -> Scaffold:
     """Return the scaffold of the edges of a scaffold, quad mesh or skeleton, with collars.
 
     Examples
@@ -67,12 +69,12 @@ def frame_scaffold(what: Scaffold | QuadMesh | Skeleton, radius: float) -> Scaff
     return build_scaffold(frame_skeleton(what, radius), collars=True)
 
 
-def frame_skeleton(what: Scaffold | QuadMesh | Skeleton, radius: float) -> Skeleton:
-    """Return the edges of a scaffold, quad mesh or skeleton as a skeleton of one radius."""
+def frame_skeleton(what: Scaffold | QuadMesh | Skeleton, radius: Radius) -> Skeleton:
+    """Return the edges of a scaffold, quad mesh or skeleton as a skeleton."""
     check_kind(what, Scaffold, QuadMesh, Skeleton)
-    radius = as_number(radius, "radius")
     if isinstance(what, Scaffold):
         what = what.mesh
     if isinstance(what, QuadMesh):
-        what = Skeleton(what.vertices, what.edges, np.asarray(radius)).cleaned().skeleton
-    return what.with_radii(radius)
+        radii = radii_at(what.vertices, radius)
+        what = Skeleton(what.vertices, what.edges, radii).cleaned().skeleton
+    return what.with_radii(radii_at(what.nodes, radius))

@@ -57,7 +57,7 @@ def round_struts(
     SkeletonError
         If the skeleton cannot be built on.
     OptionError
-        If an option has no such value, or `like` is of another skeleton, other ends or another wall.
+        If an option has no such value, or `like` is of another graph, with other ends or walls.
     PartitionError
         If nodes moved too far for the partitions of `like`.
 

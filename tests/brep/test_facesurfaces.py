@@ -5,9 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from build123d import Axis, Box, Cone, Cylinder, Face, GeomType, Pos, Rot, Sphere, Torus, Vector
+from OCP.BRepAdaptor import BRepAdaptor_Surface
+from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace
 
 from scaffold_cad.base.arrays import Floats
+from scaffold_cad.brep import surfacevalues
 from scaffold_cad.brep.facesurfaces import FaceSurface
+from scaffold_cad.brep.surfacevalues import values_of
 from scaffold_cad.errors import OptionError
 
 
@@ -74,6 +78,30 @@ def test_a_turned_and_moved_face_is_evaluated_where_it_is() -> None:
     face = only(Pos(3, 4, 5) * Rot(30, 40, 50) * Cylinder(5, 10), GeomType.CYLINDER)
     points, _ = FaceSurface.of(face).at(grid(), np.zeros(49, dtype=np.intp))
     assert max(face.distance_to(Vector(*point)) for point in points) < 1e-6
+
+
+@pytest.mark.parametrize("rational", [False, True])
+def test_splines_in_arrays_are_what_occt_finds_one_by_one(rational: bool) -> None:
+    if rational:
+        face = Face.make_surface_from_array_of_points(
+            [[Vector(x, y, np.sin(x) * y) for x in range(0, 9, 2)] for y in range(0, 13, 3)]
+        )
+        adaptor = BRepAdaptor_Surface(face.wrapped)
+        spline = adaptor.BSpline()
+        spline.SetWeight(2, 3, 2.5)
+        face = Face(BRepBuilderAPI_MakeFace(spline, 1e-6).Face())
+    else:
+        face = Face.make_bezier_surface(
+            [[Vector(x, y, x * y / 9) for x in (0, 3, 6, 9)] for y in (0, 4, 8)]
+        )
+    adaptor = BRepAdaptor_Surface(face.wrapped)
+    low = np.array([adaptor.FirstUParameter(), adaptor.FirstVParameter()])
+    high = np.array([adaptor.LastUParameter(), adaptor.LastVParameter()])
+    places = np.concatenate([grid(13), np.random.default_rng(0).random((200, 2))])
+    found = values_of(adaptor, low + places * (high - low))
+    expected = surfacevalues._one_by_one(adaptor, low + places * (high - low))
+    for one, other in zip(found, expected, strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-9)
 
 
 def test_what_is_no_face_is_refused() -> None:

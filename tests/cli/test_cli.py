@@ -221,7 +221,7 @@ BAD_INPUT = [
     (["build", "FIGURE", "-o", "x.stl", "--simplify", "-1"], "tolerance is -1 mm; need >= 0"),
     (
         ["build", "FIGURE", "-o", "x.stl", "--as", "frame", "--strut-radius", "0"],
-        "radius is 0 mm; need > 0",
+        "--strut-radius is 0 mm; need > 0",
     ),
 ]
 

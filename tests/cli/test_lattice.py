@@ -48,6 +48,50 @@ def test_round_struts_have_more_triangles_and_the_radius(tmp_path: Path) -> None
     assert volumes[1] == pytest.approx(volumes[0] * np.pi / 4, rel=0.1)
 
 
+def test_a_trimmed_box_measures_as_asked(tmp_path: Path) -> None:
+    out = tmp_path / "box.stl"
+    assert main([*BCC, "--box", "16x16x24", "--trim", "-o", str(out)]) == 0
+    np.testing.assert_allclose(loaded(out).bounds, [[0, 0, 0], [16, 16, 24]], atol=1e-5)
+
+
+def test_cells_stand_on_tubes_and_spheres(tmp_path: Path) -> None:
+    out = tmp_path / "part.stl"
+    assert main([*BCC, "--cylinder", "20x24x8", "-o", str(out)]) == 0
+    assert loaded(out).extents[:2].min() > 2 * 27
+    assert main([*BCC, "--sphere", "20x8", "--beams", "-o", str(tmp_path / "ball.3mf")]) == 0
+    ball = read_skeleton(tmp_path / "ball.3mf", strict=True)
+    away = np.linalg.norm(ball.nodes, axis=1)
+    assert away.min() == pytest.approx(20, abs=1e-3)
+    assert away.max() == pytest.approx(28, abs=1e-3)
+
+
+def test_cells_stand_on_a_face_of_a_part(tmp_path: Path) -> None:
+    build123d = pytest.importorskip("build123d")
+    part, out = tmp_path / "part.step", tmp_path / "part.stl"
+    build123d.export_step(build123d.Cylinder(20, 40), part)
+    words = [*BCC, "--face", str(part), "-o", str(out)]
+    assert main([*words, "--thickness", "8"]) == 0
+    assert loaded(out).extents[0] > 2 * 27
+    assert main([*words, "--thickness", "8", "--face-number", "7"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--face", "part.step"], "--face needs the --thickness"),
+        (["--box", "16", "--thickness", "3"], "are of a face; need --face"),
+        (["--sphere", "20x8", "--trim"], "--trim cuts struts flush with a box"),
+        (["--sphere", "20x8", "--skin", "1"], "--skin is the wall of a box or a part"),
+        (["--box", "16", "--trim", "--skin", "1"], "--trim is for struts without a skin"),
+    ],
+)
+def test_options_that_do_not_belong_together_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str], message: str
+) -> None:
+    assert main([*BCC, *words, "-o", str(tmp_path / "out.stl")]) == 2
+    assert message in capsys.readouterr().err
+
+
 def test_beams_are_the_struts_themselves(tmp_path: Path) -> None:
     out = tmp_path / "beams.3mf"
     assert main([*BCC, "--box", "16x16x16", "--beams", "-o", str(out)]) == 0

@@ -63,6 +63,15 @@ def test_a_trimmed_face_is_filled_to_its_borders() -> None:
     assert share == pytest.approx(1 - np.pi * 25 / 1200, rel=0.01)
 
 
+def test_struts_that_end_free_at_a_border_go_if_asked() -> None:
+    plate = Box(40, 30, 5) - Pos(8, 3, 0) * Cylinder(5, 9)
+    mapping = face_map(plate.faces().sort_by(Axis.Z)[-1], 4.0)
+    all_of_it = tile("kelvin", 4.0, radius=0.2, on=mapping)
+    trimmed = tile("kelvin", 4.0, radius=0.2, on=mapping, dangling=False)
+    assert len(trimmed.extremities) == 0 < len(all_of_it.extremities)
+    assert trimmed.loop_count == all_of_it.loop_count
+
+
 def test_a_pipe_with_a_hole_in_its_wall_is_trimmed_and_closed() -> None:
     pipe = Cylinder(10, 30) - Rot(90, 0, 0) * Cylinder(4, 40)
     face = max(pipe.faces().filter_by(GeomType.CYLINDER), key=lambda one: one.area)

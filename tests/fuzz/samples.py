@@ -25,6 +25,16 @@ SWC = b"# neuron\n1 1 0 0 0 2.5 -1\n2 3 10 0 0 1.5 1\n3 3 10 10 0 1.25 2\n"
 GEL = b"n 0 0 0\nn nan nan nan\nn 10 0 0\nn 10 10 0\nc 0 2\nc 2 3\n"
 CGAL = b"3 0.5 0 0 10.5 0 0 10 10 0\n2 10 10 0 10 10 5\n"
 TGF = b"a 0 0 0 1\nb 10, 0, 0 1.5\nc (10 10 0) 2\n#\na b strut\nb c\n"
+CGD = b"""CRYSTAL
+  NAME pcu
+  GROUP P1
+  CELL 5.0 5.0 5.0 90.0 90.0 90.0
+  NODE 1 6  0 0 0
+  EDGE  0 0 0   0 0 1
+  EDGE  0 0 0   0 1 0
+  EDGE  0 0 0   1 0 0
+END
+"""
 XYZ = b"3 water\n1 O 0 0 0 1 2 3\n2 H 1 0 0 2 1\n3 H 0 1 0 2 1\n"
 CJSON = (
     b'{"chemicalJson": 1, "atoms": {"coords": {"3d": [0, 0, 0, 1.5, 0, 0, 1.5, 1.5, 0]}},'
@@ -313,6 +323,7 @@ SAMPLES: dict[str, bytes] = {
     "old_frame.json": OLD_FRAME,
     "new_frame.json": NEW_FRAME,
     "path.tgf": TGF,
+    "net.cgd": CGD,
     "water.xyz": XYZ,
     "water.txyz": XYZ,
     "molecule.cjson": CJSON,

@@ -8,6 +8,7 @@ import pytest
 from scaffold_cad.base.vectors import angle_between
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice import UnitCell, cells, check_periodic, register_cell, tile, unit_cell
+from scaffold_cad.lattice.morecells import reentrant_cell, reentrant_honeycomb
 from scaffold_cad.lattice.registry import _CELLS
 from scaffold_cad.skeleton import check_skeleton
 
@@ -27,7 +28,25 @@ KNOWN = {
     "auxetic": (5, 11, (2, 5), {0.75, 0.375}),
     "hexagonal_prism": (4, 10, (5,), {1 / np.sqrt(3), 1.0}),
     "gyroid": (8, 12, (3,), {np.sqrt(2) / 4}),
+    "fbcc": (5, 20, (4, 8, 20), {np.sqrt(3) / 2, np.sqrt(0.5)}),
+    "star": (5, 14, (2, 8, 14), {np.sqrt(3) / 2, 0.5}),
+    "pyrochlore": (16, 48, (6,), {np.sqrt(2) / 4}),
+    "weaire_phelan": (
+        46,
+        92,
+        (4,),
+        {np.sqrt(3) / 12, np.sqrt(525) / 96, 5 / 16, np.sqrt(45) / 32},
+    ),
+    "triangular_prism": (2, 8, (8,), {1.0}),
+    "reentrant_honeycomb": (
+        5,
+        11,
+        (2, 5),
+        {1 / np.sqrt(3), 2 / np.sqrt(3), 1.0},
+    ),
 }
+NETS = ("triangular_prism", "weaire_phelan")
+"""Cells with struts through the faces of their boxes."""
 
 by_name = pytest.mark.parametrize("name", KNOWN)
 
@@ -41,7 +60,7 @@ def test_a_cell_has_its_nodes_struts_valencies_and_lengths(name: str) -> None:
     nodes, struts, valencies, lengths = KNOWN[name]
     cell = unit_cell(name)
     assert (cell.site_count, cell.strut_count, cell.valencies) == (nodes, struts, valencies)
-    found = cell.motif.strut_lengths(cell.proportions)
+    found = cell.strut_lengths(cell.proportions)
     nearest = np.abs(found[:, None] - list(lengths)).min(axis=1)
     np.testing.assert_allclose(nearest, 0.0, atol=1e-12)
 
@@ -54,7 +73,7 @@ def test_a_cell_is_periodic_and_its_lattice_is_one_valid_skeleton(name: str) -> 
     assert lattice.component_count == 1
 
 
-@by_name
+@pytest.mark.parametrize("name", sorted(set(KNOWN) - set(NETS)))
 def test_nodes_on_opposite_faces_match_in_a_lattice(name: str) -> None:
     lattice = tile(name, 1.0, 3, radius=0.1)
     size = unit_cell(name).proportions
@@ -111,6 +130,110 @@ def test_the_auxetic_cell_gets_wider_when_it_gets_longer() -> None:
     assert (slopes > 0).all()  # all arms fold back beside the column: re-entrant
 
 
+@pytest.mark.parametrize("name", NETS)
+def test_nets_go_through_the_faces_of_their_boxes(name: str) -> None:
+    cell = unit_cell(name)
+    assert cell.is_net
+    block = tile(name, 10.0, (3, 2, 2), radius=0.2)
+    assert len(block.edges) == 12 * cell.strut_count
+    deep = tile(name, 10.0, 3, radius=0.2)
+    size = 10 * cell.proportions
+    inside = ((deep.nodes > 0.99 * size) & (deep.nodes < 2.01 * size)).all(axis=1)
+    assert set(deep.valency[inside].tolist()) == set(cell.valencies)
+
+
+def test_corners_of_weaire_and_phelans_cells_are_those_of_the_voronoi_diagram() -> None:
+    sites = (
+        np.array(
+            [[0, 0, 0], [2, 2, 2], [1, 0, 2], [3, 0, 2], [2, 1, 0], [2, 3, 0], [0, 2, 1], [0, 2, 3]]
+        )
+        / 4
+    )
+    steps = np.stack(np.meshgrid(*[[-1, 0, 1]] * 3), axis=-1).reshape(-1, 3)
+    everywhere = (sites[:, None] + steps).reshape(-1, 3)
+    gaps = np.linalg.norm(unit_cell("weaire_phelan").motif.sites[:, None] - everywhere, axis=2)
+    gaps.sort(axis=1)
+    np.testing.assert_allclose(gaps[:, :4], gaps[:, :1] + np.zeros((46, 4)))
+    assert (gaps[:, 4] > gaps[:, 0] + 1e-3).all()
+
+
+def test_a_slanted_net_has_its_lengths_valency_and_volume() -> None:
+    close_packed = UnitCell.of_net(
+        "hcp",
+        [[0, 0, 0], [1 / 3, 2 / 3, 0.5]],
+        [[0, 1]] * 6,
+        [[0, 0, 0], [0, 0, -1], [0, -1, 0], [0, -1, -1], [-1, -1, 0], [-1, -1, -1]],
+        proportions=[1, 1, np.sqrt(8 / 3)],
+        angles=np.radians([90, 90, 120]),
+    )
+    assert close_packed.valencies == (6,)
+    size = 10 * close_packed.proportions
+    np.testing.assert_allclose(close_packed.strut_lengths(size), 10.0)
+    assert close_packed.volume(size) == pytest.approx(np.sqrt(2) * 1000)
+    block = tile(close_packed, 10.0, 3, radius=0.5)
+    check_skeleton(block)
+    np.testing.assert_allclose(block.lengths, 10.0)
+
+
+@pytest.mark.parametrize(
+    ("sites", "edges", "moves", "message"),
+    [
+        ([[0, 0, 0]], [[0, 0]], [[0, 0, 0]], "from site 0 to 0 has no length"),
+        ([[0, 0, 0]], [[0, 0], [0, 0]], [[1, 0, 0], [-1, 0, 0]], "is listed twice"),
+        ([[0, 0, 0]], [[0, 0], [0, 0]], [[1, 0, 0], [2, 0, 0]], "in the same direction"),
+        ([[0, 0, 0], [0.5, 0, 0]], [[0, 0]], [[1, 0, 0]], "site 1 has no strut"),
+        ([[0, 0, 0]], [[0, 1]], [[1, 0, 0]], "need 0 to 0"),
+        ([[0, 0, 0]], [[0, 0]], [[1, 0, 0]] * 2, "2 moves of 1 edges"),
+    ],
+)
+def test_nets_that_are_none_are_refused(
+    sites: object, edges: object, moves: object, message: str
+) -> None:
+    with pytest.raises(SkeletonError, match=message):
+        UnitCell.of_net("net", sites, edges, moves)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("degrees", [(90, 90, 0), (60, 60, 130), (90, 90, 180)])
+def test_angles_of_no_cell_are_refused(degrees: tuple[float, float, float]) -> None:
+    with pytest.raises(OptionError, match=r"three that span space|need three numbers > 0"):
+        UnitCell("rod", [[0, 0, 0], [1, 1, 1]], [[0, 1]], angles=np.radians(degrees))
+
+
+@pytest.mark.parametrize(("depth", "height"), [(0.1, 0.9), (0.25, 0.75), (0.2, 0.5)])
+def test_re_entrant_cells_of_any_depth_are_periodic(depth: float, height: float) -> None:
+    cell = reentrant_cell(depth, height)
+    check_periodic(cell)
+    arm = np.sqrt(0.5 + depth**2)
+    assert np.isclose(cell.strut_lengths(np.ones(3)), arm).sum() >= 8
+    if (depth, height) == (0.25, 0.75):
+        np.testing.assert_allclose(
+            np.sort(cell.strut_lengths(np.ones(3))),
+            np.sort(unit_cell("auxetic").strut_lengths(np.ones(3))),
+        )
+    with pytest.raises(OptionError, match="less than half the height"):
+        reentrant_cell(height / 2, height)
+
+
+@pytest.mark.parametrize("angle", [0.2, np.pi / 6, 0.9])
+def test_re_entrant_honeycombs_have_slanted_sides_of_one_length(angle: float) -> None:
+    cell = reentrant_honeycomb(angle, 2.5)
+    check_periodic(cell)
+    lattice = tile(cell, 2 * np.cos(angle), 2, radius=0.05)
+    spans = np.abs(np.diff(lattice.nodes[lattice.edges], axis=1)[:, 0])
+    slanted = (spans[:, 0] > 1e-9) & (spans[:, 1] > 1e-9)
+    np.testing.assert_allclose(lattice.lengths[slanted], 1.0)
+    np.testing.assert_allclose(spans[slanted, 1], np.sin(angle))
+    with pytest.raises(OptionError, match=r"ratio is 0.1; need more than"):
+        reentrant_honeycomb(angle, 0.1)
+
+
+def test_cells_are_found_by_their_other_names() -> None:
+    assert unit_cell("Laves") is unit_cell("gyroid")
+    assert unit_cell("truncated octahedron") is unit_cell("kelvin")
+    with pytest.raises(OptionError, match="called 'laves' exists already"):
+        register_cell(UnitCell("laves", [[0, 0, 0], [1, 0, 0]], [[0, 1]]), periodic=False)
+
+
 @pytest.mark.parametrize("name", ["bcc_sc", "BCC+SC", " bcc sc ", "Bcc-Sc"])
 def test_names_may_be_written_in_several_ways(name: str) -> None:
     assert unit_cell(name) is cells()["bcc_sc"]
@@ -119,7 +242,7 @@ def test_names_may_be_written_in_several_ways(name: str) -> None:
 def test_an_unknown_name_is_refused_with_the_known_ones() -> None:
     with pytest.raises(OptionError, match=r"'kelvn'; need one of sc, bcc, .*mean 'kelvin'\?"):
         unit_cell("kelvn")
-    with pytest.raises(OptionError, match=r"'xyzzy'; need one of .*gyroid$"):
+    with pytest.raises(OptionError, match=r"'xyzzy'; need one of .*gyroid, fbcc.*honeycomb$"):
         unit_cell("xyzzy")
 
 

@@ -28,6 +28,13 @@ COEFFICIENTS = {
     "auxetic": (0.75 + 0.75 + 8 * 0.75) * np.pi,
     "hexagonal_prism": (6 / np.sqrt(3) + 4) / np.sqrt(3) * np.pi,
     "gyroid": 3 * np.sqrt(2) * np.pi,
+    "fbcc": (6 * np.sqrt(2) + 4 * np.sqrt(3)) * np.pi,
+    "star": (4 * np.sqrt(3) + 3) * np.pi,
+    "pyrochlore": 12 * np.sqrt(2) * np.pi,
+    "weaire_phelan": np.pi
+    * (8 * np.sqrt(3) / 12 + 48 * np.sqrt(525) / 96 + 12 * 5 / 16 + 24 * np.sqrt(45) / 32),
+    "triangular_prism": 8 / np.sqrt(3) * np.pi,
+    "reentrant_honeycomb": (4 / np.sqrt(3) + 4 / np.sqrt(3) + 4) / np.sqrt(3) * np.pi,
 }
 
 

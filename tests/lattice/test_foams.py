@@ -11,12 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import Voronoi, cKDTree
 
+from scaffold_cad.base.regions import ImplicitRegion, Keep
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice import delaunay_foam, voronoi_foam
-from scaffold_cad.lattice.clipping import Keep
 from scaffold_cad.lattice.foams import random_points
 from scaffold_cad.lattice.powercells import cell_edges
-from scaffold_cad.lattice.regions import ImplicitRegion
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 
 Foam: TypeAlias = Callable[..., Skeleton]

@@ -14,6 +14,12 @@ from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice import UnitCell, cells, mapped, tile, unit_cell
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 
+COUNTED = (
+    *("sc", "bcc", "bcc_sc", "bccz", "fcc", "octet", "kelvin", "diamond", "rhombic_dodecahedron"),
+    *("truncated_cube", "cuboctahedron", "auxetic", "hexagonal_prism", "fbcc", "star"),
+)
+"""Cells whose blocks were counted by hand."""
+
 
 def nodes_and_struts(name: str, n: int) -> tuple[int, int]:
     """Return how many nodes and struts n³ cells have, counted by hand."""
@@ -33,12 +39,14 @@ def nodes_and_struts(name: str, n: int) -> tuple[int, int]:
         "truncated_cube": (2 * edges, edges + 4 * faces),
         "cuboctahedron": (edges, 4 * faces),
         "auxetic": (2 * edges // 3 + 2 * volumes + faces // 3, edges // 3 + 10 * volumes),
+        "fbcc": (corners + faces + volumes, 4 * faces + 8 * volumes),
+        "star": (corners + faces + volumes, 14 * volumes),
         "hexagonal_prism": ((n + 1) * layer_nodes, (n + 1) * layer_struts + n * layer_nodes),
     }[name]
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 5])
-@pytest.mark.parametrize("name", sorted(set(cells()) - {"gyroid"}))
+@pytest.mark.parametrize("name", sorted(COUNTED))
 def test_a_block_of_cells_has_the_counted_nodes_struts_and_loops(name: str, n: int) -> None:
     nodes, struts = nodes_and_struts(name, n)
     lattice = tile(name, 10.0, n, radius=0.7)
@@ -48,7 +56,7 @@ def test_a_block_of_cells_has_the_counted_nodes_struts_and_loops(name: str, n: i
 
 
 @given(
-    name=st.sampled_from(sorted(cells())),
+    name=st.sampled_from(sorted(name for name, cell in cells().items() if not cell.is_net)),
     counts=st.tuples(*[st.integers(1, 3)] * 3),
     size=st.tuples(*[st.floats(0.5, 50.0)] * 3),
 )

@@ -8,8 +8,8 @@ import trimesh
 
 from scaffold_cad.base.arrays import Edges
 from scaffold_cad.errors import MeshError, OptionError
+from scaffold_cad.mesh.nearest import nearest_on_triangles
 from scaffold_cad.mesh.remeshing import (
-    nearest_on_triangles,
     quadrangulated,
     remeshed,
     three_quads_each,

@@ -20,6 +20,7 @@ from scaffold_cad.brep import tessellated
 from scaffold_cad.brep.occtmeshes import solid_of_triangles
 from scaffold_cad.errors import BrepError, MeshError, OptionError, SkeletonError
 from scaffold_cad.filling import fill
+from scaffold_cad.lattice import CylinderMap
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.parts import (
@@ -40,6 +41,9 @@ from scaffold_cad.solid.thicken import frame_scaffold
 from scaffold_cad.struts import round_struts
 from tests.meshes import CUBE
 from tests.skeletons import CROSS, JACK, RING, STICK_FIGURE, TAPER, TRIPOD, TWO_STRUTS, star
+
+TURNED = [[1, 1, 0], [-1, 1, 0], [0, 0, 1]]
+"""Directions of cells turned by 45° around z."""
 
 BAR = Skeleton([[0, 0, 0], [40, 0, 0]], [[0, 1]], 1.0)
 """A square strut of 2 x 2 x 40 mm along x."""
@@ -345,6 +349,33 @@ def test_lattice_box_grows_and_is_round_if_asked() -> None:
     assert lattice.is_valid
     radii = lattice.skeleton.radii
     assert (radii.min(), radii.max()) == pytest.approx((0.5, 0.7))
+
+
+@pytest.mark.parametrize(
+    ("cell", "size", "axes"),
+    [
+        ("bcc", 10.0, None),
+        ("octet", 20.0, None),
+        ("kelvin", 10.0, [[1, 1, 0], [-1, 1, 0], [0, 0, 1]]),
+    ],
+)
+def test_a_trimmed_lattice_measures_as_its_box(cell: str, size: float, axes: object) -> None:
+    lattice = LatticeBox(cell, size, 20, 20, 10, 1.0, trim=True, axes=axes)
+    box = lattice.bounding_box()
+    np.testing.assert_allclose(tuple(box.size), (20, 20, 10), atol=1e-6)
+    assert lattice.is_valid
+    assert len(lattice.solids()) == 1
+    flush = [face for face in lattice.faces() if abs(face.normal_at().Z) > 1 - 1e-9]
+    assert sum(face.area for face in flush) > 4
+
+
+def test_lattices_may_be_turned_and_put_on_maps() -> None:
+    pipe = CylinderMap(10, 12, 4)
+    around = LatticeFill(bd.Box(60, 60, 24), "bcc", 4.0, 0.3, on=pipe)
+    assert around.bounding_box().size.X > 2 * 13.9
+    turned = LatticeBox("bcc", 8.0, 20, 20, 10, 0.5, axes=TURNED, unite=True)
+    along = turned.skeleton.directions @ np.array([0, 0, 1])
+    assert np.isclose(np.abs(along), 1 / np.sqrt(3)).mean() > 0.9
 
 
 @pytest.mark.parametrize("side", [0.0, -1.0, np.nan])

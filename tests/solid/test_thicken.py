@@ -49,3 +49,8 @@ def test_a_skeleton_gets_the_radius_instead_of_its_own() -> None:
 def test_a_radius_must_be_a_number_above_zero(radius: float) -> None:
     with pytest.raises(OptionError, match=f"radius is {radius:g} mm; need > 0"):
         thicken(named.STRUT, radius)
+
+
+def test_the_radius_may_be_a_function_of_positions() -> None:
+    frame = frame_scaffold(named.STRUT, lambda nodes: 0.5 + nodes[:, 0] / 100)
+    np.testing.assert_allclose(frame.skeleton.radii, 0.5 + named.STRUT.nodes[:, 0] / 100)

@@ -1,8 +1,8 @@
 """Round struts against what was asked for, on the STEP file as read back.
 
 `python -m tests.validation.struts --frames 300` makes random frames (trees, foams, trusses, rings,
-with a radius for each member), writes them, reads them by OCCT, and prints how far cylinders are from
-their struts, whether the solid is valid, how large the normals' jumps are, and the volume against
+with a radius for each member), writes them, reads them by OCCT, and prints how far cylinders are
+from their struts, whether the solid is valid, how large the normals' jumps are, and the volume against
 the struts' union by Monte Carlo.
 """
 

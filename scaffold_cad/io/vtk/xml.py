@@ -48,7 +48,7 @@ def read_vtk_xml(path: Path) -> RawSkeleton:
     taken as mm. Cells that are no lines are left out.
     """
     check_size(path, LARGEST_FILE)
-    reader = _XmlFile(path)
+    reader = XmlFile(path)
     pieces = [reader.piece(piece) for piece in reader.root.iter("Piece")]
     if not pieces:
         raise FormatError(f"{path} has no Piece; need one of PolyData or UnstructuredGrid")
@@ -77,10 +77,12 @@ class _Piece:
     radii: Floats | None
 
 
-class _XmlFile:
+class XmlFile:
     """A file of XML, and the bytes appended to it, which need not be XML."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(
+        self, path: Path, kinds: tuple[str, ...] = ("PolyData", "UnstructuredGrid")
+    ) -> None:
         self._path = path
         data = path.read_bytes()
         self._appended = b""
@@ -93,8 +95,8 @@ class _XmlFile:
             self._appended = data[start + 1 : stop]
             data = data[:start] + data[stop:]
         self.root = xml_root(path, data)
-        if self.root.get("type") not in ("PolyData", "UnstructuredGrid"):
-            raise FormatError(f"{path} holds {self.root.get('type')}; need PolyData")
+        if self.root.get("type") not in kinds:
+            raise FormatError(f"{path} holds {self.root.get('type')}; need {' or '.join(kinds)}")
         self._order = ">" if self.root.get("byte_order") == "BigEndian" else "<"
         self._header = np.dtype(
             self._order + ("u8" if self.root.get("header_type") == "UInt64" else "u4")
@@ -108,23 +110,23 @@ class _XmlFile:
 
     def piece(self, piece: Element) -> _Piece:
         """Return what a piece holds."""
-        points = as_doubles(self._array(self._element(piece, "Points/DataArray")))
+        points = as_doubles(self.array(self.element(piece, "Points/DataArray")))
         if len(points) % 3:
             raise FormatError(f"{self._path} has {len(points)} coordinates; need 3 a point")
         points = points.reshape(-1, 3)
         cells = "Lines" if self.root.get("type") == "PolyData" else "Cells"
         lines = Lines(
-            self._indices(self._element(piece, f"{cells}/DataArray[@Name='connectivity']")),
-            self._indices(self._element(piece, f"{cells}/DataArray[@Name='offsets']")),
+            self._indices(self.element(piece, f"{cells}/DataArray[@Name='connectivity']")),
+            self._indices(self.element(piece, f"{cells}/DataArray[@Name='offsets']")),
         )
         lines = checked(self._path, lines, len(points))
         if cells == "Cells":
-            types = self._indices(self._element(piece, "Cells/DataArray[@Name='types']"))
+            types = self._indices(self.element(piece, "Cells/DataArray[@Name='types']"))
             lines = line_cells(self._path, lines, types)
         radii = None
         for array in piece.findall("PointData/DataArray"):
             if is_radii(array.get("Name", "")):
-                radii = as_doubles(self._array(array))
+                radii = as_doubles(self.array(array))
         count = piece.get("NumberOfPoints", "")
         if count.strip() != str(len(points)):
             raise FormatError(f"{self._path} has {len(points)} points; need {count[:80]}")
@@ -132,16 +134,23 @@ class _XmlFile:
             raise FormatError(f"{self._path} has {len(radii)} radii; need {len(points)}")
         return _Piece(points, lines, radii)
 
-    def _element(self, piece: Element, where: str) -> Element:
+    def element(self, piece: Element, where: str) -> Element:
+        """Return what is at a path in a piece.
+
+        Raises
+        ------
+        FormatError
+            If there is nothing.
+        """
         found = piece.find(where)
         if found is None:
             raise FormatError(f"{self._path} has no {where} in a Piece; need it")
         return found
 
     def _indices(self, array: Element) -> Ints:
-        return as_indices(self._path, as_doubles(self._array(array)))
+        return as_indices(self._path, as_doubles(self.array(array)))
 
-    def _array(self, array: Element) -> Floats:
+    def array(self, array: Element) -> Floats:
         """Return the numbers of an array, flat."""
         kind = array.get("type", "")
         if kind not in _TYPES:

@@ -11,12 +11,21 @@ import numpy as np
 from scaffold_cad.base.arguments import check_kind
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, as_floats
 from scaffold_cad.base.radii import Radius, radii_at
+from scaffold_cad.base.regions import BoxRegion
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice.clipping import clipped
+from scaffold_cad.lattice.crumbs import without_crumbs
 from scaffold_cad.lattice.maps.cellmap import CellMap, extents
 from scaffold_cad.lattice.maps.grading import CellSize, graded, mean_size
-from scaffold_cad.lattice.maps.seams import Placed, check_folds, check_sides, grid_corners, seams
+from scaffold_cad.lattice.maps.seams import (
+    SAME_PLACE,
+    Placed,
+    check_folds,
+    check_sides,
+    grid_corners,
+    seams,
+)
 from scaffold_cad.lattice.maps.trimming import PolygonRegion
 from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.repetition import as_counts, repeated
@@ -66,11 +75,12 @@ def lattice_on(
     radius: Radius,
     size: CellSize | None = None,
     counts: Counts | None = None,
+    dangling: bool = True,
 ) -> MappedLattice:
     """Return the lattice of a cell on a map, and its stretch.
 
     Where the map closes, cells share the nodes at its seam; where it is trimmed, struts are cut
-    at the border.
+    at the border, and loose crumbs of less than half a cell are left out.
 
     Parameters
     ----------
@@ -80,6 +90,7 @@ def lattice_on(
     size : of a cell, mm: one number, three (along u, v and w), or a function of positions (n, 3)
         that returns (n,) numbers, as a `Field` is. The number of cells that fits best is taken
     counts : cells along u, v and w (of each patch) in place of a size
+    dangling : whether struts that end free at a border stay
 
     Raises
     ------
@@ -89,6 +100,14 @@ def lattice_on(
     SkeletonError
         If the map folds cells, or a cell does not meet itself between two patches; the place is
         named.
+
+    Examples
+    --------
+    >>> from scaffold_cad import CylinderMap, lattice_on
+    >>> tube = CylinderMap(10.0, height=12.0, thickness=3.0)
+    >>> placed = lattice_on(tube, "bcc", radius=0.3, size=3.0)
+    >>> placed.skeleton.component_count
+    1
     """
     check_kind(mapping, CellMap)
     cell = as_cell(cell)
@@ -97,7 +116,10 @@ def lattice_on(
     numbers = _counts(mapping, cell, whole, size, counts)
     if mapping.patches > 1:
         check_sides(mapping, cell, numbers)
-    struts, patch = _struts(mapping, cell, numbers)
+    struts, patch = _struts(mapping, cell, numbers, dangling)
+    spans = struts.ends - struts.starts  # in cells
+    around = np.asarray(mapping.wraps) & (struts.nodes > np.asarray(numbers) + SAME_PLACE)
+    struts = Struts(np.where(around, struts.nodes - numbers, struts.nodes), struts.edges)
     corners = np.tile(grid_corners(numbers), (mapping.patches, 1))
     of_corner = np.repeat(np.arange(mapping.patches), len(corners) // mapping.patches)
     places = np.concatenate([struts.nodes / numbers, corners])
@@ -108,12 +130,13 @@ def lattice_on(
     nodes = positions[: len(patch)]
     check_folds(positions[len(patch) :], numbers, mapping.patches)
     mean = whole / numbers
-    placed = Placed(mapping, struts.nodes, patch, nodes, numbers, float(mean.min()))
+    placed = Placed(
+        mapping, struts.nodes, patch, nodes, numbers, float(mean.min()), bool(around.any())
+    )
     target, drawn_together = seams(placed)
     kept, edges = _each_once(target, struts)
-    stretch = length(nodes[struts.edges[:, 1]] - nodes[struts.edges[:, 0]]) / length(
-        (struts.ends - struts.starts) * mean
-    )
+    real = nodes[struts.edges[:, 1]] - nodes[struts.edges[:, 0]]
+    stretch = length(real) / length(spans * mean)
     used, ends = np.unique(edges, return_inverse=True)
     skeleton = Skeleton(nodes[used], ends.reshape(-1, 2), 1.0)
     if drawn_together and len(overlapping_half_edges(skeleton.nodes, skeleton.edges)):
@@ -187,12 +210,19 @@ def three_counts(counts: Counts | None) -> Ints:
     return np.broadcast_to(values, 3)
 
 
-def _struts(mapping: CellMap, cell: UnitCell, counts: tuple[int, int, int]) -> tuple[Struts, Ints]:
+def _struts(
+    mapping: CellMap, cell: UnitCell, counts: tuple[int, int, int], dangling: bool
+) -> tuple[Struts, Ints]:
     """Return the struts of all patches in cells, trimmed, and the patch of each node (n,)."""
-    one = repeated(cell, np.ones(3), counts)
+    one = repeated(cell, np.ones(3), counts, axes=np.eye(3))
+    if cell.is_net:
+        one = _net_in_cube(mapping, cell, counts)
     if mapping.loops:
         loops = tuple(loop * counts[:2] for loop in mapping.loops)
         one = clipped(one, PolygonRegion(loops), SHORTEST_FRACTION)
+        if not dangling:
+            one = one.without_dangling()
+        one = without_crumbs(one, cell, np.ones(3))
         if len(one.edges) == 0:
             raise SkeletonError(
                 f"no strut of unit cell {cell.name!r} is within the borders of the face; "
@@ -209,6 +239,31 @@ def _struts(mapping: CellMap, cell: UnitCell, counts: tuple[int, int, int]) -> t
         ),
         patch,
     )
+
+
+def _net_in_cube(mapping: CellMap, cell: UnitCell, counts: tuple[int, int, int]) -> Struts:
+    """Return the struts of a net, which may go through the faces of its box, in cells.
+
+    Where the map closes they go on at the beginning, elsewhere they are cut at its sides.
+
+    Raises
+    ------
+    OptionError
+        If the map has several patches.
+    """
+    if mapping.patches > 1:
+        raise OptionError(
+            f"struts of {cell.name!r} go through the faces of its box and the map has "
+            f"{mapping.patches} patches; need one patch, or another cell"
+        )
+    reach = int(cell.motif.moves.max())
+    before = np.where(mapping.wraps, 0, reach)
+    around = counts + before
+    number = (int(around[0]), int(around[1]), int(around[2]))
+    struts = repeated(cell, np.ones(3), number, -before.astype(np.float64), np.eye(3))
+    low = np.where(mapping.wraps, -1e9, 0.0)
+    high = np.where(mapping.wraps, 1e9, counts)
+    return clipped(struts, BoxRegion([low, high]), SHORTEST_FRACTION)
 
 
 def _each_once(target: Ints, struts: Struts) -> tuple[Ints, Ints]:

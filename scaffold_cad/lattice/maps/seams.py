@@ -43,6 +43,8 @@ class Placed:
     """Cells along u, v and w."""
     cell: float
     """Shortest side of a mean cell, mm."""
+    goes_around: bool = False
+    """Whether struts were continued at the beginning where the map closes: any nodes may meet."""
 
 
 def seams(placed: Placed) -> tuple[Ints, bool]:
@@ -54,6 +56,8 @@ def seams(placed: Placed) -> tuple[Ints, bool]:
     mapping, places = placed.mapping, placed.places
     on_side = (np.abs(places) < SAME_PLACE) | (np.abs(places - placed.counts) < SAME_PLACE)
     side = np.flatnonzero(on_side[:, :2].any(axis=1) | (on_side[:, 2] & mapping.wraps[2]))
+    if placed.goes_around:
+        side = np.arange(len(places))
     pairs = np.zeros((0, 2), dtype=np.intp)
     if any(mapping.wraps):
         once = places[side].copy()

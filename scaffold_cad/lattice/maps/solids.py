@@ -71,6 +71,13 @@ class CylinderMap(Frozen, CellMap):
     """The wall of a tube: u runs around, v along the axis, w outwards.
 
     A full turn closes: cells at its seam share their nodes.
+
+    Examples
+    --------
+    >>> from scaffold_cad import CylinderMap, tile
+    >>> tube = tile("bcc", 3.0, radius=0.3, on=CylinderMap(10.0, height=12.0, thickness=3.0))
+    >>> tube.component_count
+    1
     """
 
     radius: float
@@ -123,6 +130,13 @@ class SphereMap(Frozen, CellMap):
 
     The whole sphere is the six sides of a cube blown up, which has no pole; a band has u around
     the axis and v from south to north, and its cells narrow towards the poles.
+
+    Examples
+    --------
+    >>> from scaffold_cad import SphereMap, tile
+    >>> ball = tile("sc", 5.0, radius=0.3, on=SphereMap(10.0, thickness=5.0))
+    >>> ball.component_count
+    1
     """
 
     radius: float
@@ -181,7 +195,15 @@ class SphereMap(Frozen, CellMap):
 
 @dataclass(frozen=True, eq=False)
 class FunctionMap(Frozen, CellMap):
-    """Any function of coordinates that returns positions."""
+    """Any function of coordinates that returns positions.
+
+    Examples
+    --------
+    >>> from scaffold_cad import FunctionMap, tile
+    >>> sheared = FunctionMap(lambda uvw: uvw + uvw[:, 2:] * [0.5, 0, 0], size=(10.0, 10.0, 10.0))
+    >>> float(tile("sc", counts=2, radius=0.3, on=sheared).nodes.max())
+    15.0
+    """
 
     function: Callable[[Points], ArrayLike]
     """Of coordinates (n, 3), from 0 to `size`, that returns positions (n, 3), mm."""

@@ -7,9 +7,8 @@ from functools import cached_property
 import numpy as np
 from scipy.ndimage import label
 
-from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points
 from scaffold_cad.lattice.boxgrid import BoxGrid
-from scaffold_cad.lattice.struts import Struts
 
 TOLERANCE = 1e-9
 """Distance within which a point is on the border, in greatest coordinates."""
@@ -32,9 +31,9 @@ class PolygonRegion:
         self.bounds = np.array([[*low, -ENDLESS], [*high, ENDLESS]])
         self.tolerance = TOLERANCE * float(np.abs(self._starts).max())
 
-    def crossings(self, struts: Struts) -> tuple[Ints, Floats]:
-        """Return where struts cross sides; see `Region`."""
-        start, end = struts.starts[:, :2], struts.ends[:, :2]
+    def crossings(self, nodes: Points, edges: Edges) -> tuple[Ints, Floats]:
+        """Return where edges cross sides; see `Region`."""
+        start, end = nodes[edges[:, 0], :2], nodes[edges[:, 1], :2]
         found_strut, found_along = [np.zeros(0, dtype=np.intp)], [np.zeros(0)]
         for strut, side in self._grid.near(np.minimum(start, end), np.maximum(start, end)):
             a, along_side = self._starts[side], self._ends[side] - self._starts[side]

@@ -8,8 +8,8 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.base.topology import component_labels
-from scaffold_cad.lattice import UnitCell
 from scaffold_cad.lattice.struts import Struts
+from scaffold_cad.lattice.unitcell import UnitCell
 
 CRUMB = 0.5
 """Strut length below which a loose piece is a crumb: in those of a cell, and of the largest piece.
@@ -29,7 +29,7 @@ def without_crumbs(struts: Struts, cell: UnitCell, size: Floats) -> Struts:
         return struts
     piece = component_labels(struts.edges, len(struts.nodes))[struts.edges[:, 0]]
     total = np.bincount(piece, weights=struts.lengths)
-    least = CRUMB * min(float(cell.motif.strut_lengths(size).sum()), float(total.max()))
+    least = CRUMB * min(float(cell.strut_lengths(size).sum()), float(total.max()))
     keep = total[piece] >= least
     if not keep.all():
         lost = np.unique(piece[~keep])

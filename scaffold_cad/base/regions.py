@@ -1,16 +1,19 @@
-"""Regions of space that a lattice may fill: a box, or where a function is negative."""
+"""Regions of space that struts are cut to: a box, or where a function is negative."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol, runtime_checkable
+from typing import Literal, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, as_floats, read_only
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, as_floats, read_only
+from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import OptionError
-from scaffold_cad.lattice.struts import Struts
+
+Keep: TypeAlias = Literal["clip", "whole"]
+"""What becomes of struts that the surface crosses: cut there, or kept if their middle is inside."""
 
 SURFACE_FRACTION = 1e-9
 """Distance within which a point is on the surface, as a fraction of the bounds' diagonal."""
@@ -34,10 +37,14 @@ class Region(Protocol):
     def tolerance(self) -> float:
         """Distance within which a point counts as on the surface, mm."""
 
-    def crossings(self, struts: Struts) -> tuple[Ints, Floats]:
-        """Return struts that meet the surface, and where from 0 to 1 along them, both (k,).
+    def crossings(self, nodes: Points, edges: Edges) -> tuple[Ints, Floats]:
+        """Return edges that meet the surface, and where from 0 to 1 along them, both (k,).
 
         In any order, and with repeats; too many do no harm.
+
+        Parameters
+        ----------
+        nodes, edges : (n, 3) float64, mm, and (m, 2) intp
         """
 
     def contains(self, points: Points) -> Bools:
@@ -51,9 +58,10 @@ class BoxRegion:
         self.bounds = as_box(box)
         self.tolerance = surface_tolerance(self.bounds, SURFACE_FRACTION)
 
-    def crossings(self, struts: Struts) -> tuple[Ints, Floats]:
-        """Return where struts meet the six planes, within the faces or not."""
-        start, span = struts.starts, struts.ends - struts.starts
+    def crossings(self, nodes: Points, edges: Edges) -> tuple[Ints, Floats]:
+        """Return where edges meet the six planes, within the faces or not."""
+        start = nodes[edges[:, 0]]
+        span = nodes[edges[:, 1]] - start
         found_strut, found_along = [], []
         for bound in self.bounds:
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -85,17 +93,19 @@ class ImplicitRegion:
         self.bounds = as_box(bounds)
         self.tolerance = surface_tolerance(self.bounds, SURFACE_FRACTION)
 
-    def crossings(self, struts: Struts) -> tuple[Ints, Floats]:
-        """Return where struts meet the surface, by halving.
+    def crossings(self, nodes: Points, edges: Edges) -> tuple[Ints, Floats]:
+        """Return where edges meet the surface, by halving.
 
         Where the ends of a strut are on one side, but not as far out as it is long, its parts
         are looked at; a true signed distance so hides nothing longer than 1/64 of a strut.
         """
-        value = self.values(struts.nodes)
-        start, span, size = struts.starts, struts.ends - struts.starts, struts.lengths
-        strut = np.arange(len(struts.edges))
+        value = self.values(nodes)
+        start = nodes[edges[:, 0]]
+        span = nodes[edges[:, 1]] - start
+        size = length(span)
+        strut = np.arange(len(edges))
         low, high = np.zeros(len(strut)), np.ones(len(strut))
-        at_low, at_high = value[struts.edges[:, 0]], value[struts.edges[:, 1]]
+        at_low, at_high = value[edges[:, 0]], value[edges[:, 1]]
         crossed = []
         for depth in range(PROBES + 1):
             change = (at_low > self.tolerance) != (at_high > self.tolerance)

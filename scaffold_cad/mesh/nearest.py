@@ -1,0 +1,52 @@
+"""The place of a surface that is nearest to a point."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from scaffold_cad.base.arrays import Floats, Points
+from scaffold_cad.base.vectors import dot, length
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+
+NEAREST = 8
+"""How many triangles are looked at for the one nearest to a point."""
+
+
+class NearestPlace:
+    """The surface of a mesh whose triangles are of about one size, for its nearest places."""
+
+    def __init__(self, mesh: TriangleMesh) -> None:
+        self._corners = mesh.vertices[mesh.triangles]  # (t, 3, 3)
+        self._tree = cKDTree(self._corners.mean(axis=1))
+
+    def nearest(self, points: Points) -> Points:
+        """Return the nearest place of the mesh to each of `points` (n, 3), among near triangles."""
+        count = min(NEAREST, len(self._corners))
+        _, triangles = self._tree.query(points, k=count)
+        triangles = triangles.reshape(len(points), count)
+        every = np.repeat(points, count, axis=0)
+        feet = nearest_on_triangles(every, self._corners[triangles.reshape(-1)])
+        gaps = length(feet - every).reshape(-1, count)
+        chosen: Points = feet.reshape(-1, count, 3)[np.arange(len(points)), gaps.argmin(axis=1)]
+        return chosen
+
+
+def nearest_on_triangles(points: Points, corners: Floats) -> Points:
+    """Return the place of each triangle (n, 3, 3) that is nearest to its point (n, 3), (n, 3)."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    normal = np.cross(b - a, c - a)
+    size = np.maximum(dot(normal, normal), np.finfo(float).tiny)
+    foot = points - (dot(points - a, normal) / size)[:, None] * normal
+    inside = np.ones(len(points), dtype=np.bool_)
+    best, gap = foot, np.full(len(points), np.inf)
+    for start, end in ((a, b), (b, c), (c, a)):
+        span = end - start
+        inside &= dot(np.cross(span, foot - start), normal) >= 0
+        square = np.maximum(dot(span, span), np.finfo(float).tiny)
+        along = np.clip(dot(points - start, span) / square, 0, 1)
+        place = start + along[:, None] * span
+        far = length(place - points)
+        best = np.where((far < gap)[:, None], place, best)
+        gap = np.minimum(gap, far)
+    return np.where((inside & normal.any(axis=1))[:, None], foot, best)

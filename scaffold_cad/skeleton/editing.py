@@ -1,0 +1,277 @@
+"""What makes a new skeleton of one: united, turned, mirrored, moved, cut in pieces or to a region.
+
+`Skeleton` has these as its methods.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol, TypeAlias, TypeVar, get_args, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scaffold_cad.base.arguments import as_count, as_number, as_real
+from scaffold_cad.base.arrays import Edges, Floats, Ints, Points, Radii, as_floats
+from scaffold_cad.base.regions import ImplicitRegion, Keep, Region
+from scaffold_cad.base.vectors import mirror, rotate
+from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.skeleton.cutting import cut_at, drawn_together, inside
+from scaffold_cad.skeleton.repair import repaired
+
+SHORTEST_FRACTION = 1e-3
+"""Length below which the rest of a cut edge is given up, as a fraction of the mean length."""
+
+MARGIN = 1.0
+"""How far beyond a skeleton a function is taken for a region, mm."""
+
+_Edited = TypeVar("_Edited", bound="Editing")
+
+
+@runtime_checkable
+class HasDistance(Protocol):
+    """Anything that knows how far points are from its surface."""
+
+    def signed_distance(self, points: Points) -> ArrayLike:
+        """Return distances (n,) of points (n, 3), negative inside, mm."""
+
+
+CutRegion: TypeAlias = "Region | HasDistance | Callable[[Points], ArrayLike]"
+"""A region, a function that is negative inside, or an object with such a one."""
+
+
+class Editing:
+    """Methods that return a new skeleton; what they are called on stays as it is."""
+
+    nodes: Points
+    edges: Edges
+    radii: Radii
+    edge_radii: Floats
+
+    def _like(
+        self: _Edited, nodes: ArrayLike, edges: ArrayLike, radii: ArrayLike, edge_radii: ArrayLike
+    ) -> _Edited:
+        """Return a skeleton of these arrays."""
+        raise NotImplementedError
+
+    def __add__(self: _Edited, other: Any) -> _Edited:
+        """Return both as one; nodes at the same place are welded, edges that both have are one.
+
+        Nodes within 1e-7 of the diagonal are at the same place. A welded node has the larger of
+        both radii.
+        """
+        if not isinstance(other, Editing):
+            return NotImplemented
+        if len(self.edges) == 0 or len(other.edges) == 0:
+            return self._like(*_columns(self if len(self.edges) else other))
+        graph = repaired(
+            np.concatenate([self.nodes, other.nodes]),
+            np.concatenate([self.edges, other.edges + len(self.nodes)]),
+            np.concatenate([self.radii, other.radii]),
+            np.concatenate([self.edge_radii, other.edge_radii]),
+        )
+        return self._like(graph.nodes, graph.edges, graph.radii, graph.edge_radii)
+
+    def __radd__(self: _Edited, other: Any) -> _Edited:
+        """Return the skeleton itself for 0, from which `sum` begins."""
+        return self if isinstance(other, int) and other == 0 else NotImplemented
+
+    def moved_by(self: _Edited, offset: ArrayLike) -> _Edited:
+        """Return the skeleton moved by `offset`, three numbers, mm.
+
+        >>> from scaffold_cad import Skeleton
+        >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+        >>> (strut + strut.moved_by([9, 0, 0])).nodes[:, 0].tolist()
+        [0.0, 9.0, 18.0]
+        """
+        return self._at(self.nodes + _three(offset, "offset"))
+
+    def turned(
+        self: _Edited,
+        angle: float,
+        axis: ArrayLike = (0.0, 0.0, 1.0),
+        about: ArrayLike = (0.0, 0.0, 0.0),
+    ) -> _Edited:
+        """Return the skeleton turned by `angle` (rad) around an axis through a point (mm).
+
+        The turn is counter-clockwise seen from the axis's tip.
+        """
+        place = _three(about, "about")
+        turn = np.asarray(_finite(angle, "angle"))
+        return self._at(place + rotate(self.nodes - place, _direction(axis, "axis"), turn))
+
+    def mirrored(self: _Edited, normal: ArrayLike, about: ArrayLike = (0.0, 0.0, 0.0)) -> _Edited:
+        """Return the mirror image in the plane with a normal through a point (mm)."""
+        place = _three(about, "about")
+        return self._at(place + mirror(self.nodes - place, _direction(normal, "normal")))
+
+    def oriented(self: _Edited, up: ArrayLike) -> _Edited:
+        """Return the skeleton turned so that `up` points along z, its lowest ball on z = 0.
+
+        Take for `up` the best direction that `check_printability` reports.
+        """
+        direction = _direction(up, "up")
+        axis = np.cross(direction, [0.0, 0.0, 1.0])
+        size = float(np.linalg.norm(axis))
+        nodes = self.nodes
+        if size > 0:
+            angle = np.arctan2(size, direction[2])
+            nodes = rotate(nodes, axis / size, np.asarray(angle))
+        elif direction[2] < 0:
+            nodes = nodes * [1.0, -1.0, -1.0]
+        low = float((nodes[:, 2] - self.radii).min(initial=np.inf))
+        return self._at(nodes - [0.0, 0.0, low] if len(nodes) else nodes)
+
+    def subdivided(
+        self: _Edited, count: int | None = None, *, longest: float | None = None
+    ) -> _Edited:
+        """Return the skeleton with each edge in equal pieces; radii change evenly along it.
+
+        Parameters
+        ----------
+        count : pieces of each edge, ≥ 1
+        longest : in place of a count: as few pieces as make none longer than this, mm
+        """
+        if (count is None) == (longest is None):
+            raise OptionError("need either a count of pieces or their longest length")
+        ends = self.nodes[self.edges]
+        spans = np.sqrt(((ends[:, 1] - ends[:, 0]) ** 2).sum(axis=1))
+        if count is not None:
+            pieces = np.full(len(spans), as_count(count, "count of pieces", least=1))
+        else:
+            limit = as_number(longest, "longest length")
+            pieces = np.maximum(np.ceil(spans / limit * (1 - 1e-12)), 1).astype(np.intp)
+        edge = np.repeat(np.arange(len(spans)), pieces - 1)
+        step = np.arange(len(edge)) - np.repeat(np.cumsum(pieces - 1) - (pieces - 1), pieces - 1)
+        cut = cut_at(self.nodes, self.edges, edge, (step + 1) / pieces[edge])
+        edge_radii = self._radii_along(cut.source, cut.along)
+        new = self._radii_at(edge, (step + 1) / pieces[edge])
+        return self._like(cut.nodes, cut.edges, np.concatenate([self.radii, new]), edge_radii)
+
+    def cut(
+        self: _Edited, region: CutRegion, *, keep: Keep = "clip", shortest: float | None = None
+    ) -> _Edited:
+        """Return the part of the skeleton in a region, its surface included.
+
+        `scaffold_cad.cut` takes boxes, build123d solids and meshes too.
+
+        Parameters
+        ----------
+        region : a function of positions (n, 3) that returns signed distances (n,), negative
+            inside; an object with such a method `signed_distance`; or a region
+        keep : "clip" cuts edges at the surface, where they get a new node; "whole" keeps those
+            whole that have their middle in the region
+        shortest : pieces of cut edges shorter than this are shrunk to a node on the surface, mm;
+            by default 1/1000 of the mean length of edges
+
+        Raises
+        ------
+        OptionError
+            If `region` is none of these.
+        SkeletonError
+            If nothing is left.
+        """
+        if keep not in get_args(Keep):
+            raise OptionError(f"keep is {keep!r}; need one of {', '.join(get_args(Keep))}")
+        space = self._as_region(region)
+        if keep == "whole":
+            middles = self.nodes[self.edges].mean(axis=1)
+            edges = np.flatnonzero(space.contains(middles))
+            return self._tidy(self.nodes, self.edges[edges], self.radii, self.edge_radii[edges])
+        pieces = inside(self.nodes, self.edges, space)
+        old = len(self.nodes)
+        radii = np.concatenate([self.radii, np.zeros(len(pieces.nodes) - old)])
+        edge_radii = self._radii_along(pieces.source, pieces.along)
+        ends = pieces.edges.reshape(-1)
+        is_new = ends >= old
+        radii[ends[is_new]] = edge_radii.reshape(-1)[is_new]
+        on_surface = np.arange(len(pieces.nodes)) >= old
+        spans = self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]]
+        limit = SHORTEST_FRACTION * float(np.sqrt((spans**2).sum(axis=1)).mean())
+        if shortest is not None:
+            limit = as_number(shortest, "shortest length", or_zero=True)
+        short = on_surface[pieces.edges].any(axis=1) & (pieces.lengths < limit)
+        nodes, label = drawn_together(pieces.nodes, pieces.edges, short, on_surface)
+        largest = np.zeros(len(nodes))
+        np.maximum.at(largest, label, radii)
+        return self._tidy(nodes, label[pieces.edges[~short]], largest, edge_radii[~short])
+
+    def _at(self: _Edited, nodes: ArrayLike) -> _Edited:
+        return self._like(nodes, self.edges, self.radii, self.edge_radii)
+
+    def _radii_at(self, edge: Ints, along: Floats) -> Floats:
+        """Return the radius of edges at places along them, both (k,), shape (k,), mm."""
+        start, end = self.edge_radii[edge].T
+        radii: Floats = start + along * (end - start)
+        return radii
+
+    def _radii_along(self, edge: Ints, along: Floats) -> Floats:
+        """Return the radius of edges at both ends of their pieces, (p, 2), mm."""
+        return np.stack([self._radii_at(edge, column) for column in along.T], axis=1)
+
+    def _as_region(self, region: CutRegion) -> Region:
+        if isinstance(region, Region):
+            return region
+        function = region.signed_distance if isinstance(region, HasDistance) else region
+        if not callable(function):
+            raise OptionError(
+                f"the region is a {type(region).__name__}; need a function that is negative inside "
+                "(scaffold_cad.cut takes boxes, solids and meshes)"
+            )
+        low, high = self.nodes.min(axis=0) - MARGIN, self.nodes.max(axis=0) + MARGIN
+        return ImplicitRegion(function, [low, high])
+
+    def _tidy(
+        self: _Edited, nodes: Points, edges: Edges, radii: Floats, edge_radii: Floats
+    ) -> _Edited:
+        """Return edges without the nodes that none reaches, and without repeated ones."""
+        if len(edges) == 0:
+            low, high = self.nodes.min(axis=0).tolist(), self.nodes.max(axis=0).tolist()
+            raise SkeletonError(
+                f"no edge of the skeleton from {low} to {high} mm is in the region; need one"
+            )
+        used, ends = np.unique(edges, return_inverse=True)
+        graph = repaired(
+            nodes[used], ends.reshape(-1, 2), radii[used], edge_radii, weld_distance=0.0
+        )
+        return self._like(graph.nodes, graph.edges, graph.radii, graph.edge_radii)
+
+
+def _columns(skeleton: Editing) -> tuple[Points, Edges, Radii, Floats]:
+    return skeleton.nodes, skeleton.edges, skeleton.radii, skeleton.edge_radii
+
+
+def _three(values: ArrayLike, name: str) -> Floats:
+    """Return three finite numbers (3,).
+
+    Raises
+    ------
+    OptionError
+        If they are not.
+    """
+    three = as_floats(values, name, OptionError)
+    if three.shape != (3,) or not np.isfinite(three).all():
+        raise OptionError(f"{name} is {three.tolist()}; need three numbers")
+    return three
+
+
+def _direction(values: ArrayLike, name: str) -> Floats:
+    """Return a unit vector (3,).
+
+    Raises
+    ------
+    OptionError
+        If it is no direction.
+    """
+    three = _three(values, name)
+    size = float(np.linalg.norm(three))
+    if size == 0:
+        raise OptionError(f"{name} is {three.tolist()}; need a direction")
+    return three / size
+
+
+def _finite(value: float, name: str) -> float:
+    number = as_real(value, name)
+    if not np.isfinite(number):
+        raise OptionError(f"{name} is {number:g}; need a finite number, rad")
+    return number

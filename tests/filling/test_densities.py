@@ -1,0 +1,54 @@
+"""Radii for densities: as measured on the solid, and varied over space."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from scaffold_cad import Field, build_scaffold, relative_density, tile, to_solid
+from scaffold_cad.errors import OptionError
+from scaffold_cad.filling import graded_radius, solve_radius
+from scaffold_cad.lattice.density import measured_density
+
+
+def test_a_measured_radius_gives_the_density_of_the_solid() -> None:
+    radius = solve_radius("sc", 10.0, 0.15, measured=True)
+    volumes = [
+        to_solid(build_scaffold(tile("sc", 10.0, n, radius=radius), collars=True), sides=8).volume()
+        for n in (2, 3, 4, 5)
+    ]
+    # The third difference of n³ cells' volumes is 6 times that of a cell of the inside.
+    inside = np.diff(volumes, 3)[0] / 6
+    assert inside / 1000 == pytest.approx(0.15, rel=2e-3)
+    assert radius > solve_radius("sc", 10.0, 0.15)  # the formula counts nodes several times
+
+
+def test_a_graded_radius_has_the_density_of_its_place() -> None:
+    field = Field([[[0.05, 0.2]]], [[0, 0, 0], [0, 0, 40]])
+    radius = graded_radius("bcc", 10.0, field)
+    points = np.array([[1.0, 2.0, z] for z in (0.0, 13.0, 40.0)])
+    for place, found in zip(points, radius(points), strict=True):
+        wanted = float(field(place[None])[0])
+        assert relative_density("bcc", 10.0, float(found)) == pytest.approx(wanted)
+    constant = graded_radius("bcc", 10.0, 0.1)
+    np.testing.assert_allclose(constant(points), solve_radius("bcc", 10.0, 0.1))
+
+
+def test_a_measured_graded_radius_has_the_density_of_the_solid() -> None:
+    radius = graded_radius("sc", 10.0, 0.12, measured=True)
+
+    def volume(skeleton: object) -> float:
+        scaffold = build_scaffold(skeleton, collars=True)  # type: ignore[arg-type]
+        return float(to_solid(scaffold, sides=8).volume())
+
+    found = float(radius(np.zeros((1, 3)))[0])
+    assert measured_density("sc", 10.0, found, volume) == pytest.approx(0.12, rel=0.02)
+
+
+def test_wrong_densities_are_refused_by_name() -> None:
+    with pytest.raises(OptionError, match="volume is given with measured=True"):
+        solve_radius("sc", 10.0, 0.1, volume=lambda skeleton: 1.0, measured=True)
+    with pytest.raises(OptionError, match=r"relative density is 1.5 at \[0.0, 0.0, 0.0\] mm"):
+        graded_radius("sc", 10.0, lambda points: points[:, 0] + 1.5)(np.zeros((2, 3)))
+    with pytest.raises(OptionError, match=r"returned shape \(2, 3\) for points"):
+        graded_radius("sc", 10.0, lambda points: points)(np.zeros((2, 3)))
