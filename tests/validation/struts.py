@@ -2,8 +2,8 @@
 
 `python -m tests.validation.struts --frames 300` makes random frames (trees, foams, trusses, rings,
 with a radius for each member), writes them, reads them by OCCT, and prints how far cylinders are
-from their struts, whether the solid is valid, how large the normals' jumps are, and the volume against
-the struts' union by Monte Carlo.
+from their struts, whether the solid is valid, and the volume against the struts' union by Monte
+Carlo.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def _tree(count: int, generator: np.random.Generator) -> Skeleton:
 
 
 def cylinder_errors(shape: Shape, struts: RoundStruts) -> Floats:
-    """Return how far each cylinder is off the nearest strut in radius and axis, in radii, (c, 2)."""
+    """Return how far each cylinder is off its strut in radius and axis, in radii, (c, 2)."""
     runs = struts.runs
     found = []
     for face in shape.faces():
