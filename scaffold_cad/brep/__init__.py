@@ -9,6 +9,8 @@ from scaffold_cad.brep.shapes import (
     export_brep,
     export_step,
     read_brep,
+    read_shape,
+    read_wires,
     tessellated,
 )
 
@@ -21,5 +23,7 @@ __all__ = [
     "export_brep",
     "export_step",
     "read_brep",
+    "read_shape",
+    "read_wires",
     "tessellated",
 ]

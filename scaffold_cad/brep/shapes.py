@@ -13,6 +13,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arguments import check_choice
+from scaffold_cad.base.arrays import Points
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.base.vectors import length
@@ -122,6 +123,28 @@ def tessellated(
     return TriangleMesh(points[first], welded[have_distinct_corners(welded)])
 
 
+def read_wires(path: Path, sagitta: float) -> list[Points]:
+    """Return points along the edges in a STEP, IGES or BREP file that bound no face, in mm.
+
+    Parameters
+    ----------
+    sagitta : how far a chord may be from its curve, as a fraction of the curve's size
+
+    Raises
+    ------
+    FormatError
+        If the file cannot be read or holds no such edge.
+    """
+    shape = read_shape(path)
+    from scaffold_cad.brep.wires import polylines_of
+
+    lines = polylines_of(shape, sagitta)
+    if not lines:
+        count = len(shape.faces())
+        raise FormatError(f"{path} holds {count} faces and no wires; need edges that bound no face")
+    return lines
+
+
 def read_brep(path: Path) -> Shape:
     """Return the shapes in a STEP or a BREP file, in mm.
 
@@ -130,19 +153,30 @@ def read_brep(path: Path) -> Shape:
     FormatError
         If the file cannot be read or holds no solid.
     """
-    if not path.is_file():
-        raise FormatError(f"{path} cannot be read: there is no such file")
-    need("build123d", "a STEP or BREP file")
-    from scaffold_cad.brep import occt
-
-    read = occt.import_brep if path.suffix.lower() == ".brep" else occt.import_step
-    try:
-        shape = read(path)
-    except (OSError, RuntimeError, ValueError) as error:
-        raise FormatError(f"{path} cannot be read: {error}") from None
+    shape = read_shape(path)
     if not shape.solids():
         raise FormatError(f"{path} holds no solid; need one")
     return shape
+
+
+def read_shape(path: Path) -> Shape:
+    """Return the shapes in a file of a CAD format, in mm.
+
+    Raises
+    ------
+    FormatError
+        If it cannot be read.
+    """
+    if not path.is_file():
+        raise FormatError(f"{path} cannot be read: there is no such file")
+    need("build123d", f"a {path.suffix[1:].upper()} file")
+    from scaffold_cad.brep import occt
+
+    reader = {".brep": occt.import_brep, ".iges": occt.import_iges, ".igs": occt.import_iges}
+    try:
+        return reader.get(path.suffix.lower(), occt.import_step)(path)
+    except (OSError, RuntimeError, ValueError) as error:
+        raise FormatError(f"{path} cannot be read: {error}") from None
 
 
 def export_step(shape: Shape, path: Path, *, write_pcurves: bool = False) -> None:

@@ -68,6 +68,23 @@ def skeleton_from_edges(
     return clean.with_radii(radii_at(clean.nodes, radius))
 
 
+def polylines_of(shape: Shape, sagitta: float) -> list[Points]:
+    """Return points along each edge of a shape that is no edge of a face, each of shape (k, 3).
+
+    Parameters
+    ----------
+    sagitta : how far a chord may be from its curve, as a fraction of the curve's size
+    """
+    of_faces = {edge for face in shape.faces() for edge in face.edges()}
+    free = dict.fromkeys(edge for edge in shape.edges() if edge not in of_faces)
+    found = []
+    for edge in free:
+        if not _is_degenerate(edge):
+            size = edge.bounding_box().diagonal
+            found.append(_sampled(edge.wrapped, max(sagitta * size, TOLERANCE)))
+    return found
+
+
 def wire_compound(skeleton: Skeleton) -> Curve:
     """Return each edge of the skeleton, in order, as a straight build123d Edge of one Curve.
 

@@ -5,8 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from scaffold_cad import brep
+from scaffold_cad.io._cad import read_cad_triangles
+from scaffold_cad.io._curves import SAGITTA
+from scaffold_cad.io._raw import RawSkeleton, joined_polylines
 from scaffold_cad.io.content import Content
-from scaffold_cad.io.register import register_mesh_reader, register_writer
+from scaffold_cad.io.register import register_mesh_reader, register_reader, register_writer
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 
@@ -18,5 +21,18 @@ def write_brep_content(content: Content, path: Path) -> None:
 
 @register_mesh_reader("OCCT B-rep", ".brep")
 def read_brep_triangles(path: Path) -> TriangleMesh:
-    """Read the solids of a BREP file as triangles within 0.01 mm."""
-    return brep.tessellated(brep.read_brep(path))
+    """Read the solids of a BREP file as triangles within 0.01 mm; none if it holds wires only."""
+    return read_cad_triangles(path)
+
+
+def _recognises(head: bytes) -> bool:
+    return b"CASCADE Topology" in head[:200]
+
+
+@register_reader("OCCT B-rep", ".brep", recognises=_recognises)
+def read_brep_wires(path: Path) -> RawSkeleton:
+    """Read the edges and wires of a BREP file that bound no face; it has no radii.
+
+    Curves become edges within 1/1000 of their size, and join where they have equal points.
+    """
+    return joined_polylines(brep.read_wires(path, SAGITTA))

@@ -8,7 +8,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from scaffold_cad.errors import FormatError
-from scaffold_cad.io._nodes import largest_at_nodes
+from scaffold_cad.io._nodes import skeleton_of_members
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import read_text
 from scaffold_cad.io._xml import xml_root
@@ -49,7 +49,7 @@ def read_gxl(path: Path) -> RawSkeleton:
     if not any(radii):
         return RawSkeleton(points, pairs)
     of_edges = np.array([row[0] if row else np.nan for row in radii])
-    return RawSkeleton(points, pairs, largest_at_nodes(pairs, of_edges, len(points)))
+    return skeleton_of_members(points, pairs, of_edges)
 
 
 def _without_doctype(text: str) -> str:

@@ -52,7 +52,8 @@ def read_obj(path: Path) -> RawSkeleton:
     """Read the lines of an OBJ file, which has no radii.
 
     Those are the elements ``l`` and the curves ``curv`` of degree 1, as Rhino writes polylines.
-    Vertices that no line uses, as those of faces, are left out, and so is all else.
+    Vertices that no line uses, as those of faces, are left out, and so is all else. A ``.wire`` may
+    have vertices x, y in the plane z = 0.
     """
     rows = _joined(read_rows(path))
     vertices = [row for row in rows if row[1][0] == "v"]
@@ -60,6 +61,9 @@ def read_obj(path: Path) -> RawSkeleton:
     if not edges:
         found = "only faces" if any(words[0] == "f" for _, words in rows) else "no elements"
         raise FormatError(f"{path} has {found}; need line elements ('l' or 'curv')")
+    flat = path.name.lower().endswith(".wire") and {len(words) for _, words in vertices} == {3}
+    if flat:  # a wire in the plane
+        vertices = [(line, [*words, "0"]) for line, words in vertices]
     nodes = float_columns(path, vertices, 1, 3, _VERTEX)
     used, compact = np.unique(np.asarray(edges, dtype=np.intp), return_inverse=True)
     return RawSkeleton(nodes[used], compact.reshape(-1, 2))

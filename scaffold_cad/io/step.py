@@ -18,8 +18,11 @@ from scaffold_cad import brep
 from scaffold_cad.base.arrays import Bools, Floats, Ints
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.brep.beziermesh import BezierMesh, side_indices
+from scaffold_cad.io._cad import read_cad_triangles
+from scaffold_cad.io._curves import SAGITTA
+from scaffold_cad.io._raw import RawSkeleton, joined_polylines
 from scaffold_cad.io.content import Content
-from scaffold_cad.io.register import register_mesh_reader, register_writer
+from scaffold_cad.io.register import register_mesh_reader, register_reader, register_writer
 from scaffold_cad.mesh.shells import check_solid, quads_of_shells
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
@@ -81,8 +84,21 @@ def write_step_content(content: Content, path: Path) -> None:
 
 @register_mesh_reader("STEP", *STEP_SUFFIXES)
 def read_step_triangles(path: Path) -> TriangleMesh:
-    """Read the solids of a STEP file as triangles within 0.01 mm."""
-    return brep.tessellated(brep.read_brep(path))
+    """Read the solids of a STEP file as triangles within 0.01 mm; none if it holds wires only."""
+    return read_cad_triangles(path)
+
+
+def _recognises(head: bytes) -> bool:
+    return head.lstrip().startswith(b"ISO-10303-21")
+
+
+@register_reader("STEP", *STEP_SUFFIXES, recognises=_recognises)
+def read_step_wires(path: Path) -> RawSkeleton:
+    """Read the edges and wires of a STEP file that bound no face; it has no radii.
+
+    Curves become edges within 1/1000 of their size, and join where they have equal points.
+    """
+    return joined_polylines(brep.read_wires(path, SAGITTA))
 
 
 def write_step(

@@ -8,7 +8,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Points, as_points
 from scaffold_cad.io._mesh import joined_meshes
-from scaffold_cad.io._nodes import largest_at_nodes
+from scaffold_cad.io._nodes import skeleton_of_members
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io.threemf.archive import Piece
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -35,7 +35,7 @@ def skeleton_of(pieces: Sequence[Piece]) -> RawSkeleton:
     ends_of_all = np.concatenate(edges)
     of_ends = np.concatenate([np.zeros((0, 2)), *radii])
     points = as_points(np.concatenate(nodes), "nodes")
-    return RawSkeleton(points, ends_of_all, largest_at_nodes(ends_of_all, of_ends, len(points)))
+    return skeleton_of_members(points, ends_of_all, of_ends)
 
 
 def triangles_of(pieces: Sequence[Piece]) -> TriangleMesh:

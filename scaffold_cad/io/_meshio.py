@@ -1,0 +1,93 @@
+"""Lines of the meshes that meshio reads."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import logging
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Floats
+from scaffold_cad.base.backends import need
+from scaffold_cad.errors import FormatError
+from scaffold_cad.io._binary import as_doubles
+from scaffold_cad.io._nodes import skeleton_of_members
+from scaffold_cad.io._raw import RawSkeleton
+from scaffold_cad.io._text import check_size
+from scaffold_cad.io.vtk.lines import radii_among
+
+LARGEST_MESH = 2**28
+"""Most bytes of a mesh that meshio reads: it keeps several copies."""
+
+ORDER = {"line": (0, 1), "line3": (0, 2, 1), "line4": (0, 2, 3, 1)}
+"""Points of a line element, from one end to the other."""
+
+_log = logging.getLogger(__name__)
+
+
+def lines_of(path: Path, kind: str) -> RawSkeleton:
+    """Return the line elements of a mesh, those with inner points in pieces.
+
+    Parameters
+    ----------
+    kind : the module of meshio that reads the format
+
+    Raises
+    ------
+    FormatError
+        If meshio cannot read it, or it has no lines.
+    MissingBackendError
+        If meshio, or what it reads the format with, is not installed.
+    """
+    need("meshio", f"a {path.suffix} file")
+    check_size(path, LARGEST_MESH)
+    reader = import_module(f"meshio.{kind}")
+    said = io.StringIO()
+    try:
+        # meshio prints its warnings; its general reader would end the whole process.
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            mesh = reader.read(path)
+    except (OSError, MemoryError) as error:
+        if isinstance(error, OSError) and error.errno is not None:
+            raise
+        raise FormatError(f"{path} cannot be read: {error}; need a sound file") from None
+    except (Exception, SystemExit) as error:  # of the many things that meshio raises
+        raise FormatError(f"{path} is no sound file: {error!r:.200}; need one") from None
+    if said.getvalue():
+        _log.warning("%s: %s", path, said.getvalue().strip()[:200])
+    return _skeleton(path, mesh)
+
+
+def _skeleton(path: Path, mesh: Any) -> RawSkeleton:
+    points = as_doubles(np.asarray(mesh.points))
+    points = np.pad(points, ((0, 0), (0, 3 - points.shape[1]))) if points.shape[1] < 3 else points
+    edges, of_edges = [np.zeros((0, 2), dtype=np.intp)], [np.zeros(0)]
+    for k, block in enumerate(mesh.cells):
+        if block.type not in ORDER:
+            continue
+        rows = np.asarray(block.data)[:, list(ORDER[block.type])].astype(np.intp)
+        pairs = np.stack([rows[:, :-1], rows[:, 1:]], axis=2).reshape(-1, 2)
+        data = {name: np.asarray(values[k]) for name, values in mesh.cell_data.items()}
+        edges.append(pairs)
+        of_edges.append(_repeated(radii_among(data), len(rows), rows.shape[1] - 1))
+    found, radii = np.concatenate(edges), np.concatenate(of_edges)
+    if not len(found):
+        raise FormatError(f"{path} has no line elements; need at least one")
+    of_nodes = radii_among({name: np.asarray(values) for name, values in mesh.point_data.items()})
+    used, compact = np.unique(found, return_inverse=True)
+    if used[0] < 0 or used[-1] >= len(points):
+        raise FormatError(f"{path} has a line to point {used[-1]}; need 0 to {len(points) - 1}")
+    of_nodes = None if of_nodes is None or len(of_nodes) != len(points) else of_nodes[used]
+    if np.isnan(radii).all():
+        return RawSkeleton(points[used], compact.reshape(-1, 2), of_nodes)
+    return skeleton_of_members(points[used], compact.reshape(-1, 2), radii, of_nodes)
+
+
+def _repeated(values: Floats | None, count: int, pieces: int) -> Floats:
+    if values is None or values.shape != (count,):
+        return np.full(count * pieces, np.nan)
+    return np.repeat(values, pieces)
