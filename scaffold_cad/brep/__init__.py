@@ -1,5 +1,6 @@
 """B-reps: Bézier patches, shells and solids of them; only this wing and parts use OCCT."""
 
+from scaffold_cad.brep.apart import Wires, read_wires
 from scaffold_cad.brep.shapes import (
     BREP_SUFFIXES,
     TESSELLATION_DISTANCE,
@@ -10,7 +11,6 @@ from scaffold_cad.brep.shapes import (
     export_step,
     read_brep,
     read_shape,
-    read_wires,
     tessellated,
 )
 
@@ -18,6 +18,7 @@ __all__ = [
     "BREP_SUFFIXES",
     "TESSELLATION_DISTANCE",
     "Kind",
+    "Wires",
     "brep_of_patches",
     "check_sizes",
     "export_brep",

@@ -123,28 +123,6 @@ def tessellated(
     return TriangleMesh(points[first], welded[have_distinct_corners(welded)])
 
 
-def read_wires(path: Path, sagitta: float) -> list[Points]:
-    """Return points along the edges in a STEP, IGES or BREP file that bound no face, in mm.
-
-    Parameters
-    ----------
-    sagitta : how far a chord may be from its curve, as a fraction of the curve's size
-
-    Raises
-    ------
-    FormatError
-        If the file cannot be read or holds no such edge.
-    """
-    shape = read_shape(path)
-    from scaffold_cad.brep.wires import polylines_of
-
-    lines = polylines_of(shape, sagitta)
-    if not lines:
-        count = len(shape.faces())
-        raise FormatError(f"{path} holds {count} faces and no wires; need edges that bound no face")
-    return lines
-
-
 def read_brep(path: Path) -> Shape:
     """Return the shapes in a STEP or a BREP file, in mm.
 

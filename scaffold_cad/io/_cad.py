@@ -1,4 +1,4 @@
-"""Solids of CAD files."""
+"""Solids and wires of CAD files."""
 
 from __future__ import annotations
 
@@ -8,7 +8,25 @@ import numpy as np
 
 from scaffold_cad import brep
 from scaffold_cad.errors import FormatError
+from scaffold_cad.io._curves import SAGITTA
+from scaffold_cad.io._raw import RawSkeleton, joined_polylines
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+
+
+def read_cad_wires(path: Path) -> RawSkeleton:
+    """Return the edges of a CAD file that bound no face, joined where they have equal points.
+
+    Raises
+    ------
+    FormatError
+        If it cannot be read, or has no such edges.
+    """
+    wires = brep.read_wires(path, SAGITTA)
+    if not wires.lines:
+        raise FormatError(
+            f"{path} holds {wires.faces} faces and no wires; need edges that bound no face"
+        )
+    return joined_polylines(wires.lines)
 
 
 def read_cad_triangles(path: Path) -> TriangleMesh:

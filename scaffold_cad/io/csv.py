@@ -254,7 +254,9 @@ def _tables(path: Path) -> list[_Table]:
             inside = False
         elif not inside and _is_header(cells):
             named = [_plain(cell) for cell in cells]
-            columns = {name: k for k, (name, _) in reversed([*enumerate(named)])}
+            columns: dict[str, int] = {}
+            for k, (name, _) in enumerate(named):
+                columns.setdefault(name, k)
             units = {name: unit for name, unit in named if unit is not None}
             tables.append(_Table(path, columns, units, []))
             inside = True

@@ -8,8 +8,9 @@ import numpy as np
 
 from scaffold_cad import brep
 from scaffold_cad.errors import FormatError
+from scaffold_cad.io._cad import read_cad_wires
 from scaffold_cad.io._curves import SAGITTA
-from scaffold_cad.io._raw import RawSkeleton, joined_polylines
+from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io.register import register_mesh_reader, register_reader
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
@@ -26,12 +27,12 @@ def read_iges_wires(path: Path) -> RawSkeleton:
     Curves become edges within 1/1000 of their size, and join where they have equal points. Lengths
     are in the unit of the file.
     """
-    return joined_polylines(brep.read_wires(path, SAGITTA))
+    return read_cad_wires(path)
 
 
 @register_mesh_reader("IGES", ".iges", ".igs")
 def read_iges_triangles(path: Path) -> TriangleMesh:
     """Refuse a file with faces, and name what to use instead."""
-    if not brep.read_shape(path).faces():
+    if not brep.read_wires(path, SAGITTA).faces:
         return TriangleMesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.intp))
     raise FormatError(f"{path} is an IGES file with faces; need STEP, BREP or STL")

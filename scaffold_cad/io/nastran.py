@@ -98,6 +98,7 @@ def _cards(path: Path) -> list[Card]:
     """Return the entries of the bulk data, those over several lines joined."""
     cards: list[Card] = []
     lines = read_text(path).split("\n")
+    whole = any(text.strip().upper().startswith("ENDDATA") for text in lines)
     begin = [k for k, text in enumerate(lines) if text.strip().upper().startswith("BEGIN")]
     for line, text in enumerate(lines[begin[0] + 1 :] if begin else lines, 1 + sum(begin[:1], 0)):
         text = text.partition("$")[0].rstrip()
@@ -112,6 +113,8 @@ def _cards(path: Path) -> list[Card]:
                 cards[-1][1].extend(fields[1:])
             continue
         cards.append((line + (1 if begin else 0), [name, *fields[1:]]))
+    if begin and not whole:
+        raise FormatError(f"{path} does not end with ENDDATA: need the whole file")
     return cards
 
 

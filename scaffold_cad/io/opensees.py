@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Iterator
+from itertools import takewhile
 from pathlib import Path
 
 from scaffold_cad.errors import FormatError
@@ -46,10 +47,10 @@ def read_opensees(path: Path) -> RawSkeleton:
     struts: list[tuple[int, list[str]]] = []
     for line, words in _commands(path):
         if words[0] == "node":
-            numbers = [word for word in words[1:5] if is_number(word)]
-            if len(numbers) < 3 or len(numbers) < min(len(words) - 1, 3):
+            place = [*takewhile(lambda word: is_number(word) or word[0] != "-", words[2:5])]
+            if len(place) < 2 or not all(map(is_number, place)):
                 raise line_error(path, line, f"{' '.join(words)!r}", f"{_NODE} as plain numbers")
-            graph.add_node(words[1], [float(word) for word in numbers[1:]], where=f"line {line}")
+            graph.add_node(words[1], [float(word) for word in place], where=f"line {line}")
         elif words[0] == "element" and len(words) > 1 and words[1].lower() in STRUTS:
             struts.append((line, words))
         elif words[0] in ("for", "foreach", "while", "source"):

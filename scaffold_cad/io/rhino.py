@@ -39,7 +39,7 @@ def read_rhino(path: Path) -> RawSkeleton:
     import rhino3dm
 
     try:
-        document = rhino3dm.File3dm.Read(str(path))
+        document: Any = rhino3dm.File3dm.Read(str(path))
     except Exception as error:  # of a library in C++
         raise FormatError(f"{path} is no sound 3DM file: {error!r:.200}; need one") from None
     if document is None:
@@ -75,6 +75,11 @@ def _points(geometry: Any, rhino3dm: Any) -> Points | None:
         pieces = [_points(geometry.SegmentCurve(k), rhino3dm) for k in range(geometry.SegmentCount)]
         known = [piece for piece in pieces if piece is not None]
         return np.concatenate(known) if known else None
+    if isinstance(geometry, rhino3dm.NurbsCurve) and geometry.Degree == 1:
+        found = geometry.Points
+        rows = np.array([(p.X, p.Y, p.Z, p.W) for p in map(found.__getitem__, range(len(found)))])
+        places: Points = rows[:, :3] / rows[:, 3:]
+        return places
     start, end = geometry.Domain.T0, geometry.Domain.T1
 
     def curve(parameters: Floats) -> Points:

@@ -18,9 +18,8 @@ from scaffold_cad import brep
 from scaffold_cad.base.arrays import Bools, Floats, Ints
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.brep.beziermesh import BezierMesh, side_indices
-from scaffold_cad.io._cad import read_cad_triangles
-from scaffold_cad.io._curves import SAGITTA
-from scaffold_cad.io._raw import RawSkeleton, joined_polylines
+from scaffold_cad.io._cad import read_cad_triangles, read_cad_wires
+from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io.content import Content
 from scaffold_cad.io.register import register_mesh_reader, register_reader, register_writer
 from scaffold_cad.mesh.shells import check_solid, quads_of_shells
@@ -98,7 +97,7 @@ def read_step_wires(path: Path) -> RawSkeleton:
 
     Curves become edges within 1/1000 of their size, and join where they have equal points.
     """
-    return joined_polylines(brep.read_wires(path, SAGITTA))
+    return read_cad_wires(path)
 
 
 def write_step(

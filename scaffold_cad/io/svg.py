@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from io import BytesIO
 from pathlib import Path
 from typing import Any
+from xml.etree.ElementTree import Element, tostring
 
 import numpy as np
 
@@ -13,7 +15,8 @@ from scaffold_cad.base.backends import need
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._curves import flattened
 from scaffold_cad.io._raw import RawSkeleton, joined_polylines
-from scaffold_cad.io._text import check_size
+from scaffold_cad.io._text import check_size, is_number
+from scaffold_cad.io._units import length_of
 from scaffold_cad.io._xml import xml_root
 from scaffold_cad.io.register import register_reader
 
@@ -39,7 +42,11 @@ def read_svg(path: Path) -> RawSkeleton:
     need("svgelements", "an SVG file")
     check_size(path, LARGEST_SVG)
     data = path.read_bytes()
-    xml_root(path, data)  # refuses document types and entities, which svgelements would follow
+    # Document types and entities, which svgelements would follow, are refused.
+    root = xml_root(path, data)
+    for side in ("width", "height"):  # its millimetres are short by 5e-7
+        _make_plain(root, side)
+    data = tostring(root)
     import svgelements
 
     try:
@@ -57,6 +64,14 @@ def read_svg(path: Path) -> RawSkeleton:
     if not lines:
         raise FormatError(f"{path} has no outlines; need paths, lines or shapes")
     return joined_polylines(lines)
+
+
+def _make_plain(root: Element, name: str) -> None:
+    """Replace a length with a unit by its millimetres."""
+    found = re.fullmatch(r"\s*([-+.\deE]+?)\s*([a-zA-Z]+)\s*", root.get(name, ""))
+    unit = length_of(found[2]) if found else None
+    if found and unit is not None and is_number(found[1]):
+        root.set(name, repr(float(found[1]) * unit))
 
 
 def _polylines(outline: Any, svgelements: Any) -> list[Points]:
@@ -78,7 +93,8 @@ def _polylines(outline: Any, svgelements: Any) -> list[Points]:
 
 def _without_repeats(points: Points) -> Points:
     """Return points without those that equal the one before them."""
-    return points[np.append(True, (points[1:] != points[:-1]).any(axis=1))[: len(points)]]
+    kept: Points = points[np.append(True, (points[1:] != points[:-1]).any(axis=1))[: len(points)]]
+    return kept
 
 
 def _points(piece: Any, straight: bool) -> Points:

@@ -57,6 +57,9 @@ def _add_tube(
     rows: list[tuple[int, list[str]]],
 ) -> None:
     """Add the points of a tube to the graph, each joined to the one before it."""
+    count = fields.get("NPoints", "")
+    if count.isdecimal() and int(count) != len(rows):
+        raise FormatError(f"{path} has {len(rows)} points in a tube; need {count}, as it says")
     if not rows:
         return
     columns = fields.get("PointDim", "x y z r").split()

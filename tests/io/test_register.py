@@ -25,7 +25,8 @@ from scaffold_cad.io import (
     unregister,
 )
 from scaffold_cad.io.content import Content
-from tests.fuzz.samples import SAMPLES
+from tests.fuzz.members import CAD
+from tests.fuzz.samples import SAMPLES as QUICK_SAMPLES
 from tests.io.test_reading import written
 from tests.skeletons import STRUT
 
@@ -60,6 +61,9 @@ def test_a_package_adds_a_reader_by_an_entry_point(
     assert "readers of no_module_of_this_name cannot be loaded: ModuleNotFoundError" in caplog.text
     skeleton = read_skeleton(written(tmp_path, "strut.pairs", "pairs 0 0 0 10 0 0"), 1.0)
     assert skeleton.lengths.tolist() == [10]
+
+
+SAMPLES = QUICK_SAMPLES | CAD
 
 
 def test_every_format_that_is_read_has_a_sample() -> None:

@@ -1,0 +1,96 @@
+"""Wires of CAD files, read in a process of its own: OCCT may end the process on damaged files.
+
+`python -m scaffold_cad.brep.apart FILE FRACTION OUT` is that process.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Points
+from scaffold_cad.base.backends import need
+from scaffold_cad.errors import FormatError
+
+LONGEST = 600.0
+"""Time that a file may take, s."""
+
+
+@dataclass(frozen=True, eq=False)
+class Wires:
+    """What a CAD file holds beside solids."""
+
+    lines: list[Points]
+    """Points along each edge that bounds no face, each of shape (k, 3), mm."""
+    faces: int
+    """Number of faces."""
+
+
+def read_wires(path: Path, sagitta: float) -> Wires:
+    """Return the edges in a STEP, IGES or BREP file that bound no face, and how many faces it has.
+
+    Parameters
+    ----------
+    sagitta : how far a chord may be from its curve, as a fraction of the curve's size
+
+    Raises
+    ------
+    FormatError
+        If the file cannot be read.
+    """
+    if not path.is_file():
+        raise FormatError(f"{path} cannot be read: there is no such file")
+    need("build123d", f"a {path.suffix[1:].upper()} file")
+    # The program of a host, such as a CAD system that runs Python within, starts no Python.
+    if not Path(sys.executable or "").name.lower().startswith("python"):
+        return _wires(path, sagitta)
+    with TemporaryDirectory() as folder:
+        found = Path(folder) / "wires.npz"
+        command = [sys.executable, "-m", __name__, str(path), repr(sagitta), str(found)]
+        try:
+            run = subprocess.run(command, capture_output=True, timeout=LONGEST, check=False)
+        except subprocess.TimeoutExpired:
+            raise FormatError(f"{path} cannot be read within {LONGEST:g} s") from None
+        if run.returncode == 0 and found.is_file():
+            return _unpacked(found)
+        said = run.stderr.decode("utf-8", errors="replace").strip().splitlines()[-1:]
+        why = said[0] if said and run.returncode > 0 else "OCCT ended at it"
+        raise FormatError(f"{path} cannot be read: {why}; need a sound file")
+
+
+def _unpacked(found: Path) -> Wires:
+    with np.load(found) as arrays:
+        points, ends = arrays["points"], arrays["ends"]
+        return Wires(np.split(points, ends[:-1]) if len(ends) else [], int(arrays["faces"]))
+
+
+def _wires(path: Path, sagitta: float) -> Wires:
+    """Read the file in this process."""
+    from scaffold_cad.brep.shapes import read_shape
+    from scaffold_cad.brep.wires import polylines_of
+
+    shape = read_shape(path)
+    return Wires(polylines_of(shape, sagitta), len(shape.faces()))
+
+
+def main() -> int:
+    """Read a file and write what it holds; return 1, with the reason, if it cannot be read."""
+    path, sagitta, out = sys.argv[1:]
+    try:
+        wires = _wires(Path(path), float(sagitta))
+    except FormatError as error:
+        sys.stderr.write(str(error).removeprefix(f"{path} cannot be read: ") + "\n")
+        return 1
+    ends = np.cumsum([len(line) for line in wires.lines], dtype=np.intp)
+    points = np.concatenate([np.zeros((0, 3)), *wires.lines])
+    np.savez(out, points=points, ends=ends, faces=wires.faces)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
