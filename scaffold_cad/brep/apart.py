@@ -1,6 +1,6 @@
 """Wires of CAD files, read in a process of its own: OCCT may end the process on damaged files.
 
-`python -m scaffold_cad.brep.apart FILE FRACTION OUT` is that process.
+`main` is what that process does.
 """
 
 from __future__ import annotations
@@ -17,8 +17,11 @@ from scaffold_cad.base.arrays import Points
 from scaffold_cad.base.backends import need
 from scaffold_cad.errors import FormatError
 
-LONGEST = 600.0
-"""Time that a file may take, s."""
+LONGEST, LONGEST_BYTE = 20.0, 2e-5
+"""Time that a file may take, s, and what each of its bytes adds: OCCT may never end."""
+
+
+PROGRAM = "import sys; from scaffold_cad.brep.apart import main; sys.exit(main())"
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,11 +54,14 @@ def read_wires(path: Path, sagitta: float) -> Wires:
         return _wires(path, sagitta)
     with TemporaryDirectory() as folder:
         found = Path(folder) / "wires.npz"
-        command = [sys.executable, "-m", __name__, str(path), repr(sagitta), str(found)]
+        command = [sys.executable, "-c", PROGRAM, str(path), repr(sagitta), str(found)]
+        longest = LONGEST + LONGEST_BYTE * path.stat().st_size
         try:
-            run = subprocess.run(command, capture_output=True, timeout=LONGEST, check=False)
+            run = subprocess.run(command, capture_output=True, timeout=longest, check=False)
         except subprocess.TimeoutExpired:
-            raise FormatError(f"{path} cannot be read within {LONGEST:g} s") from None
+            raise FormatError(
+                f"{path} cannot be read within {longest:.0f} s; need a sound file"
+            ) from None
         if run.returncode == 0 and found.is_file():
             return _unpacked(found)
         said = run.stderr.decode("utf-8", errors="replace").strip().splitlines()[-1:]
@@ -71,11 +77,13 @@ def _unpacked(found: Path) -> Wires:
 
 def _wires(path: Path, sagitta: float) -> Wires:
     """Read the file in this process."""
-    from scaffold_cad.brep.shapes import read_shape
-    from scaffold_cad.brep.wires import polylines_of
+    from scaffold_cad.brep import occtcurves
 
-    shape = read_shape(path)
-    return Wires(polylines_of(shape, sagitta), len(shape.faces()))
+    try:
+        shape = occtcurves.read_shape(path)
+        return Wires(occtcurves.polylines(shape, sagitta), occtcurves.face_count(shape))
+    except (OSError, RuntimeError, ValueError) as error:
+        raise FormatError(f"{path} cannot be read: {error}") from None
 
 
 def main() -> int:
@@ -90,7 +98,3 @@ def main() -> int:
     points = np.concatenate([np.zeros((0, 3)), *wires.lines])
     np.savez(out, points=points, ends=ends, faces=wires.faces)
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -32,8 +32,6 @@ from OCP.Geom import (
 )
 from OCP.Geom2d import Geom2d_BSplineCurve, Geom2d_Curve, Geom2d_Line
 from OCP.gp import gp_Ax3, gp_Dir, gp_Dir2d, gp_Pnt, gp_Pnt2d
-from OCP.IFSelect import IFSelect_ReturnStatus
-from OCP.IGESControl import IGESControl_Reader
 from OCP.IMeshTools import IMeshTools_Parameters
 from OCP.Interface import Interface_Static
 from OCP.Message import Message, Message_Gravity
@@ -299,25 +297,6 @@ def import_step(path: Path) -> Shape:
     """Return the shapes of a STEP file, in mm."""
     with _quiet():
         return read_step_file(path)
-
-
-def import_iges(path: Path) -> Shape:
-    """Return the shapes of an IGES file, in mm.
-
-    Raises
-    ------
-    RuntimeError
-        If OCCT finds no shape in it.
-    """
-    with _quiet():
-        reader = IGESControl_Reader()
-        if reader.ReadFile(str(path)) != IFSelect_ReturnStatus.IFSelect_RetDone:
-            raise RuntimeError("OCCT cannot read it")
-        reader.TransferRoots()
-        shape = reader.OneShape()
-    if shape is None or shape.IsNull():
-        raise RuntimeError("it holds no shape")
-    return Shape.cast(shape)
 
 
 def import_brep(path: Path) -> Shape:

@@ -150,9 +150,9 @@ def read_shape(path: Path) -> Shape:
     need("build123d", f"a {path.suffix[1:].upper()} file")
     from scaffold_cad.brep import occt
 
-    reader = {".brep": occt.import_brep, ".iges": occt.import_iges, ".igs": occt.import_iges}
+    read = occt.import_brep if path.suffix.lower() == ".brep" else occt.import_step
     try:
-        return reader.get(path.suffix.lower(), occt.import_step)(path)
+        return read(path)
     except (OSError, RuntimeError, ValueError) as error:
         raise FormatError(f"{path} cannot be read: {error}") from None
 

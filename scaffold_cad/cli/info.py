@@ -24,7 +24,7 @@ def add_parser(
 
 def run(options: argparse.Namespace) -> None:
     """Print the counts of the skeleton as it is built, one a line."""
-    has_radii = read_raw(options.input, source.max_nodes(options)).radii is not None
+    has_radii = read_raw(options.input, source.max_nodes(options)).has_radii
     # Any radius will do for the counts of a file without radii; it is not shown.
     cleaning = read_with_repairs(options.input, None if has_radii else 1.0)
     rows = _counts(cleaning.skeleton)

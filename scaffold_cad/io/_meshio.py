@@ -15,7 +15,6 @@ from scaffold_cad.base.arrays import Floats
 from scaffold_cad.base.backends import need
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._binary import as_doubles
-from scaffold_cad.io._nodes import skeleton_of_members
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import check_size
 from scaffold_cad.io.vtk.lines import radii_among
@@ -64,16 +63,22 @@ def lines_of(path: Path, kind: str) -> RawSkeleton:
 
 def _skeleton(path: Path, mesh: Any) -> RawSkeleton:
     points = as_doubles(np.asarray(mesh.points))
+    if points.ndim != 2 or points.shape[1] > 3:
+        raise FormatError(f"{path} has points of shape {points.shape}; need (n, 3)")
     points = np.pad(points, ((0, 0), (0, 3 - points.shape[1]))) if points.shape[1] < 3 else points
     edges, of_edges = [np.zeros((0, 2), dtype=np.intp)], [np.zeros(0)]
     for k, block in enumerate(mesh.cells):
         if block.type not in ORDER:
             continue
-        rows = np.asarray(block.data)[:, list(ORDER[block.type])].astype(np.intp)
+        data = np.asarray(block.data)
+        order = ORDER[block.type]
+        if data.ndim != 2 or data.shape[1] != len(order):
+            raise FormatError(f"{path} has lines of {data.shape} points; need {len(order)} a line")
+        rows = data[:, list(order)].astype(np.intp)
         pairs = np.stack([rows[:, :-1], rows[:, 1:]], axis=2).reshape(-1, 2)
-        data = {name: np.asarray(values[k]) for name, values in mesh.cell_data.items()}
+        named = {name: np.asarray(values[k]) for name, values in mesh.cell_data.items()}
         edges.append(pairs)
-        of_edges.append(_repeated(radii_among(data), len(rows), rows.shape[1] - 1))
+        of_edges.append(_repeated(radii_among(named), len(rows), rows.shape[1] - 1))
     found, radii = np.concatenate(edges), np.concatenate(of_edges)
     if not len(found):
         raise FormatError(f"{path} has no line elements; need at least one")
@@ -82,9 +87,8 @@ def _skeleton(path: Path, mesh: Any) -> RawSkeleton:
     if used[0] < 0 or used[-1] >= len(points):
         raise FormatError(f"{path} has a line to point {used[-1]}; need 0 to {len(points) - 1}")
     of_nodes = None if of_nodes is None or len(of_nodes) != len(points) else of_nodes[used]
-    if np.isnan(radii).all():
-        return RawSkeleton(points[used], compact.reshape(-1, 2), of_nodes)
-    return skeleton_of_members(points[used], compact.reshape(-1, 2), radii, of_nodes)
+    of_members = None if np.isnan(radii).all() else radii
+    return RawSkeleton(points[used], compact.reshape(-1, 2), of_nodes, of_members)
 
 
 def _repeated(values: Floats | None, count: int, pieces: int) -> Floats:

@@ -11,7 +11,6 @@ from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arrays import Edges, Floats
 from scaffold_cad.errors import FormatError
-from scaffold_cad.io._nodes import skeleton_of_members
 from scaffold_cad.io._raw import RawSkeleton
 
 BALL = 0.25
@@ -64,7 +63,7 @@ class Molecule:
         pairs = np.reshape(np.asarray(self.bonds, dtype=np.intp), (-1, 2))
         edges = np.unique(np.sort(pairs, axis=1), axis=0)
         balls = BALL * _sizes(self.elements, VAN_DER_WAALS, OTHER_VAN_DER_WAALS)
-        return skeleton_of_members(self.places, edges, np.full(len(edges), STICK), balls)
+        return RawSkeleton(self.places, edges, balls, np.full(len(edges), STICK))
 
 
 def bonds_by_distance(elements: Sequence[str], places: Sequence[Sequence[float]]) -> Edges:

@@ -7,42 +7,9 @@ from collections.abc import Hashable, Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arrays import Edges, Floats
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._raw import RawSkeleton
-
-
-def largest_at_nodes(edges: Edges, radii: Floats, count: int) -> Floats:
-    """Return the largest radius of the edges at each node, shape (count,); NaN without edges.
-
-    Parameters
-    ----------
-    edges : (m, 2) intp, all in 0..count-1
-    radii : (m,) or (m, 2) float64, of each edge or of its ends
-    """
-    of_ends = np.broadcast_to(radii if radii.ndim == 2 else radii[:, None], edges.shape)
-    largest = np.full(count, np.nan)
-    np.fmax.at(largest, edges.reshape(-1), of_ends.reshape(-1))
-    return largest
-
-
-def skeleton_of_members(
-    nodes: ArrayLike, edges: ArrayLike, of_edges: Floats, radii: Floats | None = None
-) -> RawSkeleton:
-    """Return a graph whose edges have radii of their own.
-
-    Parameters
-    ----------
-    nodes, edges : as a `RawSkeleton` takes them
-    of_edges : (m,) or (m, 2) float64, mm, of each edge or of its ends; NaN where the file has none
-    radii : (n,) float64, mm, of each node; by default the largest of its edges, NaN without one
-    """
-    bare = RawSkeleton(nodes, edges)
-    if radii is None:
-        radii = largest_at_nodes(bare.edges, of_edges, len(bare.nodes))
-    return RawSkeleton(bare.nodes, bare.edges, radii)
 
 
 def radius_of_area(area: float) -> float:
@@ -110,9 +77,7 @@ class NamedGraph:
         radii = np.asarray(self._radii, dtype=np.float64) * scale
         of_edges = np.reshape(np.asarray(self._edge_radii, dtype=np.float64), (-1, 2)) * scale
         of_nodes = None if np.isnan(radii).all() else radii
-        if np.isnan(of_edges).all():
-            return RawSkeleton(points, edges, of_nodes)
-        return skeleton_of_members(points, edges, of_edges, of_nodes)
+        return RawSkeleton(points, edges, of_nodes, None if np.isnan(of_edges).all() else of_edges)
 
     def _error(self, where: str, found: str, needed: str) -> FormatError:
         place = f"{self._path}, {where}" if where else str(self._path)

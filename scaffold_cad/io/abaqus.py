@@ -14,7 +14,6 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.errors import FormatError
-from scaffold_cad.io._members import radii_of_ends
 from scaffold_cad.io._nodes import NamedGraph, radius_of_area
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import line_error, read_text
@@ -265,7 +264,7 @@ def write_abaqus(content: Content, path: Path) -> None:
     A beam has the mean of the radii of its ends: the format has no beams that taper.
     """
     skeleton = content.skeleton("an .inp file")
-    radii = radii_of_ends(skeleton).mean(axis=1)
+    radii = skeleton.edge_radii.mean(axis=1)
     rounded = np.array([float(f"{radius:.{SIGNIFICANT}g}") for radius in radii.tolist()])
     sections, section = np.unique(rounded, return_inverse=True)
     with path.open("w", encoding="ascii", newline="\n") as file:

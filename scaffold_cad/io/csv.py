@@ -28,7 +28,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from scaffold_cad.errors import FormatError
-from scaffold_cad.io._members import radii_of_ends
 from scaffold_cad.io._nodes import NamedGraph, radius_of_area
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import line_error, read_text
@@ -294,7 +293,7 @@ def write_csv(content: Content, path: Path) -> None:
     """Write the members of a Skeleton, a line each: both ends and both radii, mm, exact."""
     skeleton: Skeleton = content.skeleton("a CSV file")
     ends = skeleton.nodes[skeleton.edges].reshape(-1, 6).tolist()
-    radii = radii_of_ends(skeleton).tolist()
+    radii = skeleton.edge_radii.tolist()
     with path.open("w", encoding="ascii", newline="\n") as file:
         file.write("x1,y1,z1,x2,y2,z2,r1,r2\n")
         file.writelines(

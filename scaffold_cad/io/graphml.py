@@ -9,7 +9,6 @@ from xml.etree.ElementTree import Element
 
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._attributes import as_number, position_in, radius_in
-from scaffold_cad.io._members import radii_of_ends
 from scaffold_cad.io._nodes import NamedGraph
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import LARGEST_FILE, check_size
@@ -85,7 +84,7 @@ def write_graphml(content: Content, path: Path) -> None:
         for k, (place, radius) in enumerate(rows):
             named = zip(("x", "y", "z", "radius"), (*place, radius), strict=True)
             file.write(f'<node id="{k}">{_written(named)}</node>\n')
-        pairs = zip(skeleton.edges.tolist(), radii_of_ends(skeleton).tolist(), strict=True)
+        pairs = zip(skeleton.edges.tolist(), skeleton.edge_radii.tolist(), strict=True)
         for (a, b), ends in pairs:
             named = zip(("r1", "r2"), ends, strict=True)
             file.write(f'<edge source="{a}" target="{b}">{_written(named)}</edge>\n')

@@ -59,6 +59,7 @@ def _v2000(path: Path, lines: list[str]) -> Molecule:
 def _v3000(path: Path, lines: list[str]) -> Molecule:
     molecule, number = Molecule(), dict[str, int]()
     inside = ""
+    counts: list[str] = []
     for k, line in enumerate(lines, start=1):
         if line.startswith("M  END"):
             break
@@ -67,12 +68,17 @@ def _v3000(path: Path, lines: list[str]) -> Molecule:
             inside = " ".join(words[1:2])
         elif words[:1] == ["END"]:
             inside = ""
+        elif words[:1] == ["COUNTS"]:
+            counts = words[1:3]
         elif inside == "ATOM" and words:
             number[words[0]] = len(number)
             _add_atom(path, k, molecule, [*words[2:5], *words[1:2]])
         elif inside == "BOND" and words:
             ends = [number.get(word, -1) for word in words[2:4]]
             _add_bond(path, k, molecule, *(ends if len(ends) == 2 else (-1, -1)))
+    found = [str(len(molecule.elements)), str(len(molecule.bonds))]
+    if found != counts:
+        raise FormatError(f"{path} has {found} atoms and bonds; need {counts}, as it says")
     return molecule
 
 

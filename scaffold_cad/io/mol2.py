@@ -31,6 +31,7 @@ def read_mol2(path: Path) -> RawSkeleton:
     """
     molecule, number = Molecule(), dict[str, int]()
     inside, count = "", 0
+    said: list[list[str]] = []
     for line, words in read_rows(path):
         if words[0].startswith(_SECTION):
             inside = words[0].removeprefix(_SECTION).upper()
@@ -38,6 +39,8 @@ def read_mol2(path: Path) -> RawSkeleton:
             if count > 1:
                 _log.warning("%s holds several molecules; the first one is read", path)
                 break
+        elif inside == "MOLECULE":
+            said.append(words)
         elif inside == "ATOM":
             if len(words) < 6 or not all(is_number(word) for word in words[2:5]):
                 raise line_error(path, line, f"{' '.join(words)!r}", _ATOM)
@@ -51,4 +54,8 @@ def read_mol2(path: Path) -> RawSkeleton:
             molecule.bonds.append((ends[0], ends[1]))
     if count == 0:
         raise FormatError(f"{path} has no {_SECTION}MOLECULE; need one")
+    found = [str(len(molecule.elements)), str(len(molecule.bonds))]
+    counts = said[1][:2] if len(said) > 1 else []
+    if found[: len(counts)] != counts:
+        raise FormatError(f"{path} has {found} atoms and bonds; need {counts}, as it says")
     return molecule.skeleton(path)

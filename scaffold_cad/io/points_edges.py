@@ -12,7 +12,7 @@ from scaffold_cad.base.arrays import Floats
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._attributes import AREAS, DIAMETERS
 from scaffold_cad.io._document import number, read_document
-from scaffold_cad.io._nodes import radius_of_area, skeleton_of_members
+from scaffold_cad.io._nodes import radius_of_area
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._units import length_of
 from scaffold_cad.io.register import register_reader
@@ -50,9 +50,8 @@ def read_points_edges(path: Path) -> RawSkeleton:
     nodes, of_edges = _radii(path, document, len(points), len(edges))
     scale = _unit(path, document)
     nodes = None if nodes is None else nodes * scale
-    if of_edges is None:
-        return RawSkeleton(places, pairs.astype(np.intp), nodes)
-    return skeleton_of_members(places, pairs.astype(np.intp), of_edges * scale, nodes)
+    of_edges = None if of_edges is None else of_edges * scale
+    return RawSkeleton(places, pairs.astype(np.intp), nodes, of_edges)
 
 
 def _rows(

@@ -11,7 +11,6 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._document import member, number, read_document
-from scaffold_cad.io._nodes import skeleton_of_members
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io.register import register_reader
 
@@ -38,7 +37,7 @@ def _recognises(head: bytes) -> bool:
 
 @register_reader("spatial frame JSON", ".json", recognises=_recognises)
 def read_spatial_frame(path: Path) -> RawSkeleton:
-    """Read a frame of bars, each with its radius; a node has the largest of its bars.
+    """Read a frame of bars, each with its radius.
 
     Older files have ``node_list`` with points ``{"X": , "Y": , "Z": }``, ``element_list``, and
     one section for all bars in ``material_properties``; newer ones have ``nodes``, ``elements``,
@@ -58,7 +57,7 @@ def read_spatial_frame(path: Path) -> RawSkeleton:
     radii = _radii_of_bars(path, document, bars, unit)
     if radii is None:
         return bare
-    return skeleton_of_members(bare.nodes, bare.edges, radii)
+    return RawSkeleton(bare.nodes, bare.edges, edge_radii=radii)
 
 
 def _point(path: Path, node: Any, where: str) -> list[float]:

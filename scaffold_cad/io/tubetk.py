@@ -27,6 +27,7 @@ def read_tubetk(path: Path) -> RawSkeleton:
     tubes: list[tuple[str, dict[str, str]]] = []
     fields: dict[str, str] = {}
     rows: list[tuple[int, list[str]]] = []
+    said = ""
     for line, text in enumerate(read_text(path).split("\n"), start=1):
         key, mark, value = text.partition("=")
         if mark:
@@ -35,6 +36,8 @@ def read_tubetk(path: Path) -> RawSkeleton:
                 _add_tube(path, graph, tubes, fields, rows)
                 fields, rows = {}, []
             fields[key] = value.strip()
+            if key == "NObjects":
+                said = value.strip()
             if key == "BinaryData" and value.strip().lower() == "true":
                 raise FormatError(f"{path} is a binary file; need text (BinaryData = False)")
         elif text.split() and "Points" in fields:
@@ -44,6 +47,8 @@ def read_tubetk(path: Path) -> RawSkeleton:
         parent = (of_tube.get("ParentID", ""), of_tube.get("ParentPoint", ""))
         if parent in graph:
             graph.add_edge(parent, (name, "0"))
+    if said.isdecimal() and int(said) != len(tubes):
+        raise FormatError(f"{path} has {len(tubes)} tubes; need {said}, as it says")
     if not len(graph):
         raise FormatError(f"{path} has no tubes; need points")
     return graph.skeleton()

@@ -11,6 +11,7 @@ from scaffold_cad.errors import FormatError
 from scaffold_cad.io import read_raw, read_skeleton
 from scaffold_cad.lattice import tile
 from tests.fuzz.members import ABAQUS, ABAQUS_PARTS
+from tests.io.test_members import sizes
 from tests.io.test_reading import written
 
 NODES = "*NODE\n1, 0, 0, 0\n2, 9, 0, 0\n*ELEMENT, TYPE=B31, ELSET=E\n1, 1, 2\n"
@@ -19,8 +20,7 @@ NODES = "*NODE\n1, 0, 0, 0\n2, 9, 0, 0\n*ELEMENT, TYPE=B31, ELSET=E\n1, 1, 2\n"
 def test_a_beam_with_a_middle_is_two_edges_and_sections_are_those_of_sets(tmp_path: Path) -> None:
     raw = read_raw(written(tmp_path, "beams.inp", ABAQUS))
     assert raw.edges.tolist() == [[0, 1], [1, 3], [3, 2]]
-    assert raw.radii is not None
-    np.testing.assert_allclose(raw.radii, [0.5, 1, 1, 1])
+    np.testing.assert_allclose(sizes(raw), [0.5, 1, 1, 1])
 
 
 def test_parts_are_placed_by_their_instances(tmp_path: Path) -> None:
@@ -41,13 +41,12 @@ def test_parts_are_placed_by_their_instances(tmp_path: Path) -> None:
 )
 def test_the_radius_is_that_of_the_section(tmp_path: Path, section: str, radius: float) -> None:
     raw = read_raw(written(tmp_path, "x.inp", NODES + section))
-    assert raw.radii is not None
-    np.testing.assert_allclose(raw.radii, radius)
+    np.testing.assert_allclose(sizes(raw), radius)
 
 
 def test_a_section_of_another_shape_leaves_radii_to_the_user(tmp_path: Path, caplog) -> None:
     path = written(tmp_path, "x.inp", NODES + "*BEAM SECTION, ELSET=E, SECTION=I\n1, 2, 3\n")
-    assert read_raw(path).radii is None
+    assert read_raw(path).has_radii is False
     assert "line 6: a section I has no radius that is known" in caplog.text
 
 

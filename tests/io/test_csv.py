@@ -10,6 +10,7 @@ from scaffold_cad.errors import FormatError
 from scaffold_cad.io import read_raw, read_skeleton
 from scaffold_cad.lattice import tile
 from scaffold_cad.skeleton import Skeleton
+from tests.io.test_members import sizes
 from tests.io.test_reading import written
 
 
@@ -19,8 +20,7 @@ def test_members_of_nodes_are_found_in_the_file_beside(tmp_path: Path) -> None:
     for path in (members, tmp_path / "truss_nodes.csv"):
         raw = read_raw(path)
         assert raw.edges.tolist() == [[0, 1], [1, 2]]
-        assert raw.radii is not None
-        assert raw.radii.tolist() == [1, 2, 2]
+        assert sizes(raw).tolist() == [1, 2, 2]
 
 
 @pytest.mark.parametrize(
@@ -37,8 +37,7 @@ def test_sizes_may_be_radius_diameter_or_area_in_any_unit(
 ) -> None:
     text = f"X1;Y1;X2;Y2;{column}\n0;0;9;0;{value}\n"
     raw = read_raw(written(tmp_path, "plane.csv", text))
-    assert raw.radii is not None
-    np.testing.assert_allclose(raw.radii, radius)
+    np.testing.assert_allclose(sizes(raw), radius)
     assert raw.nodes.tolist() == [[0, 0, 0], [9, 0, 0]]
 
 

@@ -11,6 +11,7 @@ import pytest
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io import read_raw
 from tests.fuzz.members import CORNERS, GMSH
+from tests.io.test_members import sizes
 from tests.io.test_reading import written
 
 
@@ -24,8 +25,7 @@ def test_data_called_radius_are_radii_and_quadratic_lines_are_two_edges(tmp_path
     )
     raw = read_raw(path)
     assert raw.edges.tolist() == [[0, 1], [1, 3], [3, 2]]
-    assert raw.radii is not None
-    np.testing.assert_allclose(raw.radii, [0.5, 0.75, 0.75, 0.75])
+    np.testing.assert_allclose(sizes(raw), [0.5, 0.75, 0.75, 0.75])
 
 
 def test_points_that_no_line_uses_are_left_out(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ from scaffold_cad import write
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io import read_raw, read_skeleton
 from scaffold_cad.lattice import tile
+from tests.io.test_members import sizes
 from tests.io.test_reading import written
 
 
@@ -21,12 +22,8 @@ def test_a_skeleton_reads_back_exactly_and_networkx_reads_the_same(tmp_path: Pat
     path = tmp_path / "bcc.graphml"
     write(lattice, path)
     again = read_skeleton(path, strict=True)
-    for ours, theirs in (
-        (lattice.nodes, again.nodes),
-        (lattice.edges, again.edges),
-        (lattice.radii, again.radii),
-    ):
-        np.testing.assert_array_equal(ours, theirs)
+    for name in ("nodes", "edges", "radii", "edge_radii"):
+        np.testing.assert_array_equal(getattr(lattice, name), getattr(again, name))
     graph = networkx.read_graphml(path)
     places = [[data[axis] for axis in "xyz"] for _, data in graph.nodes(data=True)]
     np.testing.assert_array_equal(places, lattice.nodes)
@@ -54,8 +51,7 @@ def test_what_networkx_writes_is_read(tmp_path: Path) -> None:
         raw = read_raw(tmp_path / name)
         assert raw.nodes.tolist() == [[0, 0, 0], [10, 0, 0], [10, 10, 1.5]]
         assert raw.edges.tolist() == [[0, 1], [1, 2]]
-        assert raw.radii is not None
-        assert raw.radii.tolist() == [1, 2, 3]
+        assert sizes(raw).tolist() == [1, 2, 3]
 
 
 GRAPHML = (

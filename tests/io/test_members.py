@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from scaffold_cad.io import RawSkeleton, read_raw, read_skeleton
+from scaffold_cad.skeleton.repair import largest_at_nodes
 from tests.fuzz.members import CAD, CORNERS, MEMBERS
 from tests.io.test_reading import written
 
@@ -71,6 +72,29 @@ REPORTED = {
 """Nodes and edges of files that users have."""
 
 
+OF_EDGES = {
+    "members.csv": [0.5, 0.75],
+    "tables.csv": [1, 1],
+    "rods.bdf": [0.5, 0.75],
+    "free.dat": [1, 0.75],
+    "graph.graphml": [0.5, 0.75],
+    "model.tcl": [1, 1],
+    "node_link.json": [0.5, 0.75],
+    "compas.json": [np.nan, 0.5],
+    "points.json": [1, 1.5],
+    "elbow.mol": [0.15, 0.15],
+}
+"""Radii of the edges of samples whose edges have radii, mm."""
+
+
+def sizes(raw: RawSkeleton) -> np.ndarray:
+    """Return the radius of each node, the largest of its edges where the file has none."""
+    if raw.radii is not None:
+        return raw.radii
+    assert raw.edge_radii is not None
+    return largest_at_nodes(raw.edges, raw.edge_radii, len(raw.nodes))
+
+
 def sample(folder: Path, name: str) -> RawSkeleton:
     return read_raw(written(folder, name, (MEMBERS | CAD)[name]))
 
@@ -82,10 +106,16 @@ def test_an_elbow_is_read_from_every_format(tmp_path: Path, name: str) -> None:
     assert raw.edges.tolist() == [[0, 1], [1, 2]]
     wanted = RADII[name]
     if wanted is None:
-        assert raw.radii is None
+        assert not raw.has_radii
     else:
-        assert raw.radii is not None
-        np.testing.assert_allclose(raw.radii, wanted, rtol=1e-5)
+        np.testing.assert_allclose(sizes(raw), wanted, rtol=1e-5)
+
+
+@pytest.mark.parametrize(("name", "radii"), OF_EDGES.items(), ids=str)
+def test_members_keep_radii_of_their_own(tmp_path: Path, name: str, radii: list[float]) -> None:
+    raw = sample(tmp_path, name)
+    assert raw.edge_radii is not None
+    np.testing.assert_allclose(raw.edge_radii, np.stack([radii, radii], axis=1), rtol=1e-5)
 
 
 @pytest.mark.parametrize("name", MOLECULES)

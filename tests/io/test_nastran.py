@@ -7,6 +7,7 @@ import pytest
 
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io import read_raw
+from tests.io.test_members import sizes
 from tests.io.test_reading import written
 
 GRIDS = "GRID,1,,0.,0.,0.\nGRID,2,,9.,0.,0.\n"
@@ -26,8 +27,7 @@ GRIDS = "GRID,1,,0.,0.,0.\nGRID,2,,9.,0.,0.\n"
 def test_radii_come_from_properties(tmp_path: Path, cards: str, radius: float) -> None:
     raw = read_raw(written(tmp_path, "x.bdf", GRIDS + cards))
     assert raw.edges.tolist() == [[0, 1]]
-    assert raw.radii is not None
-    np.testing.assert_allclose(raw.radii, radius)
+    np.testing.assert_allclose(sizes(raw), radius)
 
 
 @pytest.mark.parametrize(
@@ -56,5 +56,5 @@ def test_errors_name_the_line(tmp_path: Path, text: str, message: str) -> None:
 
 def test_a_shape_without_a_radius_is_named(tmp_path: Path, caplog) -> None:
     text = GRIDS + "CBAR,1,5,1,2\nPBARL,5,9,,I\n,1.,2.\n"
-    assert read_raw(written(tmp_path, "x.bdf", text)).radii is None
+    assert read_raw(written(tmp_path, "x.bdf", text)).has_radii is False
     assert "line 4: a section I has no radius that is known" in caplog.text

@@ -11,6 +11,7 @@ import pytest
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io import read_raw
 from tests.fuzz.members import COMPAS, NML, OPENSEES, PYSKELTON, SLICER, TUBETK
+from tests.io.test_members import sizes
 from tests.io.test_reading import written
 
 
@@ -26,7 +27,7 @@ def test_a_model_in_the_plane_is_read(tmp_path: Path) -> None:
     text = "model basic -ndm 2 -ndf 3\nnode 1 0 0\nnode 2 9 4\nelement dispBeamColumn 1 1 2 5 1 1\n"
     raw = read_raw(written(tmp_path, "x.tcl", text))
     assert raw.nodes.tolist() == [[0, 0, 0], [9, 4, 0]]
-    assert raw.radii is None
+    assert raw.has_radii is False
 
 
 @pytest.mark.parametrize(
@@ -45,8 +46,7 @@ def test_radii_of_plain_points_and_edges(
 ) -> None:
     document = {"vertices": [[0, 0], [9, 0], [9, 9]], "edges": [[0, 1], [1, 2]], key: values}
     raw = read_raw(written(tmp_path, "x.json", json.dumps(document)))
-    assert raw.radii is not None
-    np.testing.assert_allclose(raw.radii, radii)
+    np.testing.assert_allclose(sizes(raw), radii)
 
 
 POINTS = {"points": [[0, 0, 0], [9, 0, 0]], "edges": [[0, 1]]}

@@ -29,8 +29,8 @@ def _recognises(head: bytes) -> bool:
 def read_3mf(path: Path) -> RawSkeleton:
     """Read the beam lattices that a 3MF file builds, each where it is placed, in mm.
 
-    A node gets the largest radius of the beams that end there; a transform scales radii by the
-    cube root of its determinant. Meshes, balls and vertices without a beam are left out, and a
+    Each beam keeps the radii of its ends; a transform scales them by the cube root of its
+    determinant. Meshes, balls and vertices without a beam are left out, and a
     lattice that is to be clipped is read whole.
     """
     pieces = read_package(path)

@@ -8,7 +8,6 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Points, as_points
 from scaffold_cad.io._mesh import joined_meshes
-from scaffold_cad.io._nodes import skeleton_of_members
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io.threemf.archive import Piece
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -17,8 +16,8 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 def skeleton_of(pieces: Sequence[Piece]) -> RawSkeleton:
     """Return the beams of all pieces, nothing welded, without vertices that no beam uses.
 
-    A node gets the largest radius of the beams that end there; a transform scales radii by the
-    cube root of its determinant.
+    Each beam keeps the radii of its ends; a transform scales them by the cube root of its
+    determinant.
 
     Raises
     ------
@@ -35,7 +34,7 @@ def skeleton_of(pieces: Sequence[Piece]) -> RawSkeleton:
     ends_of_all = np.concatenate(edges)
     of_ends = np.concatenate([np.zeros((0, 2)), *radii])
     points = as_points(np.concatenate(nodes), "nodes")
-    return skeleton_of_members(points, ends_of_all, of_ends)
+    return RawSkeleton(points, ends_of_all, edge_radii=of_ends)
 
 
 def triangles_of(pieces: Sequence[Piece]) -> TriangleMesh:

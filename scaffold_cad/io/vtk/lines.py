@@ -10,7 +10,6 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints
 from scaffold_cad.errors import FormatError
-from scaffold_cad.io._nodes import skeleton_of_members
 from scaffold_cad.io._raw import RawSkeleton
 
 RADII = ("radius", "radii", "maximuminscribedsphereradius")
@@ -90,7 +89,7 @@ def skeleton_of(
     if of_lines is None:
         return RawSkeleton(points, edges, radii)
     line = np.repeat(np.arange(len(lines.ends)), np.diff(lines.ends, prepend=0))
-    return skeleton_of_members(points, edges, of_lines[line[starts]], radii)
+    return RawSkeleton(points, edges, radii, of_lines[line[starts]])
 
 
 def line_cells(path: Path, cells: Lines, types: Ints) -> Lines:

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from scaffold_cad.io._members import radii_of_ends
 from scaffold_cad.io.content import Content
 from scaffold_cad.io.register import register_writer
 
@@ -24,7 +23,7 @@ def write_vtu(content: Content, path: Path) -> None:
     skeleton = content.skeleton("a .vtu file")
     count = len(skeleton.edges)
     of_points = _array("Float64", "radius", skeleton.radii)
-    of_cells = _array("Float64", "radius", radii_of_ends(skeleton).mean(axis=1))
+    of_cells = _array("Float64", "radius", skeleton.edge_radii.mean(axis=1))
     ends = _array("Int64", "offsets", 2 * np.arange(1, count + 1))
     types = _array("UInt8", "types", np.full(count, LINE, dtype=np.uint8))
     path.write_text(
