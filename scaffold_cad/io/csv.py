@@ -126,8 +126,9 @@ class _Table:
 def _recognises(head: bytes) -> bool:
     if b"\0" in head or b"\n" not in head:
         return False
-    line = head.decode("utf-8-sig", errors="replace").replace("\r", "\n").split("\n")[0]
-    names = {_plain(cell)[0] for cell in _cells(line)}
+    lines = head.decode("utf-8-sig", errors="replace").replace("\r", "\n").split("\n")
+    first = next((line for line in lines if line.strip() and not line.startswith("#")), "")
+    names = {_plain(cell)[0] for cell in _cells(first)}
     return len(names) >= 2 and len(names & _KNOWN) >= 2
 
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from scaffold_cad.io._meshio import lines_of
+from scaffold_cad.errors import FormatError
+from scaffold_cad.io._meshio import LARGEST_MESH, lines_of
 from scaffold_cad.io._raw import RawSkeleton
+from scaffold_cad.io._text import check_size
 from scaffold_cad.io.register import register_reader
 
 
@@ -19,4 +21,7 @@ def read_gmsh(path: Path) -> RawSkeleton:
 
     Data of points or cells called "radius" are radii. Lengths are taken as mm.
     """
+    check_size(path, LARGEST_MESH)
+    if b"$EndElements" not in path.read_bytes():
+        raise FormatError(f"{path} has no $EndElements: it was cut short; need the whole file")
     return lines_of(path, "gmsh")

@@ -15,11 +15,14 @@ from scaffold_cad.io.register import register_reader
 
 _NODES = re.compile(rb'"nodes"\s*:\s*\[\s*\{')
 
+_OTHERS = (b'"point"', b'"markups"', b'"asset"', b'"node_list"')
+"""What spatial frames, markups and glTF have, and node-link JSON has not."""
+
 
 def _recognises(head: bytes) -> bool:
     text = head.lstrip(b"\xef\xbb\xbf \t\r\n")
     is_graph = text.startswith(b"{") and bool(_NODES.search(head))
-    return is_graph and b'"point"' not in head and b'"markups"' not in head
+    return is_graph and not any(mark in head for mark in _OTHERS)
 
 
 @register_reader("node-link JSON", ".json", recognises=_recognises)

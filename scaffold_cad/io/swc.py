@@ -29,7 +29,10 @@ _NEED = "a sample: number, type, x, y, z, radius, parent"
 
 def _recognises(head: bytes) -> bool:
     words = first_words(head)
-    return (
+    lines = [line.strip() for line in head.splitlines()]
+    # In TGF a line # ends the nodes; here it is a comment, mostly before them.
+    is_tgf = b"#" in lines and not lines[0].startswith(b"#")
+    return not is_tgf and (
         len(words) >= 7
         and all(is_number(word) for word in words[:7])
         and all(words[k].removeprefix("-").isdigit() for k in (0, 1, 6))

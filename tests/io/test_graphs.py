@@ -7,6 +7,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from scaffold_cad.errors import FormatError
@@ -44,15 +45,15 @@ def test_tgf_errors_name_the_line(tmp_path: Path, text: str, message: str) -> No
 
 
 @pytest.mark.parametrize("name", ["vessels.gxl", "tree_structure.xml"])
-def test_gxl_nodes_have_the_largest_radius_of_their_edges(tmp_path: Path, name: str) -> None:
+def test_gxl_edges_have_radii(tmp_path: Path, name: str) -> None:
     second = b'<node id="n3"><attr name="position"><tup><int>5</int><int>5</int><int>5</int></tup>'
     second += b'</attr></node><edge from="n2" to="n3"><attr name="radius"><float>2</float></attr>'
     text = GXL.replace(b"</graph>", second + b"</edge></graph>")
     raw = read_raw(written(tmp_path, name, text))
     assert raw.nodes.tolist() == [[0, 0, 0], [10, 0, 1], [5, 5, 5]]
     assert raw.edges.tolist() == [[0, 1], [1, 2]]
-    assert raw.radii is not None
-    assert raw.radii.tolist() == [1.5, 2, 2]
+    assert raw.edge_radii is not None
+    assert raw.edge_radii.tolist() == [[1.5, 1.5], [2, 2]]
 
 
 @pytest.mark.parametrize(
@@ -91,8 +92,8 @@ def test_a_periodic_box_is_left_out(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("2\nplain\nO 0 0 0\nH 1 0 0\n", "has 3 atoms; need 2"),
-        ("2\nO 0 0 0\nH 1 0 0\n", "line 2: an atom without bonds; need an atom: number, element"),
+        ("2\nplain\nO 0 0 0\nH 1 0 0\n", "is plain XYZ, 2 atoms without bonds; need a format with"),
+        ("2\nO 0 0 0\nH 1 0 0\n", "is plain XYZ, 2 atoms without bonds; need a format with"),
         ("1\n1 O 0 0 0 1 7\n", "line 2: atom 7; need 1 to 1"),
         ("many\n", "line 1: 'many' is not a whole number; need the number of atoms"),
     ],
@@ -106,7 +107,7 @@ def test_an_older_frame_has_one_section(tmp_path: Path) -> None:
     raw = read_raw(written(tmp_path, "frame.json", OLD_FRAME))
     assert raw.nodes.tolist() == [[0, 0, 0], [100, 0, 0], [100, 100, 0], [100, 100, 50]]
     assert raw.edges.tolist() == [[0, 1], [1, 2], [2, 3]]
-    assert raw.radii == pytest.approx([math.sqrt(3 / math.pi)] * 4)
+    assert raw.edge_radii == pytest.approx(np.full((3, 2), math.sqrt(3 / math.pi)))
 
 
 def test_a_newer_frame_has_sections_by_tag(tmp_path: Path) -> None:
@@ -116,13 +117,13 @@ def test_a_newer_frame_has_sections_by_tag(tmp_path: Path) -> None:
     raw = read_raw(written(tmp_path, "frame.json", json.dumps(document)))
     thin = math.sqrt(3 / math.pi)
     assert raw.nodes[3].tolist() == [10_000, 10_000, 5000]
-    assert raw.radii == pytest.approx([thin, thin, 500, 500])
+    assert raw.edge_radii == pytest.approx(np.array([[thin] * 2, [thin] * 2, [500] * 2]))
 
 
 def test_a_frame_without_sections_has_no_radii(tmp_path: Path) -> None:
     document = json.loads(NEW_FRAME)
     del document["cross_secs"]
-    assert read_raw(written(tmp_path, "frame.json", json.dumps(document))).radii is None
+    assert read_raw(written(tmp_path, "frame.json", json.dumps(document))).has_radii is False
 
 
 @pytest.mark.parametrize(

@@ -35,7 +35,7 @@ RADII: dict[str, list[float] | None] = {
     "curve.mrk.json": [1, 1.5, 2],
     "neuron.nml": [0.5, 0.5, 0.75],
     "node_link.json": [0.5, 0.75, 0.75],
-    "compas.json": [np.nan, 0.5, 0.5],
+    "compas.json": [0, 0.5, 0.5],
     "points.json": [1, 1.5, 1.5],
     "pyskelton.graph": [1, 1.5, 2],
     "libigl.tgf": None,

@@ -45,7 +45,11 @@ def test_numbers_may_lack_their_e(tmp_path: Path, text: str, value: float) -> No
         ("GRID,1,,x,0.,0.\n", "line 1: field 4 is 'x'; need a number"),
         ("GRID,one,,0.,0.,0.\n", "line 1: field 2 is 'one'; need a whole number"),
         (GRIDS + "CROD,1,1,1,7\n", "line 3: an edge has the end 7; need a node of the file"),
-        ("BEGIN BULK\n" + GRIDS + "CROD,1,1,1\n", "line 4: field 5 is ''; need a whole number"),
+        (
+            "BEGIN BULK\n" + GRIDS + "CROD,1,1,1\nENDDATA\n",
+            "line 4: field 5 is ''; need a whole number",
+        ),
+        ("BEGIN BULK\n" + GRIDS, "does not end with ENDDATA: need the whole file"),
         ("CROD,1,1,1,2\n", "line 1: an edge has the end 1; need a node"),
     ],
 )
