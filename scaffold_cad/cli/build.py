@@ -15,6 +15,7 @@ from scaffold_cad.cli import source
 from scaffold_cad.cli.progress import FILE_RATE, SCAFFOLD_RATE, SMOOTH_RATE, SOLID_RATE, Progress
 from scaffold_cad.errors import OptionError
 from scaffold_cad.io.write import check_writable, write
+from scaffold_cad.products.assembly import Assembly, assembly_solid
 from scaffold_cad.products.breps import to_brep
 from scaffold_cad.products.overlaps import log_overlaps
 from scaffold_cad.scaffold import Scaffold, build_scaffold
@@ -130,8 +131,12 @@ def run(options: argparse.Namespace) -> None:
     """Read, build and write."""
     check_writable(options.output, solid=True)
     _check_combination(options)
-    skeleton = source.skeleton_from(options)
     progress = Progress()
+    assembly = source.assembly_from(options) if _takes_assemblies(options) else None
+    if assembly is not None:
+        _build_assembly(assembly, options.output, progress)
+        return
+    skeleton = source.skeleton_from(options)
     with progress.stage("scaffold", len(skeleton.edges), "struts", SCAFFOLD_RATE):
         scaffold = scaffold_from(options, skeleton)
     if options.product == "frame":
@@ -144,6 +149,24 @@ def run(options: argparse.Namespace) -> None:
     with progress.stage("file", struts, "struts", FILE_RATE):
         write(product, options.output, slabs=options.slabs)
     _log.info("%s written", options.output)
+
+
+def _takes_assemblies(options: argparse.Namespace) -> bool:
+    """Return whether a solid is asked for that is not made by way of a scaffold."""
+    given = [getattr(options, name) for name in SCAFFOLD_OPTIONS]
+    cad = options.output.suffix.lower() in BREP_SUFFIXES
+    return options.product == "scaffold" and not cad and not any(given) and not _is_fine(options)
+
+
+def _build_assembly(assembly: Assembly, output: Path, progress: Progress) -> None:
+    """Write the solid of beams and of what is beside them in a 3MF file."""
+    beams = assembly.beam_count
+    _log.info("%d beams are united with %s", beams, ", ".join(assembly.beyond_skeleton()))
+    with progress.stage("solid", beams, "struts", SOLID_RATE):
+        solid = assembly_solid(assembly)
+    with progress.stage("file", beams, "struts", FILE_RATE):
+        write(solid, output)
+    _log.info("%s written", output)
 
 
 def scaffold_from(options: argparse.Namespace, skeleton: Skeleton) -> Scaffold:

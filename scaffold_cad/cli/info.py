@@ -24,7 +24,8 @@ def add_parser(
 
 def run(options: argparse.Namespace) -> None:
     """Print the counts of the skeleton as it is built, one a line."""
-    has_radii = read_raw(options.input, source.max_nodes(options)).has_radii
+    raw = read_raw(options.input, source.max_nodes(options))
+    has_radii = raw.has_radii
     # Any radius will do for the counts of a file without radii; it is not shown.
     cleaning = read_with_repairs(options.input, None if has_radii else 1.0)
     rows = _counts(cleaning.skeleton)
@@ -33,7 +34,11 @@ def run(options: argparse.Namespace) -> None:
         if has_radii
         else "none in the file: build needs --radius"
     )
+    if cleaning.skeleton.has_member_radii:
+        rows["strut radius"] = range_text(cleaning.skeleton.edge_radii)
     rows["repairs"] = str(cleaning.repairs)
+    if raw.left_out:
+        rows["beside it"] = ", ".join(raw.left_out)
     width = max(len(name) for name in rows)
     for name, value in rows.items():
         print(f"{name:<{width}}  {value}")

@@ -8,7 +8,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from scaffold_cad.errors import OptionError
-from scaffold_cad.io import read_skeleton
+from scaffold_cad.io import read_assembly, read_skeleton
+from scaffold_cad.products.assembly import Assembly
 from scaffold_cad.skeleton import Skeleton
 
 MAX_NODES = 2_000_000
@@ -64,6 +65,20 @@ def refuse(options: argparse.Namespace, names: Iterable[str], why: str) -> None:
         if value is not None and value is not False:  # 0 is given
             flag = "as" if name == "product" else name.replace("_", "-")
             raise OptionError(f"--{flag} {why}")
+
+
+def assembly_from(options: argparse.Namespace) -> Assembly | None:
+    """Return what the input holds if it is a 3MF file with more than a skeleton keeps, else None.
+
+    None too where options ask for a skeleton: a radius, or joints dropped.
+    """
+    path = Path(options.input)
+    if path.suffix.lower() != ".3mf" or options.strict:
+        return None
+    if options.radius is not None or options.simplify is not None:
+        return None
+    assembly = read_assembly(path)
+    return None if assembly.is_skeleton or not assembly.lattices else assembly
 
 
 def skeleton_from(options: argparse.Namespace, path: Path | None = None) -> Skeleton:

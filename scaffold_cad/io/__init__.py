@@ -77,6 +77,7 @@ from scaffold_cad.io.register import (
     written_formats,
     written_suffixes,
 )
+from scaffold_cad.io.threemf import read_assembly
 
 __all__ = [
     "BYTES_PER_EDGE",
@@ -86,6 +87,7 @@ __all__ = [
     "mesh_formats",
     "read_field",
     "read_nets",
+    "read_assembly",
     "read_raw",
     "read_skeleton",
     "read_triangles",

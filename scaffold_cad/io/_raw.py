@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,6 +38,8 @@ class RawSkeleton(Frozen):
     edge_radii: Floats | None
     """Radius of each edge at both ends, shape (m, 2), mm, nan where the file gives none; None if
     the file holds no radii of edges."""
+    left_out: tuple[str, ...]
+    """What the file holds beside that a skeleton does not keep, in words."""
 
     def __init__(
         self,
@@ -45,6 +47,7 @@ class RawSkeleton(Frozen):
         edges: ArrayLike,
         radii: ArrayLike | None = None,
         edge_radii: ArrayLike | None = None,
+        left_out: Iterable[str] = (),
     ) -> None:
         points = as_floats(nodes, "nodes")
         if points.ndim != 2 or points.shape[1] != 3:
@@ -56,6 +59,7 @@ class RawSkeleton(Frozen):
             edges=pairs,
             radii=None if radii is None else _as_raw_radii(radii, count=len(points)),
             edge_radii=None if edge_radii is None else _as_raw_edge_radii(edge_radii, len(pairs)),
+            left_out=tuple(left_out),
         )
 
     @property

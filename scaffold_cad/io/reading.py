@@ -40,7 +40,8 @@ def read_skeleton(
     path : a file of a format in `known_suffixes`
     radius : mm, > 0; the radius of every node and strut, instead of what the file holds; needed
         for formats without radii
-    strict : whether to refuse what needs repair; then no option of repair may be given
+    strict : whether to refuse what needs repair, and what a skeleton does not keep of the file;
+        then no option of repair may be given
     weld_distance, split_contacts : options of `Skeleton.cleaned`
     max_nodes : most nodes that are taken, as a guard of memory; any number if None
 
@@ -48,7 +49,7 @@ def read_skeleton(
     ------
     FormatError
         If the file cannot be read, or holds no edge, or no radii and none is given, or more
-        nodes than `max_nodes`.
+        nodes than `max_nodes`, or with `strict` more than a skeleton keeps.
     SkeletonError
         If it cannot be repaired, or with `strict` if it needs repair; nodes and edges are
         numbered from 0 in order of the file.
@@ -80,6 +81,11 @@ def read_skeleton(
     if weld_distance is not None or split_contacts:
         raise OptionError("strict reading repairs nothing; need no weld_distance, split_contacts")
     raw = read_raw(path, max_nodes)
+    if raw.left_out:
+        raise FormatError(
+            f"{path} holds also {', '.join(raw.left_out)}; need nothing that a skeleton does not "
+            "keep (or read it without strict)"
+        )
     radii, edge_radii = _radii(Path(path), raw, radius)
     try:
         skeleton = Skeleton(raw.nodes, raw.edges, radii, edge_radii)
@@ -99,6 +105,8 @@ def read_with_repairs(
 ) -> Cleaning:
     """Return the skeleton that a file holds as `read_skeleton` does, and what was repaired."""
     raw = read_raw(path, max_nodes)
+    if raw.left_out:
+        _log.warning("%s: left out %s", path, ", ".join(raw.left_out))
     radii, edge_radii = _radii(Path(path), raw, radius)
     try:
         graph = repaired(

@@ -11,6 +11,7 @@ from scaffold_cad.brep.beziermesh import BezierMesh
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.products.assembly import Assembly, assembly_solid
 from scaffold_cad.products.breps import to_brep
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.smooth import Patches, Subdivision
@@ -24,7 +25,8 @@ def surface_of(what: Any) -> QuadMesh | TriangleMesh | None:
     Parameters
     ----------
     what : a mesh or a subdivision; a Scaffold, whose quads are taken as they are where they are
-        one solid and whose overlapping struts are united elsewhere; a manifold3d Manifold; a
+        one solid and whose overlapping struts are united elsewhere; an Assembly, whose beams
+        and meshes are united; a manifold3d Manifold; a
         build123d shape, a builder's, or smooth patches, within 0.01 mm; anything with arrays
         `vertices`, and `triangles` or `faces` (t, 3), such as a trimesh Trimesh
 
@@ -40,6 +42,8 @@ def surface_of(what: Any) -> QuadMesh | TriangleMesh | None:
         return what.mesh
     if isinstance(what, Scaffold):
         return what.mesh if what.embedding().certified else manifold_triangles(to_solid(what))
+    if isinstance(what, Assembly):
+        return manifold_triangles(assembly_solid(what))
     if isinstance(what, Solidified):
         return manifold_triangles(what.manifold)
     if isinstance(what, BezierMesh | Patches):

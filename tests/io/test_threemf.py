@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-import logging
+import re
 import zipfile
 from pathlib import Path
 
@@ -169,14 +169,17 @@ def test_vertices_of_other_extensions_are_not_taken_for_those_of_the_mesh(tmp_pa
     assert raw.nodes[0].tolist() == [0, 0, 0]
 
 
-def test_clipping_is_left_undone_and_logged(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture
+@pytest.mark.parametrize("name", ["clippingmode", "clipping"])
+def test_a_skeleton_leaves_clipping_out_says_so_and_is_refused_where_strict(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, name: str
 ) -> None:
-    lattice = 'radius="1" minlength="1" clippingmode="inside" clippingmesh="2"'
-    assert len(read_raw(packed(tmp_path, model([mesh(lattice=lattice), SOLID]))).edges) == 2
-    messages = [r.getMessage() for r in caplog.records if r.levelno == logging.WARNING]
-    assert len(messages) == 1
-    assert "beams are to be clipped (inside); they are read whole" in messages[0]
+    lattice = f'radius="1" minlength="1" {name}="inside" clippingmesh="2"'
+    path = packed(tmp_path, model([mesh(lattice=lattice), SOLID]))
+    assert len(read_skeleton(path).edges) == 2
+    said = "the clipping of 1 lattices (what is inside stays)"
+    assert f"left out {said}" in caplog.text
+    with pytest.raises(FormatError, match=rf"lattice\.3mf holds also {re.escape(said)}; need"):
+        read_skeleton(path, strict=True)
 
 
 def test_what_another_library_writes_is_read(tmp_path: Path) -> None:
@@ -303,7 +306,7 @@ def test_what_overflows_is_refused(tmp_path: Path, power: int) -> None:
     item = f'<item objectid="1" transform="{huge} 0 0 0 {huge} 0 0 0 {huge} 0 0 0"/>'
     far = mesh().replace('"10 "', f'"{huge}"')
     for objects, items in (([mesh()], item), ([far], ITEM), ([far], item)):
-        with pytest.raises(FormatError, match=r"lattice\.3mf: nodes?.* is .*; need "):
+        with pytest.raises(FormatError, match=r"lattice\.3mf: (node|edge).* (is|has) .*; need "):
             read_raw(packed(tmp_path, model(objects, items, 'unit="meter"')))
 
 
@@ -402,7 +405,9 @@ def test_what_lib3mf_writes_is_read_as_lib3mf_reads_it(tmp_path: Path) -> None:
 
 def test_beams_clipped_to_what_is_not_there_are_refused(tmp_path: Path) -> None:
     lattice = 'radius="1" minlength="1" clippingmode="inside" clippingmesh="2"'
-    with pytest.raises(FormatError, match="clips beams to object '2', which is not a mesh in /3D"):
+    with pytest.raises(
+        FormatError, match="clips beams to object '2', or .* which is not a mesh in /3D"
+    ):
         read_raw(packed(tmp_path, model([mesh(lattice=lattice)])))
     lattice = 'radius="1" minlength="1" clippingmode="inside"'
     with pytest.raises(FormatError, match="clippingmode is 'inside'; need the attribute clippingm"):
