@@ -13,7 +13,6 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arguments import check_choice
-from scaffold_cad.base.arrays import Points
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.base.vectors import length

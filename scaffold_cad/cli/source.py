@@ -15,7 +15,7 @@ from scaffold_cad.skeleton import Skeleton
 MAX_NODES = 2_000_000
 """Most nodes of a file that are taken unless more are asked for."""
 
-OPTIONS = ("radius", "max_nodes", "simplify", "strict")
+OPTIONS = ("radius", "max_nodes", "join", "simplify", "strict")
 """What `add_arguments` adds beside the input."""
 
 _log = logging.getLogger(__name__)
@@ -28,6 +28,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--radius", type=float, metavar="R", help="radius of every node, mm (instead of the file's)"
     )
     add_max_nodes(parser)
+    parser.add_argument(
+        "--join",
+        type=float,
+        metavar="TOL",
+        help="make nodes where struts cross, or end on others, within TOL mm",
+    )
     parser.add_argument(
         "--simplify",
         type=float,
@@ -70,12 +76,12 @@ def refuse(options: argparse.Namespace, names: Iterable[str], why: str) -> None:
 def assembly_from(options: argparse.Namespace) -> Assembly | None:
     """Return what the input holds if it is a 3MF file with more than a skeleton keeps, else None.
 
-    None too where options ask for a skeleton: a radius, or joints dropped.
+    None too where options ask for a skeleton: a radius, nodes made, or joints dropped.
     """
     path = Path(options.input)
     if path.suffix.lower() != ".3mf" or options.strict:
         return None
-    if options.radius is not None or options.simplify is not None:
+    if any(value is not None for value in (options.radius, options.join, options.simplify)):
         return None
     assembly = read_assembly(path)
     return None if assembly.is_skeleton or not assembly.lattices else assembly
@@ -89,6 +95,10 @@ def skeleton_from(options: argparse.Namespace, path: Path | None = None) -> Skel
         options.strict,
         max_nodes=max_nodes(options),
     )
+    if options.join is not None:
+        joined = skeleton.joined(options.join)
+        _log.info("joined: %d edges became %d", len(skeleton.edges), len(joined.edges))
+        skeleton = joined
     if options.simplify is None:
         return skeleton
     thin = skeleton.simplified(options.simplify)

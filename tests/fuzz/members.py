@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import tempfile
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -302,6 +303,17 @@ def _rhino() -> bytes:
         return path.read_bytes()
 
 
+CAD = ("wire.step", "wire.stp", "wire.brep", "wire.igs", "wire.iges")
+"""Names of wires in CAD files. Each is read in a process of its own, which takes seconds."""
+
+
+@cache
+def cad_sample(name: str) -> bytes:
+    """Return the elbow as wires in a CAD file; build123d is imported when it is asked for."""
+    return _cad()[name]
+
+
+@cache
 def _cad() -> dict[str, bytes]:
     """Return the elbow as wires, in files of CAD formats."""
     build123d = import_module("build123d")
@@ -360,6 +372,3 @@ MEMBERS: dict[str, bytes] = {
     "plane.wire": WIRE_2D,
 }
 """Content by file name."""
-
-CAD: dict[str, bytes] = _cad()
-"""Wires by file name. Each is read in a process of its own, which takes seconds."""

@@ -9,7 +9,7 @@ import pytest
 
 from scaffold_cad.io import RawSkeleton, read_raw, read_skeleton
 from scaffold_cad.skeleton.repair import largest_at_nodes
-from tests.fuzz.members import CAD, CORNERS, MEMBERS
+from tests.fuzz.members import CAD, CORNERS, MEMBERS, cad_sample
 from tests.io.test_reading import written
 
 BALLS = [0.425, 0.425, 0.38]
@@ -96,7 +96,8 @@ def sizes(raw: RawSkeleton) -> np.ndarray:
 
 
 def sample(folder: Path, name: str) -> RawSkeleton:
-    return read_raw(written(folder, name, (MEMBERS | CAD)[name]))
+    content = cad_sample(name) if name in CAD else MEMBERS[name]
+    return read_raw(written(folder, name, content))
 
 
 @pytest.mark.parametrize("name", RADII)

@@ -25,8 +25,8 @@ from scaffold_cad.io import (
     unregister,
 )
 from scaffold_cad.io.content import Content
-from tests.fuzz.members import CAD
-from tests.fuzz.samples import SAMPLES as QUICK_SAMPLES
+from tests.fuzz.members import CAD, cad_sample
+from tests.fuzz.samples import SAMPLES
 from tests.io.test_reading import written
 from tests.skeletons import STRUT
 
@@ -63,18 +63,22 @@ def test_a_package_adds_a_reader_by_an_entry_point(
     assert skeleton.lengths.tolist() == [10]
 
 
-SAMPLES = QUICK_SAMPLES | CAD
+NAMES = (*SAMPLES, *CAD)
+
+
+def sample(name: str) -> bytes:
+    return cad_sample(name) if name in CAD else SAMPLES[name]
 
 
 def test_every_format_that_is_read_has_a_sample() -> None:
     for known in known_formats():
         for suffix in known.suffixes:
-            assert any(name.endswith(suffix) for name in SAMPLES), suffix
+            assert any(name.endswith(suffix) for name in NAMES), suffix
 
 
-@pytest.mark.parametrize("name", SAMPLES)
+@pytest.mark.parametrize("name", NAMES)
 def test_a_sample_is_recognized_by_its_own_format_only(name: str) -> None:
-    head = SAMPLES[name][: register.HEAD_SIZE]
+    head = sample(name)[: register.HEAD_SIZE]
     found = [known for known in known_formats() if known.recognises(head)]
     assert len(found) == 1
     assert name.endswith(found[0].suffixes)

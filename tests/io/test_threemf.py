@@ -406,7 +406,7 @@ def test_what_lib3mf_writes_is_read_as_lib3mf_reads_it(tmp_path: Path) -> None:
 def test_beams_clipped_to_what_is_not_there_are_refused(tmp_path: Path) -> None:
     lattice = 'radius="1" minlength="1" clippingmode="inside" clippingmesh="2"'
     with pytest.raises(
-        FormatError, match="clips beams to object '2', or .* which is not a mesh in /3D"
+        FormatError, match=r"clips beams to object '2', or .* which is not a mesh in /3D"
     ):
         read_raw(packed(tmp_path, model([mesh(lattice=lattice)])))
     lattice = 'radius="1" minlength="1" clippingmode="inside"'
