@@ -83,7 +83,7 @@ def run(options: argparse.Namespace) -> int:
     """Print the report and return 0 if the part is printable, else 1."""
     if options.html is not None:
         check_page(options.html)
-    triangles = read_triangles(options.input)
+    triangles = read_triangles(options.input, units=options.units, scale=options.scale)
     skeleton = None
     if options.skeleton is not None:
         if triangles is None:

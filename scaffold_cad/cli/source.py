@@ -16,7 +16,7 @@ MAX_NODES = 2_000_000
 """Most nodes of a file that are taken unless more are asked for."""
 
 OPTIONS = ("radius", "max_nodes", "join", "simplify", "strict")
-"""What `add_arguments` adds beside the input."""
+"""What `add_arguments` adds beside the input, its units and its scale."""
 
 _log = logging.getLogger(__name__)
 
@@ -28,6 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--radius", type=float, metavar="R", help="radius of every node, mm (instead of the file's)"
     )
     add_max_nodes(parser)
+    add_units(parser)
     parser.add_argument(
         "--join",
         type=float,
@@ -43,6 +44,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--strict", action="store_true", help="refuse a file that needs repair instead of repairing"
+    )
+
+
+def add_units(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments that say how long the unit of the input is."""
+    parser.add_argument(
+        "--units",
+        metavar="UNIT",
+        help="unit of the input's lengths where it names none: um, mm, cm, m, in, ft (default: mm)",
+    )
+    parser.add_argument(
+        "--scale", type=float, metavar="S", help="multiply the input's lengths by S"
     )
 
 
@@ -83,6 +96,8 @@ def assembly_from(options: argparse.Namespace) -> Assembly | None:
         return None
     if any(value is not None for value in (options.radius, options.join, options.simplify)):
         return None
+    if options.units is not None or options.scale is not None:
+        return None
     assembly = read_assembly(path)
     return None if assembly.is_skeleton or not assembly.lattices else assembly
 
@@ -94,6 +109,8 @@ def skeleton_from(options: argparse.Namespace, path: Path | None = None) -> Skel
         options.radius,
         options.strict,
         max_nodes=max_nodes(options),
+        units=options.units,
+        scale=options.scale,
     )
     if options.join is not None:
         joined = skeleton.joined(options.join)

@@ -62,7 +62,7 @@ def run(options: argparse.Namespace) -> None:
     """Write the page, print where it is, and open it."""
     if options.output is not None:
         check_page(options.output)
-    mesh = read_triangles(options.input)
+    mesh = read_triangles(options.input, units=options.units, scale=options.scale)
     if mesh is not None:
         given = (*source.OPTIONS, *build.SCAFFOLD_OPTIONS, "product")
         source.refuse(options, given, "is for skeletons; a mesh is shown as it is")

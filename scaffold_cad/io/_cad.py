@@ -26,7 +26,7 @@ def read_cad_wires(path: Path) -> RawSkeleton:
         raise FormatError(
             f"{path} holds {wires.faces} faces and no wires; need edges that bound no face"
         )
-    return joined_polylines(wires.lines)
+    return joined_polylines(wires.lines, "mm")
 
 
 def read_cad_triangles(path: Path) -> TriangleMesh:

@@ -70,14 +70,17 @@ class NamedGraph:
         self._edges.append((self._number[start], self._number[end]))
         self._edge_radii.append(radius if isinstance(radius, tuple) else (radius, radius))
 
-    def skeleton(self, scale: float = 1.0) -> RawSkeleton:
-        """Return the graph, its lengths times `scale`."""
+    def skeleton(
+        self, scale: float = 1.0, unit: str | None = None, usual_unit: str | None = None
+    ) -> RawSkeleton:
+        """Return the graph, its lengths times `scale`; for the units see `RawSkeleton`."""
         points = np.reshape(np.asarray(self._points, dtype=np.float64), (-1, 3)) * scale
         edges = np.reshape(np.asarray(self._edges, dtype=np.intp), (-1, 2))
         radii = np.asarray(self._radii, dtype=np.float64) * scale
         of_edges = np.reshape(np.asarray(self._edge_radii, dtype=np.float64), (-1, 2)) * scale
         of_nodes = None if np.isnan(radii).all() else radii
-        return RawSkeleton(points, edges, of_nodes, None if np.isnan(of_edges).all() else of_edges)
+        of_members = None if np.isnan(of_edges).all() else of_edges
+        return RawSkeleton(points, edges, of_nodes, of_members, unit=unit, usual_unit=usual_unit)
 
     def _error(self, where: str, found: str, needed: str) -> FormatError:
         place = f"{self._path}, {where}" if where else str(self._path)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from scaffold_cad.base.arguments import as_number, check_choice
+
 MILLIMETRES = {
     "nm": 1e-6,
     "um": 1e-3,
@@ -54,3 +56,20 @@ def length_of(name: str) -> float | None:
         if short in MILLIMETRES:
             return MILLIMETRES[short]
     return None
+
+
+def factor_of(units: str | None, scale: float | None) -> float:
+    """Return what lengths are multiplied with: mm in one of `units`, times `scale`.
+
+    Raises
+    ------
+    OptionError
+        If the unit is not known, or the scale is not > 0.
+    """
+    factor = 1.0
+    if units is not None:
+        known = length_of(units) if isinstance(units, str) else None
+        if known is None:
+            check_choice(units, "units", MILLIMETRES)
+        factor = known or 1.0
+    return factor if scale is None else factor * as_number(scale, "scale", unit="")

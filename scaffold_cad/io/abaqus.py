@@ -268,7 +268,7 @@ def write_abaqus(content: Content, path: Path) -> None:
     rounded = np.array([float(f"{radius:.{SIGNIFICANT}g}") for radius in radii.tolist()])
     sections, section = np.unique(rounded, return_inverse=True)
     with path.open("w", encoding="ascii", newline="\n") as file:
-        file.write("*HEADING\nscaffold_cad, unit: mm\n*NODE\n")
+        file.write(f"*HEADING\nscaffold_cad, unit: {content.unit}\n*NODE\n")
         rows = enumerate(skeleton.nodes.tolist(), start=1)
         file.writelines(f"{k}, {x!r}, {y!r}, {z!r}\n" for k, (x, y, z) in rows)
         for number in range(1, len(sections) + 1):

@@ -18,13 +18,13 @@ _SHAPE = re.compile(rb"[+-]\d+ \d+")
 """The last line of a file: a shape and where it is."""
 
 
-@register_writer(".brep", name="OCCT B-rep")
+@register_writer(".brep", name="OCCT B-rep", names_unit=True)
 def write_brep_content(content: Content, path: Path) -> None:
     """Write the B-rep of what `write` is given."""
     brep.export_brep(content.shape(), path)
 
 
-@register_mesh_reader("OCCT B-rep", ".brep")
+@register_mesh_reader("OCCT B-rep", ".brep", names_unit=True)
 def read_brep_triangles(path: Path) -> TriangleMesh:
     """Read the solids of a BREP file as triangles within 0.01 mm; none if it holds wires only."""
     return read_cad_triangles(path)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from scaffold_cad import brep
@@ -29,6 +29,10 @@ class Content:
     """Whether edges are also written in the parameters of their faces (STEP only)."""
     slabs: int | None = None
     """In how many slabs a fine surface is made."""
+    factor: float = 1.0
+    """What lengths in mm are multiplied with before they are written."""
+    unit: str = "mm"
+    """The unit of the lengths then, for comments in files."""
 
     @property
     def kind(self) -> str:
@@ -45,7 +49,7 @@ class Content:
         """
         if not isinstance(self.what, Skeleton):
             raise FormatError(f"{file} cannot hold a {self.kind}; need a Skeleton")
-        return self.what
+        return self.what if self.factor == 1.0 else self.what.scaled(self.factor)
 
     def mesh(self) -> QuadMesh | TriangleMesh:
         """Return the surface of `what` as quads, or as triangles if it has no quads.
@@ -55,7 +59,7 @@ class Content:
         FormatError
             If it has no surface, or no face.
         """
-        return _mesh(self.what)
+        return _scaled(_mesh(self.what), self.factor)
 
     def triangles(self) -> TriangleMesh:
         """Return the surface of `what` as triangles with 32-bit coordinates.
@@ -65,10 +69,16 @@ class Content:
         FormatError
             If it has no surface, or no face.
         """
-        return _triangles(self.what)
+        return _triangles(self.what, self.factor)
 
     def patches(self) -> BezierMesh | None:
         """Return the faces that a B-rep of `what` has, or None if it is no mesh of quads."""
+        found = self._patches()
+        if found is None or self.factor == 1.0:
+            return found
+        return replace(found, control_points=found.control_points * self.factor)
+
+    def _patches(self) -> BezierMesh | None:
         what = self.what
         if isinstance(what, BezierMesh):
             return what
@@ -96,7 +106,7 @@ class Content:
             If it has no B-rep.
         """
         if is_instance(self.what, "build123d", "Shape"):
-            return self.what
+            return self.what if self.factor == 1.0 else self.what.scale(self.factor)
         patches = self.patches()
         if patches is None:
             raise FormatError(
@@ -123,11 +133,19 @@ def closed_triangles(what: Any) -> TriangleMesh | None:
     return triangles
 
 
-def _triangles(what: Any) -> TriangleMesh:
-    mesh = _mesh(what)
+def _triangles(what: Any, factor: float = 1.0) -> TriangleMesh:
+    mesh = _scaled(_mesh(what), factor)
     if isinstance(mesh, QuadMesh):
         mesh = TriangleMesh(mesh.vertices, mesh.triangles)
     return mesh.single_precision()
+
+
+def _scaled(mesh: QuadMesh | TriangleMesh, factor: float) -> QuadMesh | TriangleMesh:
+    if factor == 1.0:
+        return mesh
+    if isinstance(mesh, QuadMesh):
+        return mesh.moved(mesh.vertices * factor)
+    return TriangleMesh(mesh.vertices * factor, mesh.triangles)
 
 
 def _mesh(what: Any) -> QuadMesh | TriangleMesh:

@@ -72,7 +72,7 @@ def write_graphml(content: Content, path: Path) -> None:
     keys = {"x": "node", "y": "node", "z": "node", "radius": "node", "r1": "edge", "r2": "edge"}
     with path.open("w", encoding="ascii", newline="\n") as file:
         file.write(
-            '<?xml version="1.0" encoding="UTF-8"?>\n<!-- scaffold_cad, unit: mm -->\n'
+            f'<?xml version="1.0" encoding="UTF-8"?>\n<!-- scaffold_cad, unit: {content.unit} -->\n'
             '<graphml xmlns="http://graphml.graphdrawing.org/xmlns">\n'
         )
         file.writelines(

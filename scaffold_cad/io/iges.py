@@ -30,7 +30,7 @@ def read_iges_wires(path: Path) -> RawSkeleton:
     return read_cad_wires(path)
 
 
-@register_mesh_reader("IGES", ".iges", ".igs")
+@register_mesh_reader("IGES", ".iges", ".igs", names_unit=True)
 def read_iges_triangles(path: Path) -> TriangleMesh:
     """Refuse a file with faces, and name what to use instead."""
     if not brep.read_wires(path, SAGITTA).faces:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import math
 from pathlib import Path
 from xml.etree.ElementTree import Element
@@ -16,8 +15,6 @@ from scaffold_cad.io.register import register_reader
 
 NANOMETRES = 1000.0
 """nm in the micrometre that is taken as a millimetre."""
-
-_log = logging.getLogger(__name__)
 
 
 def _recognises(head: bytes) -> bool:
@@ -44,8 +41,7 @@ def read_nml(path: Path) -> RawSkeleton:
         graph.add_edge(edge.get("source", ""), edge.get("target", ""))
     if not len(graph):
         raise FormatError(f"{path} has no nodes; need things with nodes and edges")
-    _log.info("%s: lengths are given in µm, taken as mm", path)
-    return graph.skeleton(1.0 / NANOMETRES)
+    return graph.skeleton(1.0 / NANOMETRES, usual_unit="um")
 
 
 def _number(path: Path, element: Element, name: str) -> float:

@@ -125,24 +125,24 @@ CHUNK = 1 << 15
 def write_obj_content(content: Content, path: Path) -> None:
     """Write a Skeleton as lines, and anything else that has a surface as its faces."""
     if isinstance(content.what, Skeleton):
-        write_obj_lines(content.what, path)
+        write_obj_lines(content.skeleton("an OBJ file"), path, content.unit)
     else:
-        write_obj(content.mesh(), path)
+        write_obj(content.mesh(), path, content.unit)
 
 
-def write_obj(mesh: QuadMesh | TriangleMesh, path: Path) -> None:
+def write_obj(mesh: QuadMesh | TriangleMesh, path: Path, unit: str = "mm") -> None:
     """Write the vertices, exact to the last bit, and the faces of `mesh`."""
     faces = mesh.quads if isinstance(mesh, QuadMesh) else mesh.triangles
     with path.open("w", encoding="ascii", newline="\n") as file:
-        file.write("# scaffold_cad\n# unit: mm\n")
+        file.write(f"# scaffold_cad\n# unit: {unit}\n")
         _write_rows(file, "v %r %r %r\n", mesh.vertices)
         _write_rows(file, "f" + " %d" * faces.shape[1] + "\n", faces + 1)
 
 
-def write_obj_lines(skeleton: Skeleton, path: Path) -> None:
+def write_obj_lines(skeleton: Skeleton, path: Path, unit: str = "mm") -> None:
     """Write the nodes, exact to the last bit, and the edges; OBJ has no place for radii."""
     with path.open("w", encoding="ascii", newline="\n") as file:
-        file.write("# scaffold_cad\n# unit: mm\n")
+        file.write(f"# scaffold_cad\n# unit: {unit}\n")
         _write_rows(file, "v %r %r %r\n", skeleton.nodes)
         _write_rows(file, "l %d %d\n", skeleton.edges + 1)
 

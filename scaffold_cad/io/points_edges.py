@@ -51,7 +51,8 @@ def read_points_edges(path: Path) -> RawSkeleton:
     scale = _unit(path, document)
     nodes = None if nodes is None else nodes * scale
     of_edges = None if of_edges is None else of_edges * scale
-    return RawSkeleton(places, pairs.astype(np.intp), nodes, of_edges)
+    said = next((str(document[key]) for key in ("unit", "units") if key in document), None)
+    return RawSkeleton(places, pairs.astype(np.intp), nodes, of_edges, unit=said)
 
 
 def _rows(

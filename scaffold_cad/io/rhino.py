@@ -61,7 +61,7 @@ def read_rhino(path: Path) -> RawSkeleton:
         _log.warning("%s: left out %s", path, names)
     if not lines:
         raise FormatError(f"{path} has no curves; need lines, polylines or curves")
-    return joined_polylines(lines)
+    return joined_polylines(lines, None if scale is None else name.lower())
 
 
 def _points(geometry: Any, rhino3dm: Any) -> Points | None:

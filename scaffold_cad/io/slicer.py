@@ -52,7 +52,7 @@ def read_slicer(path: Path) -> RawSkeleton:
         raise FormatError(f"{path} has no curves; need markups of type {', '.join(OPEN + CLOSED)}")
     of_nodes = np.concatenate(radii)
     known = None if np.isnan(of_nodes).all() else of_nodes
-    return RawSkeleton(np.concatenate(points), np.concatenate(edges), known)
+    return RawSkeleton(np.concatenate(points), np.concatenate(edges), known, unit="mm")
 
 
 def _position(path: Path, row: Any, where: str) -> list[float]:

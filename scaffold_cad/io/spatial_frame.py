@@ -53,11 +53,12 @@ def read_spatial_frame(path: Path) -> RawSkeleton:
     points = [_point(path, node, f"node {k}") for k, node in enumerate(nodes)]
     ends = [_pair(path, bar, ends_key, f"element {k}") for k, bar in enumerate(bars)]
     # Made here, so that ends out of range are refused before radii are put at them.
-    bare = RawSkeleton(np.reshape(points, (-1, 3)) * unit, np.reshape(ends, (-1, 2)))
+    said = None if "unit" not in document else str(document["unit"])
+    bare = RawSkeleton(np.reshape(points, (-1, 3)) * unit, np.reshape(ends, (-1, 2)), unit=said)
     radii = _radii_of_bars(path, document, bars, unit)
     if radii is None:
         return bare
-    return RawSkeleton(bare.nodes, bare.edges, edge_radii=radii)
+    return RawSkeleton(bare.nodes, bare.edges, edge_radii=radii, unit=said)
 
 
 def _point(path: Path, node: Any, where: str) -> list[float]:

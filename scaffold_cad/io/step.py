@@ -69,7 +69,7 @@ POINT = "CARTESIAN_POINT('',(%s,%s,%s))"
 DIRECTION = "DIRECTION('',(%s,%s,%s))"
 
 
-@register_writer(*STEP_SUFFIXES, name="STEP")
+@register_writer(*STEP_SUFFIXES, name="STEP", names_unit=True)
 def write_step_content(content: Content, path: Path) -> None:
     """Write a build123d shape by OCCT, and meshes of quads straight from their arrays."""
     patches = content.patches()
@@ -81,7 +81,7 @@ def write_step_content(content: Content, path: Path) -> None:
     write_step(patches, path, name=content.name, face_names=content.face_names())
 
 
-@register_mesh_reader("STEP", *STEP_SUFFIXES)
+@register_mesh_reader("STEP", *STEP_SUFFIXES, names_unit=True)
 def read_step_triangles(path: Path) -> TriangleMesh:
     """Read the solids of a STEP file as triangles within 0.01 mm; none if it holds wires only."""
     return read_cad_triangles(path)

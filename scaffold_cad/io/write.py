@@ -22,8 +22,9 @@ from scaffold_cad.base.arguments import as_path
 from scaffold_cad.base.builders import built
 from scaffold_cad.base.files import check_target, replacing
 from scaffold_cad.errors import OptionError
+from scaffold_cad.io._units import factor_of
 from scaffold_cad.io.content import Content
-from scaffold_cad.io.register import writer_of
+from scaffold_cad.io.register import WrittenFormat, written_format_of
 from scaffold_cad.io.step import STEP_SUFFIXES
 from scaffold_cad.smooth import FineSurface
 
@@ -34,6 +35,8 @@ def write(
     *,
     write_pcurves: bool = False,
     slabs: int | None = None,
+    units: str | None = None,
+    scale: float | None = None,
 ) -> None:
     """Write `what` to the file at `path`, whole or not at all.
 
@@ -50,6 +53,9 @@ def write(
         programs that ask for it: twice the size, and OCCT takes longer to write and to read it
     slabs : ≥ 1; in how many slabs a FineSurface is made and written, which bounds the memory
         needed beyond the scaffold's; by default as many as keep it under some 500 MB
+    units : "um", "mm", "cm", "m", "in", "ft", ...: the unit of the numbers in a file that names
+        none, such as STL; one that names its unit stays in it. By default mm
+    scale : > 0; what lengths are multiplied with besides
 
     Raises
     ------
@@ -60,8 +66,8 @@ def write(
         not closed.
     OptionError
         If `write_pcurves` is asked of another format than STEP, or `slabs` for anything but a
-        FineSurface, or there are fewer than 1; or `what` is a builder that holds no shape yet, or
-        `path` is none.
+        FineSurface, or there are fewer than 1; or the units or the scale are not known; or `what`
+        is a builder that holds no shape yet, or `path` is none.
     MissingBackendError
         If the package that writes the format is not installed.
 
@@ -77,14 +83,17 @@ def write(
     684
     """
     path, what = _target(path, what), built(what)
-    writer = writer_of(path)
+    known = written_format_of(path)
+    content = Content(what, path.stem, write_pcurves, slabs, *_factor(known, units, scale))
     if write_pcurves and path.suffix.lower() not in STEP_SUFFIXES:
         raise OptionError(f"write_pcurves is for STEP files only; {path.name} is none")
     if slabs is not None and not isinstance(what, FineSurface):
         kind = type(what).__name__
         raise OptionError(f"slabs is for a FineSurface only; {path.name} gets a {kind}")
+    if content.factor != 1.0 and isinstance(what, FineSurface):
+        raise OptionError("a FineSurface is written in mm; need no units and no scale")
     with replacing(path) as fresh:
-        writer(Content(what, path.stem, write_pcurves, slabs), fresh)
+        known.write(content, fresh)
 
 
 def check_writable(path: str | PathLike[str], *, solid: bool = False) -> None:
@@ -100,8 +109,17 @@ def check_writable(path: str | PathLike[str], *, solid: bool = False) -> None:
         If the suffix is unknown, or the folder is missing or read-only.
     """
     path = as_path(path)
-    writer_of(path, solid)
+    written_format_of(path, solid)
     check_target(path)
+
+
+def _factor(known: WrittenFormat, units: str | None, scale: float | None) -> tuple[float, str]:
+    """Return what lengths in mm are multiplied with for a file of a format, and its unit."""
+    factor = factor_of(None, scale)
+    if units is None or known.names_unit:
+        factor_of(units, None)  # refuses a unit that nobody knows
+        return factor, "mm"
+    return factor / factor_of(units, None), units
 
 
 def _target(path: str | PathLike[str], what: Any) -> Path:

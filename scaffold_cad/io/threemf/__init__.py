@@ -6,6 +6,7 @@ import logging
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
+from typing import overload
 
 from scaffold_cad.base.arguments import as_path
 from scaffold_cad.errors import FormatError, MeshError, SkeletonError
@@ -61,7 +62,7 @@ def read_assembly(path: str | PathLike[str]) -> Assembly:
         raise FormatError(f"{path}: {error}") from None
 
 
-@register_mesh_reader("3MF", ".3mf")
+@register_mesh_reader("3MF", ".3mf", names_unit=True)
 def read_3mf_triangles(path: Path) -> TriangleMesh:
     """Read the meshes that a 3MF file builds, in mm; none if a skeleton holds all of it.
 
@@ -78,25 +79,43 @@ def read_3mf_triangles(path: Path) -> TriangleMesh:
     return manifold_triangles(assembly_solid(assembly))
 
 
-@register_writer(".3mf", name="3MF")
+@register_writer(".3mf", name="3MF", names_unit=True)
 def write_3mf_content(content: Content, path: Path) -> None:
     """Write a Skeleton, a BeamLattice or an Assembly as beams, and triangles of anything else."""
-    what = content.what
+    what, factor = content.what, content.factor
     if isinstance(what, Skeleton):
-        what = BeamLattice(what)
+        what = BeamLattice(content.skeleton("a 3MF file"))
+        factor = 1.0
     if isinstance(what, BeamLattice):
         what = Assembly([what])
     if isinstance(what, Assembly):
-        write_3mf_assembly(Assembly([*map(_closed, what.lattices)], what.meshes), path)
+        meshes = [_scaled(mesh, factor) for mesh in what.meshes]
+        write_3mf_assembly(Assembly([_closed(one, factor) for one in what.lattices], meshes), path)
         return
     write_3mf(content.triangles(), path)
 
 
-def _closed(lattice: BeamLattice) -> BeamLattice:
-    """Return a lattice whose meshes are closed triangles with 32-bit coordinates."""
+def _closed(lattice: BeamLattice, factor: float) -> BeamLattice:
+    """Return a lattice times `factor`, its meshes closed triangles with 32-bit coordinates."""
     return replace(
         lattice,
-        clip=closed_triangles(lattice.clip),
-        mesh=closed_triangles(lattice.mesh),
-        representation=closed_triangles(lattice.representation),
+        skeleton=lattice.skeleton if factor == 1.0 else lattice.skeleton.scaled(factor),
+        balls=lattice.balls * factor,
+        clip=_scaled(closed_triangles(lattice.clip), factor),
+        mesh=_scaled(closed_triangles(lattice.mesh), factor),
+        representation=_scaled(closed_triangles(lattice.representation), factor),
     )
+
+
+@overload
+def _scaled(mesh: TriangleMesh, factor: float) -> TriangleMesh: ...
+
+
+@overload
+def _scaled(mesh: None, factor: float) -> None: ...
+
+
+def _scaled(mesh: TriangleMesh | None, factor: float) -> TriangleMesh | None:
+    if mesh is None or factor == 1.0:
+        return mesh
+    return TriangleMesh(mesh.vertices * factor, mesh.triangles)

@@ -38,7 +38,7 @@ def skeleton_of(pieces: Sequence[Piece], left_out: Sequence[str] = ()) -> RawSke
     ends_of_all = np.concatenate(edges)
     of_ends = np.concatenate([np.zeros((0, 2)), *radii])
     points = as_points(np.concatenate(nodes), "nodes")
-    return RawSkeleton(points, ends_of_all, edge_radii=of_ends, left_out=left_out)
+    return RawSkeleton(points, ends_of_all, edge_radii=of_ends, left_out=left_out, unit="mm")
 
 
 def triangles_of(pieces: Sequence[Piece]) -> TriangleMesh:

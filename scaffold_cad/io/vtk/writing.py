@@ -29,7 +29,7 @@ def write_vtu(content: Content, path: Path) -> None:
     path.write_text(
         '<?xml version="1.0"?>\n'
         '<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" '
-        'header_type="UInt64">\n<!-- scaffold_cad, unit: mm -->\n<UnstructuredGrid>\n'
+        f'header_type="UInt64">\n<!-- scaffold_cad, unit: {content.unit} -->\n<UnstructuredGrid>\n'
         f'<Piece NumberOfPoints="{len(skeleton.nodes)}" NumberOfCells="{count}">\n'
         f"<PointData>{of_points}</PointData>\n<CellData>{of_cells}</CellData>\n"
         f"<Points>{_array('Float64', 'Points', skeleton.nodes, 3)}</Points>\n"
