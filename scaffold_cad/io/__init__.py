@@ -54,12 +54,12 @@ from scaffold_cad.io import (  # noqa: F401
     tubetk,
     vtk,
 )
-from scaffold_cad.io._json import skeleton_to_json
-from scaffold_cad.io._networkx import skeleton_from_networkx, skeleton_to_networkx
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io.cgd import read_nets
 from scaffold_cad.io.fields import read_field
+from scaffold_cad.io.json import skeleton_to_json
 from scaffold_cad.io.meshes import read_triangles
+from scaffold_cad.io.networkx import skeleton_from_networkx, skeleton_to_networkx
 from scaffold_cad.io.reading import (
     BYTES_PER_EDGE,
     read_raw,
