@@ -8,7 +8,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from scaffold_cad.errors import OptionError
-from scaffold_cad.io import read_assembly, read_skeleton
+from scaffold_cad.io import read_assembly, read_skeleton, read_triangles
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.products.assembly import Assembly
 from scaffold_cad.skeleton import Skeleton
 
@@ -100,6 +101,15 @@ def assembly_from(options: argparse.Namespace) -> Assembly | None:
         return None
     assembly = read_assembly(path)
     return None if assembly.is_skeleton or not assembly.lattices else assembly
+
+
+def triangles_from(options: argparse.Namespace) -> TriangleMesh | None:
+    """Return the mesh of the input, or None where it is a skeleton, or options ask for one."""
+    asked = any(value is not None for value in (options.radius, options.join, options.simplify))
+    path = Path(options.input)
+    if asked and path.suffix.lower() == ".3mf" and read_assembly(path).lattices:
+        return None
+    return read_triangles(path, units=options.units, scale=options.scale)
 
 
 def skeleton_from(options: argparse.Namespace, path: Path | None = None) -> Skeleton:

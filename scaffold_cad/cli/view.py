@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 from scaffold_cad.base.files import check_page
 from scaffold_cad.cli import build, source
-from scaffold_cad.io import read_triangles
 from scaffold_cad.solid.roundstruts import ROUND_SIDES
 from scaffold_cad.solid.thicken import frame_scaffold
 from scaffold_cad.webpage import write_page
@@ -62,7 +61,7 @@ def run(options: argparse.Namespace) -> None:
     """Write the page, print where it is, and open it."""
     if options.output is not None:
         check_page(options.output)
-    mesh = read_triangles(options.input, units=options.units, scale=options.scale)
+    mesh = source.triangles_from(options)
     if mesh is not None:
         given = (*source.OPTIONS, *build.SCAFFOLD_OPTIONS, "product")
         source.refuse(options, given, "is for skeletons; a mesh is shown as it is")
