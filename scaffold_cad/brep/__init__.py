@@ -1,6 +1,6 @@
 """B-reps: Bézier patches, shells and solids of them; only this wing and parts use OCCT."""
 
-from scaffold_cad.brep.apart import Wires, read_wires
+from scaffold_cad.brep.cadwires import Wires, read_wires
 from scaffold_cad.brep.shapes import (
     BREP_SUFFIXES,
     TESSELLATION_DISTANCE,

@@ -7,10 +7,10 @@ import io
 import logging
 from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from scaffold_cad.base.apart import Arrays, run_apart
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.base.backends import need
 from scaffold_cad.errors import FormatError
@@ -44,28 +44,40 @@ def lines_of(path: Path, kind: str) -> RawSkeleton:
     """
     need("meshio", f"a {path.suffix} file")
     check_size(path, LARGEST_MESH)
+    found = run_apart(line_arrays, path, kind)
+    if str(found["said"]):
+        _log.warning("%s: %s", path, str(found["said"]))
+    points, edges = found["points"], found["edges"]
+    if not len(edges):
+        raise FormatError(f"{path} has no line elements; need at least one")
+    used, compact = np.unique(edges, return_inverse=True)
+    if used[0] < 0 or used[-1] >= len(points):
+        raise FormatError(f"{path} has a line to point {used[-1]}; need 0 to {len(points) - 1}")
+    of_nodes, of_edges = found["of_nodes"], found["of_edges"]
+    return RawSkeleton(
+        points[used],
+        compact.reshape(-1, 2),
+        of_nodes[used] if len(of_nodes) == len(points) else None,
+        None if np.isnan(of_edges).all() else of_edges,
+    )
+
+
+def line_arrays(path: Path, kind: str) -> Arrays:
+    """Return the points and lines of a mesh, their radii, and what meshio printed.
+
+    Run in a process of its own: HDF5 may end it on damaged files, and meshio take any time.
+    """
     reader = import_module(f"meshio.{kind}")
     said = io.StringIO()
     try:
         # meshio prints its warnings; its general reader would end the whole process.
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
             mesh = reader.read(path)
-    except (OSError, MemoryError) as error:
-        if isinstance(error, OSError) and error.errno is not None:
-            raise
-        raise FormatError(f"{path} cannot be read: {error}; need a sound file") from None
     except (Exception, SystemExit) as error:  # of the many things that meshio raises
         raise FormatError(f"{path} is no sound file: {error!r:.200}; need one") from None
-    if said.getvalue():
-        _log.warning("%s: %s", path, said.getvalue().strip()[:200])
-    return _skeleton(path, mesh)
-
-
-def _skeleton(path: Path, mesh: Any) -> RawSkeleton:
     points = as_doubles(np.asarray(mesh.points))
     if points.ndim != 2 or points.shape[1] > 3:
         raise FormatError(f"{path} has points of shape {points.shape}; need (n, 3)")
-    points = np.pad(points, ((0, 0), (0, 3 - points.shape[1]))) if points.shape[1] < 3 else points
     edges, of_edges = [np.zeros((0, 2), dtype=np.intp)], [np.zeros(0)]
     for k, block in enumerate(mesh.cells):
         if block.type not in ORDER:
@@ -75,20 +87,17 @@ def _skeleton(path: Path, mesh: Any) -> RawSkeleton:
         if data.ndim != 2 or data.shape[1] != len(order):
             raise FormatError(f"{path} has lines of {data.shape} points; need {len(order)} a line")
         rows = data[:, list(order)].astype(np.intp)
-        pairs = np.stack([rows[:, :-1], rows[:, 1:]], axis=2).reshape(-1, 2)
+        edges.append(np.stack([rows[:, :-1], rows[:, 1:]], axis=2).reshape(-1, 2))
         named = {name: np.asarray(values[k]) for name, values in mesh.cell_data.items()}
-        edges.append(pairs)
-        of_edges.append(_repeated(radii_among(named), len(rows), rows.shape[1] - 1))
-    found, radii = np.concatenate(edges), np.concatenate(of_edges)
-    if not len(found):
-        raise FormatError(f"{path} has no line elements; need at least one")
+        of_edges.append(_repeated(radii_among(named), len(rows), len(order) - 1))
     of_nodes = radii_among({name: np.asarray(values) for name, values in mesh.point_data.items()})
-    used, compact = np.unique(found, return_inverse=True)
-    if used[0] < 0 or used[-1] >= len(points):
-        raise FormatError(f"{path} has a line to point {used[-1]}; need 0 to {len(points) - 1}")
-    of_nodes = None if of_nodes is None or len(of_nodes) != len(points) else of_nodes[used]
-    of_members = None if np.isnan(radii).all() else radii
-    return RawSkeleton(points[used], compact.reshape(-1, 2), of_nodes, of_members)
+    return {
+        "points": np.pad(points, ((0, 0), (0, 3 - points.shape[1]))),
+        "edges": np.concatenate(edges),
+        "of_edges": np.concatenate(of_edges),
+        "of_nodes": np.zeros(0) if of_nodes is None else of_nodes,
+        "said": np.array(said.getvalue().strip()[:200]),
+    }
 
 
 def _repeated(values: Floats | None, count: int, pieces: int) -> Floats:

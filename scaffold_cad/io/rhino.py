@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from scaffold_cad.base.apart import Arrays, run_apart
 from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.base.backends import need
 from scaffold_cad.errors import FormatError
@@ -35,7 +36,25 @@ def read_rhino(path: Path) -> RawSkeleton:
     """
     need("rhino3dm", "a 3DM file")
     check_size(path, LARGEST_FILE)
-    path.stat()  # its errors have names
+    found = run_apart(curve_arrays, path)
+    name = str(found["unit"])
+    scale = length_of(name)
+    if scale is None:
+        _log.warning("%s: lengths are in the unit %s, taken as mm", path, name)
+    if len(found["left_out"]):
+        _log.warning("%s: left out %s", path, ", ".join(found["left_out"].tolist()))
+    ends = found["ends"]
+    if not len(ends):
+        raise FormatError(f"{path} has no curves; need lines, polylines or curves")
+    lines = np.split(found["points"] * (scale or 1.0), ends[:-1])
+    return joined_polylines(lines, None if scale is None else name.lower())
+
+
+def curve_arrays(path: Path) -> Arrays:
+    """Return the points of all curves, where each ends among them, the unit, and what is left out.
+
+    Run in a process of its own: rhino3dm may end it on damaged files.
+    """
     import rhino3dm
 
     try:
@@ -44,24 +63,20 @@ def read_rhino(path: Path) -> RawSkeleton:
         raise FormatError(f"{path} is no sound 3DM file: {error!r:.200}; need one") from None
     if document is None:
         raise FormatError(f"{path} is no sound 3DM file; need one of Rhino 3 or later")
-    name = str(document.Settings.ModelUnitSystem).rpartition(".")[2]
-    scale = length_of(name)
-    if scale is None:
-        _log.warning("%s: lengths are in the unit %s, taken as mm", path, name)
     lines, left_out = [], Counter[str]()
     for k in range(len(document.Objects)):
         item = document.Objects[k]
         points = _points(item.Geometry, rhino3dm)
         if points is None:
             left_out[type(item.Geometry).__name__] += 1
-        else:
-            lines.append(points * (scale or 1.0))
-    if left_out:
-        names = ", ".join(f"{count} {kind}" for kind, count in sorted(left_out.items()))
-        _log.warning("%s: left out %s", path, names)
-    if not lines:
-        raise FormatError(f"{path} has no curves; need lines, polylines or curves")
-    return joined_polylines(lines, None if scale is None else name.lower())
+        elif len(points) > 1:
+            lines.append(points)
+    return {
+        "points": np.concatenate([np.zeros((0, 3)), *lines]),
+        "ends": np.cumsum([len(line) for line in lines], dtype=np.intp),
+        "unit": np.array(str(document.Settings.ModelUnitSystem).rpartition(".")[2]),
+        "left_out": np.array([f"{count} {kind}" for kind, count in sorted(left_out.items())]),
+    }
 
 
 def _points(geometry: Any, rhino3dm: Any) -> Points | None:

@@ -304,13 +304,24 @@ def _rhino() -> bytes:
 
 
 CAD = ("wire.step", "wire.stp", "wire.brep", "wire.igs", "wire.iges")
-"""Names of wires in CAD files. Each is read in a process of its own, which takes seconds."""
+"""Names of wires in CAD files."""
+
+APART = (*CAD, "text.msh", "binary.msh", "elbow.med", "curves.3dm")
+"""Names of files that libraries read, each in a process of its own, which takes a second."""
 
 
 @cache
-def cad_sample(name: str) -> bytes:
-    """Return the elbow as wires in a CAD file; build123d is imported when it is asked for."""
-    return _cad()[name]
+def sample_apart(name: str) -> bytes:
+    """Return the elbow in a file of `APART`; the libraries are imported when it is asked for."""
+    if name in CAD:
+        return _cad()[name]
+    if name == "curves.3dm":
+        return _rhino()
+    if name == "text.msh":
+        return GMSH
+    if name == "elbow.med":
+        return _by_meshio("med", ".med")
+    return _by_meshio("gmsh", ".msh", fmt_version="4.1", binary=True)
 
 
 @cache
@@ -347,13 +358,9 @@ MEMBERS: dict[str, bytes] = {
     "rods.bdf": NASTRAN,
     "rods.nas": NASTRAN,
     "free.dat": NASTRAN_FREE,
-    "text.msh": GMSH,
-    "binary.msh": _by_meshio("gmsh", ".msh", fmt_version="4.1", binary=True),
-    "elbow.med": _by_meshio("med", ".med"),
     "graph.graphml": GRAPHML,
     "graph.gml": GML,
     "drawing.svg": SVG,
-    "curves.3dm": _rhino(),
     "elbow.mol": MOL,
     "elbow.sdf": MOL + b"$$$$\n",
     "extended.sd": MOL_V3000,

@@ -9,7 +9,7 @@ import pytest
 
 from scaffold_cad.io import RawSkeleton, read_raw, read_skeleton
 from scaffold_cad.skeleton.repair import largest_at_nodes
-from tests.fuzz.members import CAD, CORNERS, MEMBERS, cad_sample
+from tests.fuzz.members import APART, CORNERS, MEMBERS, sample_apart
 from tests.io.test_reading import written
 
 BALLS = [0.425, 0.425, 0.38]
@@ -96,7 +96,7 @@ def sizes(raw: RawSkeleton) -> np.ndarray:
 
 
 def sample(folder: Path, name: str) -> RawSkeleton:
-    content = cad_sample(name) if name in CAD else MEMBERS[name]
+    content = sample_apart(name) if name in APART else MEMBERS[name]
     return read_raw(written(folder, name, content))
 
 

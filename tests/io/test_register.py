@@ -25,7 +25,7 @@ from scaffold_cad.io import (
     unregister,
 )
 from scaffold_cad.io.content import Content
-from tests.fuzz.members import CAD, cad_sample
+from tests.fuzz.members import APART, sample_apart
 from tests.fuzz.samples import SAMPLES
 from tests.io.test_reading import written
 from tests.skeletons import STRUT
@@ -63,11 +63,11 @@ def test_a_package_adds_a_reader_by_an_entry_point(
     assert skeleton.lengths.tolist() == [10]
 
 
-NAMES = (*SAMPLES, *CAD)
+NAMES = (*SAMPLES, *APART)
 
 
 def sample(name: str) -> bytes:
-    return cad_sample(name) if name in CAD else SAMPLES[name]
+    return sample_apart(name) if name in APART else SAMPLES[name]
 
 
 def test_every_format_that_is_read_has_a_sample() -> None:
