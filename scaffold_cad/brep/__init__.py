@@ -1,5 +1,6 @@
 """B-reps: Bézier patches, shells and solids of them; only this wing and parts use OCCT."""
 
+from scaffold_cad.brep.cadwires import Wires, read_wires
 from scaffold_cad.brep.shapes import (
     BREP_SUFFIXES,
     TESSELLATION_DISTANCE,
@@ -11,6 +12,7 @@ from scaffold_cad.brep.shapes import (
     export_brep,
     export_step,
     read_brep,
+    read_shape,
     tessellated,
 )
 
@@ -18,6 +20,7 @@ __all__ = [
     "BREP_SUFFIXES",
     "TESSELLATION_DISTANCE",
     "Kind",
+    "Wires",
     "brep_of_faces",
     "brep_of_patches",
     "check_edges",
@@ -25,5 +28,7 @@ __all__ = [
     "export_brep",
     "export_step",
     "read_brep",
+    "read_shape",
+    "read_wires",
     "tessellated",
 ]

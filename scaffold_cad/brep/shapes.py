@@ -170,19 +170,30 @@ def read_brep(path: Path) -> Shape:
     FormatError
         If the file cannot be read or holds no solid.
     """
+    shape = read_shape(path)
+    if not shape.solids():
+        raise FormatError(f"{path} holds no solid; need one")
+    return shape
+
+
+def read_shape(path: Path) -> Shape:
+    """Return the shapes in a file of a CAD format, in mm.
+
+    Raises
+    ------
+    FormatError
+        If it cannot be read.
+    """
     if not path.is_file():
         raise FormatError(f"{path} cannot be read: there is no such file")
-    need("build123d", "a STEP or BREP file")
+    need("build123d", f"a {path.suffix[1:].upper()} file")
     from scaffold_cad.brep import occt
 
     read = occt.import_brep if path.suffix.lower() == ".brep" else occt.import_step
     try:
-        shape = read(path)
+        return read(path)
     except (OSError, RuntimeError, ValueError) as error:
         raise FormatError(f"{path} cannot be read: {error}") from None
-    if not shape.solids():
-        raise FormatError(f"{path} holds no solid; need one")
-    return shape
 
 
 def export_step(shape: Shape, path: Path, *, write_pcurves: bool = False) -> None:

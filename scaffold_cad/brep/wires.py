@@ -18,7 +18,6 @@ from OCP.BRepAdaptor import BRepAdaptor_Curve
 from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge
 from OCP.GCPnts import GCPnts_TangentialDeflection
 from OCP.GeomAbs import GeomAbs_CurveType
-from OCP.TopExp import TopExp
 from OCP.TopoDS import TopoDS_Compound, TopoDS_Edge
 
 from scaffold_cad.base.arguments import as_number
@@ -26,15 +25,13 @@ from scaffold_cad.base.arrays import Edges, Points
 from scaffold_cad.base.builders import built
 from scaffold_cad.base.radii import Radius, radii_at
 from scaffold_cad.brep.occt import TOLERANCE
+from scaffold_cad.brep.occtcurves import TURN, sampled
 from scaffold_cad.brep.occtmeshes import line_edges
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.skeleton import Skeleton
 
 Curves: TypeAlias = Shape | Builder | Iterable[Shape | Builder]
 """A shape of build123d that has edges, or a builder that holds one, or several of them."""
-
-TURN = np.pi / 6
-"""Largest turn from one joint to the next along a curve, rad: a circle gets 12 of them."""
 
 HALF_TURN = 5
 """Points, no more than `TURN` apart, after which a curve has turned by less than π."""
@@ -62,7 +59,7 @@ def skeleton_from_edges(
     edges = [piece for edge in distinct for piece in _pieces(edge.wrapped)]
     if not edges:
         raise SkeletonError("the shapes have no edges; need at least one")
-    polylines = [_sampled(edge, tolerance) for edge in _split_where_they_meet(edges, contact)]
+    polylines = [sampled(edge, tolerance) for edge in _split_where_they_meet(edges, contact)]
     nodes, pairs = _chained(polylines)
     clean = Skeleton(nodes, pairs, 1.0).cleaned(weld_distance=contact).skeleton
     return clean.with_radii(radii_at(clean.nodes, radius))
@@ -145,16 +142,6 @@ def _split_where_they_meet(edges: list[TopoDS_Edge], distance: float) -> list[To
     if fuse.HasErrors():
         raise SkeletonError(f"OCCT cannot tell where the {len(edges)} edges meet; need fewer")
     return [edge.wrapped for edge in Shape.cast(fuse.Shape()).edges()]
-
-
-def _sampled(edge: TopoDS_Edge, tolerance: float) -> Points:
-    """Return points along an edge whose chords are within `tolerance` of it, (k, 3)."""
-    sampler = GCPnts_TangentialDeflection(BRepAdaptor_Curve(edge), TURN, tolerance)
-    inner = [sampler.Value(i) for i in range(2, sampler.NbPoints())]
-    # Its ends where the edges that it meets have theirs.
-    ends = [BRep_Tool.Pnt_s(end(edge)) for end in (TopExp.FirstVertex_s, TopExp.LastVertex_s)]
-    points = [ends[0], *inner, ends[1]]
-    return np.array([(point.X(), point.Y(), point.Z()) for point in points])
 
 
 def _chained(polylines: list[Points]) -> tuple[Points, Edges]:

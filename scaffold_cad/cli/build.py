@@ -15,6 +15,7 @@ from scaffold_cad.cli import source
 from scaffold_cad.cli.progress import ROUND_RATE, SCAFFOLD_RATE, SOLID_RATE, Progress
 from scaffold_cad.errors import OptionError
 from scaffold_cad.io.write import check_writable, write
+from scaffold_cad.products.assembly import Assembly, assembly_solid
 from scaffold_cad.products.breps import to_brep
 from scaffold_cad.products.overlaps import Overlaps
 from scaffold_cad.scaffold import Scaffold, build_scaffold
@@ -136,8 +137,12 @@ def run(options: argparse.Namespace) -> None:
     """Read, build and write."""
     check_writable(options.output, solid=True)
     _check_combination(options)
-    skeleton = source.skeleton_from(options)
     progress = Progress()
+    assembly = source.assembly_from(options) if _takes_assemblies(options) else None
+    if assembly is not None:
+        _build_assembly(assembly, options.output, progress)
+        return
+    skeleton = source.skeleton_from(options)
     if options.product == "frame" or not options.round:
         with progress.stage("scaffold", len(skeleton.edges), "struts", SCAFFOLD_RATE):
             scaffold = scaffold_from(options, skeleton)
@@ -172,6 +177,24 @@ def written_with(options: argparse.Namespace) -> dict[str, Any]:
     """Return the arguments for `write` that are given."""
     given = {name: getattr(options, name) for name in ("overlaps", "sides")}
     return {name: value for name, value in given.items() if value is not None}
+
+
+def _takes_assemblies(options: argparse.Namespace) -> bool:
+    """Return whether a solid is asked for that is not made by way of a scaffold."""
+    given = [getattr(options, name) for name in (*SCAFFOLD_OPTIONS, "round", "overlaps")]
+    cad = options.output.suffix.lower() in BREP_SUFFIXES
+    return options.product == "scaffold" and not cad and not any(given)
+
+
+def _build_assembly(assembly: Assembly, output: Path, progress: Progress) -> None:
+    """Write the solid of beams and of what is beside them in a 3MF file."""
+    beams = assembly.beam_count
+    _log.info("%d beams are united with %s", beams, ", ".join(assembly.beyond_skeleton()))
+    with progress.stage("solid", beams, "struts", SOLID_RATE):
+        solid = assembly_solid(assembly)
+    with progress.stage("file", beams, "struts", SOLID_RATE):
+        write(solid, output)
+    _log.info("%s written", output)
 
 
 def scaffold_from(options: argparse.Namespace, skeleton: Skeleton) -> Scaffold:

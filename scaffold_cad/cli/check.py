@@ -12,7 +12,6 @@ from typing import Any
 from scaffold_cad.base.files import check_page
 from scaffold_cad.cli import sizes, source
 from scaffold_cad.errors import OptionError
-from scaffold_cad.io import read_triangles
 from scaffold_cad.printability import MATERIALS, PROCESSES, check_printability
 from scaffold_cad.printability.page import write_page
 from scaffold_cad.printability.processes import Process
@@ -83,7 +82,7 @@ def run(options: argparse.Namespace) -> int:
     """Print the report and return 0 if the part is printable, else 1."""
     if options.html is not None:
         check_page(options.html)
-    triangles = read_triangles(options.input)
+    triangles = source.triangles_from(options)
     skeleton = None
     if options.skeleton is not None:
         if triangles is None:

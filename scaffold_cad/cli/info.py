@@ -18,22 +18,33 @@ def add_parser(
     """Add this command to the command line."""
     parser = commands.add_parser("info", parents=[common], help="count what a skeleton holds")
     parser.add_argument("input", metavar="INPUT", help="file with a skeleton")
+    source.add_units(parser)
     source.add_max_nodes(parser)
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
     """Print the counts of the skeleton as it is built, one a line."""
-    has_radii = read_raw(options.input, source.max_nodes(options)).radii is not None
+    raw = read_raw(options.input, source.max_nodes(options))
+    has_radii = raw.has_radii
     # Any radius will do for the counts of a file without radii; it is not shown.
-    cleaning = read_with_repairs(options.input, None if has_radii else 1.0)
+    cleaning = read_with_repairs(
+        options.input,
+        None if has_radii else 1.0,
+        units=options.units,
+        scale=options.scale,
+    )
     rows = _counts(cleaning.skeleton)
     rows["radius"] = (
         range_text(cleaning.skeleton.radii)
         if has_radii
         else "none in the file: build needs --radius"
     )
+    if cleaning.skeleton.has_member_radii:
+        rows["strut radius"] = range_text(cleaning.skeleton.edge_radii)
     rows["repairs"] = str(cleaning.repairs)
+    if raw.left_out:
+        rows["beside it"] = ", ".join(raw.left_out)
     width = max(len(name) for name in rows)
     for name, value in rows.items():
         print(f"{name:<{width}}  {value}")

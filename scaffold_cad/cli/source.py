@@ -8,14 +8,16 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from scaffold_cad.errors import OptionError
-from scaffold_cad.io import read_skeleton
+from scaffold_cad.io import read_assembly, read_skeleton, read_triangles
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.products.assembly import Assembly
 from scaffold_cad.skeleton import Skeleton
 
 MAX_NODES = 2_000_000
 """Most nodes of a file that are taken unless more are asked for."""
 
-OPTIONS = ("radius", "max_nodes", "simplify", "strict")
-"""What `add_arguments` adds beside the input."""
+OPTIONS = ("radius", "max_nodes", "join", "simplify", "strict")
+"""What `add_arguments` adds beside the input, its units and its scale."""
 
 _log = logging.getLogger(__name__)
 
@@ -27,6 +29,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--radius", type=float, metavar="R", help="radius of every node, mm (instead of the file's)"
     )
     add_max_nodes(parser)
+    add_units(parser)
+    parser.add_argument(
+        "--join",
+        type=float,
+        metavar="TOL",
+        help="make nodes where struts cross, or end on others, within TOL mm",
+    )
     parser.add_argument(
         "--simplify",
         type=float,
@@ -36,6 +45,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--strict", action="store_true", help="refuse a file that needs repair instead of repairing"
+    )
+
+
+def add_units(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments that say how long the unit of the input is."""
+    parser.add_argument(
+        "--units",
+        metavar="UNIT",
+        help="unit of the input's lengths where it names none: um, mm, cm, m, in, ft (default: mm)",
+    )
+    parser.add_argument(
+        "--scale", type=float, metavar="S", help="multiply the input's lengths by S"
     )
 
 
@@ -66,6 +87,31 @@ def refuse(options: argparse.Namespace, names: Iterable[str], why: str) -> None:
             raise OptionError(f"--{flag} {why}")
 
 
+def assembly_from(options: argparse.Namespace) -> Assembly | None:
+    """Return what the input holds if it is a 3MF file with more than a skeleton keeps, else None.
+
+    None too where options ask for a skeleton: a radius, nodes made, or joints dropped.
+    """
+    path = Path(options.input)
+    if path.suffix.lower() != ".3mf" or options.strict:
+        return None
+    if any(value is not None for value in (options.radius, options.join, options.simplify)):
+        return None
+    if options.units is not None or options.scale is not None:
+        return None
+    assembly = read_assembly(path)
+    return None if assembly.is_skeleton or not assembly.lattices else assembly
+
+
+def triangles_from(options: argparse.Namespace) -> TriangleMesh | None:
+    """Return the mesh of the input, or None where it is a skeleton, or options ask for one."""
+    asked = any(value is not None for value in (options.radius, options.join, options.simplify))
+    path = Path(options.input)
+    if asked and path.suffix.lower() == ".3mf" and read_assembly(path).lattices:
+        return None
+    return read_triangles(path, units=options.units, scale=options.scale)
+
+
 def skeleton_from(options: argparse.Namespace, path: Path | None = None) -> Skeleton:
     """Return the skeleton that the arguments ask for, of the input or of another file."""
     skeleton = read_skeleton(
@@ -73,7 +119,13 @@ def skeleton_from(options: argparse.Namespace, path: Path | None = None) -> Skel
         options.radius,
         options.strict,
         max_nodes=max_nodes(options),
+        units=options.units,
+        scale=options.scale,
     )
+    if options.join is not None:
+        joined = skeleton.joined(options.join)
+        _log.info("joined: %d edges became %d", len(skeleton.edges), len(joined.edges))
+        skeleton = joined
     if options.simplify is None:
         return skeleton
     thin = skeleton.simplified(options.simplify)

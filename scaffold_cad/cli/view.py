@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 from scaffold_cad.base.files import check_page
 from scaffold_cad.cli import build, source
-from scaffold_cad.io import read_triangles
 from scaffold_cad.products.overlaps import to_unite
 from scaffold_cad.solid import frame_scaffold, solidified
 from scaffold_cad.struts import round_struts
@@ -63,7 +62,7 @@ def run(options: argparse.Namespace) -> None:
     """Write the page, print where it is, and open it."""
     if options.output is not None:
         check_page(options.output)
-    mesh = read_triangles(options.input)
+    mesh = source.triangles_from(options)
     if mesh is not None:
         given = (*source.OPTIONS, *build.SCAFFOLD_OPTIONS, "product")
         source.refuse(options, given, "is for skeletons; a mesh is shown as it is")

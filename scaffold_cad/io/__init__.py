@@ -12,34 +12,54 @@ out again. So does a package with a module as an entry point of the group ``scaf
 
 # Importing these modules registers their formats; of two for one suffix the later is asked first.
 from scaffold_cad.io import (  # noqa: F401
+    abaqus,
     brep,
     bvh,
     cgd,
     cjson,
+    compas,
+    csv,
     dxf,
     gel,
     gltf,
+    gml,
+    gmsh,
+    graphml,
     gxl,
     iges,
+    med,
+    mol,
+    mol2,
+    nastran,
+    nml,
+    node_link,
     obj,
     off,
+    opensees,
+    pdb,
     ply,
+    points_edges,
     polylines,
+    pyskelton,
+    rhino,
+    slicer,
     spatial_frame,
     step,
     stl,
+    svg,
     swc,
     tgf,
     threemf,
     tinker,
+    tubetk,
     vtk,
 )
-from scaffold_cad.io._json import skeleton_to_json
-from scaffold_cad.io._networkx import skeleton_from_networkx, skeleton_to_networkx
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io.cgd import read_nets
 from scaffold_cad.io.fields import read_field
+from scaffold_cad.io.json import skeleton_to_json
 from scaffold_cad.io.meshes import read_triangles
+from scaffold_cad.io.networkx import skeleton_from_networkx, skeleton_to_networkx
 from scaffold_cad.io.reading import (
     BYTES_PER_EDGE,
     read_raw,
@@ -57,6 +77,7 @@ from scaffold_cad.io.register import (
     written_formats,
     written_suffixes,
 )
+from scaffold_cad.io.threemf import read_assembly
 
 __all__ = [
     "BYTES_PER_EDGE",
@@ -64,6 +85,7 @@ __all__ = [
     "known_formats",
     "known_suffixes",
     "mesh_formats",
+    "read_assembly",
     "read_field",
     "read_nets",
     "read_raw",

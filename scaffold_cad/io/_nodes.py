@@ -1,21 +1,87 @@
-"""Radii of nodes from the radii of the edges at them."""
+"""Graphs whose edges have radii, and graphs whose nodes have names."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Hashable, Sequence
+from pathlib import Path
+
 import numpy as np
 
-from scaffold_cad.base.arrays import Edges, Floats
+from scaffold_cad.errors import FormatError
+from scaffold_cad.io._raw import RawSkeleton
 
 
-def largest_at_nodes(edges: Edges, radii: Floats, count: int) -> Floats:
-    """Return the largest radius of the edges at each node, shape (count,); NaN without edges.
+def radius_of_area(area: float) -> float:
+    """Return the radius of the circle of an area; NaN if the area is not positive."""
+    return math.sqrt(area / math.pi) if area > 0 else math.nan
 
-    Parameters
-    ----------
-    edges : (m, 2) intp, all in 0..count-1
-    radii : (m,) or (m, 2) float64, of each edge or of its ends
-    """
-    of_ends = np.broadcast_to(radii if radii.ndim == 2 else radii[:, None], edges.shape)
-    largest = np.full(count, np.nan)
-    np.fmax.at(largest, edges.reshape(-1), of_ends.reshape(-1))
-    return largest
+
+class NamedGraph:
+    """Nodes and edges gathered one by one, under the names that a file has for them."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._number: dict[Hashable, int] = {}
+        self._points: list[Sequence[float]] = []
+        self._radii: list[float] = []
+        self._edges: list[tuple[int, int]] = []
+        self._edge_radii: list[tuple[float, float]] = []
+
+    def __len__(self) -> int:
+        return len(self._points)
+
+    def __contains__(self, name: Hashable) -> bool:
+        return name in self._number
+
+    def add_node(
+        self, name: Hashable, point: Sequence[float], radius: float = math.nan, where: str = ""
+    ) -> None:
+        """Add a node; `point` is x, y, z or x, y; `where` is its place in the file.
+
+        Raises
+        ------
+        FormatError
+            If the name is taken.
+        """
+        if name in self._number:
+            raise self._error(where, f"node {name!r:.80} is there already", "each name once")
+        self._number[name] = len(self._points)
+        self._points.append([*point, 0.0][:3])
+        self._radii.append(radius)
+
+    def add_edge(
+        self,
+        start: Hashable,
+        end: Hashable,
+        radius: float | tuple[float, float] = math.nan,
+        where: str = "",
+    ) -> None:
+        """Add an edge between two nodes that are there already.
+
+        Raises
+        ------
+        FormatError
+            If one of them is not.
+        """
+        for name in (start, end):
+            if name not in self._number:
+                raise self._error(where, f"an edge has the end {name!r:.80}", "a node of the file")
+        self._edges.append((self._number[start], self._number[end]))
+        self._edge_radii.append(radius if isinstance(radius, tuple) else (radius, radius))
+
+    def skeleton(
+        self, scale: float = 1.0, unit: str | None = None, usual_unit: str | None = None
+    ) -> RawSkeleton:
+        """Return the graph, its lengths times `scale`; for the units see `RawSkeleton`."""
+        points = np.reshape(np.asarray(self._points, dtype=np.float64), (-1, 3)) * scale
+        edges = np.reshape(np.asarray(self._edges, dtype=np.intp), (-1, 2))
+        radii = np.asarray(self._radii, dtype=np.float64) * scale
+        of_edges = np.reshape(np.asarray(self._edge_radii, dtype=np.float64), (-1, 2)) * scale
+        of_nodes = None if np.isnan(radii).all() else radii
+        of_members = None if np.isnan(of_edges).all() else of_edges
+        return RawSkeleton(points, edges, of_nodes, of_members, unit=unit, usual_unit=usual_unit)
+
+    def _error(self, where: str, found: str, needed: str) -> FormatError:
+        place = f"{self._path}, {where}" if where else str(self._path)
+        return FormatError(f"{place}: {found}; need {needed}")

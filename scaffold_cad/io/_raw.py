@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,6 +38,13 @@ class RawSkeleton(Frozen):
     edge_radii: Floats | None
     """Radius of each edge at both ends, shape (m, 2), mm, nan where the file gives none; None if
     the file holds no radii of edges."""
+    left_out: tuple[str, ...]
+    """What the file holds beside that a skeleton does not keep, in words."""
+    unit: str | None
+    """Unit that the file names, whose lengths are mm here; None if it names none."""
+    usual_unit: str | None
+    """Unit that files of the format have by custom, whose numbers are taken as mm; None if the
+    custom is mm, or there is none."""
 
     def __init__(
         self,
@@ -45,6 +52,9 @@ class RawSkeleton(Frozen):
         edges: ArrayLike,
         radii: ArrayLike | None = None,
         edge_radii: ArrayLike | None = None,
+        left_out: Iterable[str] = (),
+        unit: str | None = None,
+        usual_unit: str | None = None,
     ) -> None:
         points = as_floats(nodes, "nodes")
         if points.ndim != 2 or points.shape[1] != 3:
@@ -56,6 +66,29 @@ class RawSkeleton(Frozen):
             edges=pairs,
             radii=None if radii is None else _as_raw_radii(radii, count=len(points)),
             edge_radii=None if edge_radii is None else _as_raw_edge_radii(edge_radii, len(pairs)),
+            left_out=tuple(left_out),
+            unit=unit,
+            usual_unit=usual_unit,
+        )
+
+    def scaled(self, factor: float) -> RawSkeleton:
+        """Return the graph with positions and radii multiplied by `factor`.
+
+        Raises
+        ------
+        SkeletonError
+            If a number is beyond `LARGEST_COORDINATE` then.
+        """
+        sizes = (self.radii, self.edge_radii)
+        radii, edge_radii = (None if one is None else one * factor for one in sizes)
+        return RawSkeleton(
+            self.nodes * factor,
+            self.edges,
+            radii,
+            edge_radii,
+            self.left_out,
+            self.unit,
+            self.usual_unit,
         )
 
     @property
@@ -82,10 +115,16 @@ def _as_raw_radii(values: ArrayLike, count: int) -> Floats:
     return radii
 
 
-def joined_polylines(polylines: Sequence[Points]) -> RawSkeleton:
-    """Return polylines, each (k, 3), as a graph; they join where they have equal points."""
+def joined_polylines(polylines: Sequence[Points], unit: str | None = None) -> RawSkeleton:
+    """Return polylines, each (k, 3), as a graph; they join where they have equal points.
+
+    Parameters
+    ----------
+    unit : that the file names
+    """
     points = np.concatenate([np.zeros((0, 3)), *polylines])
     node, first = equal_positions(points)
     ends = np.cumsum([len(line) for line in polylines if len(line)], dtype=np.intp) - 1
     starts = np.delete(np.arange(len(points)), ends)
-    return RawSkeleton(points[first], np.stack([node[starts], node[starts + 1]], axis=1))
+    edges = np.stack([node[starts], node[starts + 1]], axis=1)
+    return RawSkeleton(points[first], edges, unit=unit)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from scaffold_cad import brep
@@ -38,6 +38,10 @@ class Content:
     """What becomes of struts that overlap; None to unite them in meshes, refuse them in B-reps."""
     sides: int = SIDES
     """Of the polygon that stands for the circle of a round strut in a mesh."""
+    factor: float = 1.0
+    """What lengths in mm are multiplied with before they are written."""
+    unit: str = "mm"
+    """The unit of the lengths then, for comments in files."""
 
     @property
     def kind(self) -> str:
@@ -54,7 +58,7 @@ class Content:
         """
         if not isinstance(self.what, Skeleton):
             raise FormatError(f"{file} cannot hold a {self.kind}; need a Skeleton")
-        return self.what
+        return self.what if self.factor == 1.0 else self.what.scaled(self.factor)
 
     def mesh(self) -> QuadMesh | TriangleMesh:
         """Return the surface of `what` as quads, or as triangles if it has no quads.
@@ -64,7 +68,8 @@ class Content:
         FormatError
             If it has no surface, or no face.
         """
-        return _mesh(self.what, self.overlaps or "unite", self.sides)
+        mesh = _mesh(self.what, self.overlaps or "unite", self.sides)
+        return _scaled(mesh, self.factor)
 
     def triangles(self) -> TriangleMesh:
         """Return the surface of `what` as triangles with 32-bit coordinates.
@@ -78,6 +83,12 @@ class Content:
 
     def patches(self) -> BezierMesh | None:
         """Return the faces that a B-rep of `what` has, or None if it is no mesh of quads."""
+        found = self._patches()
+        if found is None or self.factor == 1.0:
+            return found
+        return replace(found, control_points=found.control_points * self.factor)
+
+    def _patches(self) -> BezierMesh | None:
         what = self.what
         if isinstance(what, BezierMesh):
             return what
@@ -90,7 +101,7 @@ class Content:
         return BezierMesh.bilinear(what) if isinstance(what, QuadMesh) else None
 
     def faces(self) -> AnalyticBrep | None:
-        """Return the analytic faces of round struts, or None where there are none to write.
+        """Return the analytic faces of round struts in mm, or None where there are none to write.
 
         Raises
         ------
@@ -98,7 +109,9 @@ class Content:
             If struts overlap and are refused.
         """
         what = self.what
-        if not isinstance(what, RoundStruts) or self._unites(what.overlapping, what.skeleton):
+        if self.factor != 1.0 or not isinstance(what, RoundStruts):
+            return None
+        if self._unites(what.overlapping, what.skeleton):
             return None
         return analytic_faces(what)
 
@@ -122,9 +135,9 @@ class Content:
             If it has no B-rep.
         """
         if is_instance(self.what, "build123d", "Shape"):
-            return self.what
+            return self._scaled(self.what)
         if isinstance(self.what, Scaffold | RoundStruts):
-            return to_brep(self.what, overlaps=self.overlaps or "refuse")
+            return self._scaled(to_brep(self.what, overlaps=self.overlaps or "refuse"))
         patches = self.patches()
         if patches is None:
             raise FormatError(
@@ -132,6 +145,9 @@ class Content:
                 "RoundStruts, a QuadMesh, a BezierMesh or a build123d shape"
             )
         return brep.brep_of_patches(patches)
+
+    def _scaled(self, shape: Any) -> Any:
+        return shape if self.factor == 1.0 else shape.scale(self.factor)
 
 
 def closed_triangles(what: Any) -> TriangleMesh | None:
@@ -155,6 +171,14 @@ def _single_precision(mesh: QuadMesh | TriangleMesh) -> TriangleMesh:
     if isinstance(mesh, QuadMesh):
         mesh = TriangleMesh(mesh.vertices, mesh.triangles)
     return mesh.single_precision()
+
+
+def _scaled(mesh: QuadMesh | TriangleMesh, factor: float) -> QuadMesh | TriangleMesh:
+    if factor == 1.0:
+        return mesh
+    if isinstance(mesh, QuadMesh):
+        return mesh.moved(mesh.vertices * factor)
+    return TriangleMesh(mesh.vertices * factor, mesh.triangles)
 
 
 def _mesh(what: Any, overlaps: Overlaps, sides: int) -> QuadMesh | TriangleMesh:

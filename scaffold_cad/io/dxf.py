@@ -65,7 +65,8 @@ def read_dxf(path: Path) -> RawSkeleton:
         _log.warning("%s: left out %s", path, names)
     if not polylines:
         raise FormatError(f"{path} has no curves in its model space; need {', '.join(CURVES)}")
-    return joined_polylines([points * scale for points in polylines])
+    name = units.unit_name(unit).lower() if unit else None
+    return joined_polylines([points * scale for points in polylines], name)
 
 
 def _refuse_cut(path: Path, data: bytes) -> None:

@@ -58,7 +58,7 @@ def read_gltf(path: Path) -> RawSkeleton:
     child = bones[above[bones] >= 0]
     edges = np.searchsorted(bones, np.stack([above[child], child], axis=1))
     x, y, z = place[bones].T
-    return RawSkeleton(np.stack([x, -z, y], axis=1) * _MM, edges)
+    return RawSkeleton(np.stack([x, -z, y], axis=1) * _MM, edges, unit="m")
 
 
 def _glb_text(path: Path) -> str:
@@ -150,7 +150,7 @@ def _index(path: Path, value: Any, count: int, where: str) -> int:
     return value
 
 
-@register_writer(".glb", name="GLB")
+@register_writer(".glb", name="GLB", names_unit=True)
 def write_glb_content(content: Content, path: Path) -> None:
     """Write the triangles of what `write` is given."""
     write_glb(content.triangles(), path)

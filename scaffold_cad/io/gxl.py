@@ -8,7 +8,6 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from scaffold_cad.errors import FormatError
-from scaffold_cad.io._nodes import largest_at_nodes
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import read_text
 from scaffold_cad.io._xml import xml_root
@@ -23,7 +22,7 @@ def _recognises(head: bytes) -> bool:
 def read_gxl(path: Path) -> RawSkeleton:
     """Read nodes with a ``position`` and edges with a ``radius``, or with none.
 
-    A node has the largest radius of its edges. VascuSynth puts blanks before names and around
+    VascuSynth puts blanks before names and around
     values (``name=" position"``), declares a document type by name only, which is left out, and
     calls its files ``tree_structure.xml``. Positions are taken as mm.
     """
@@ -49,7 +48,7 @@ def read_gxl(path: Path) -> RawSkeleton:
     if not any(radii):
         return RawSkeleton(points, pairs)
     of_edges = np.array([row[0] if row else np.nan for row in radii])
-    return RawSkeleton(points, pairs, largest_at_nodes(pairs, of_edges, len(points)))
+    return RawSkeleton(points, pairs, edge_radii=of_edges)
 
 
 def _without_doctype(text: str) -> str:

@@ -52,7 +52,8 @@ def read_obj(path: Path) -> RawSkeleton:
     """Read the lines of an OBJ file, which has no radii.
 
     Those are the elements ``l`` and the curves ``curv`` of degree 1, as Rhino writes polylines.
-    Vertices that no line uses, as those of faces, are left out, and so is all else.
+    Vertices that no line uses, as those of faces, are left out, and so is all else. A ``.wire`` may
+    have vertices x, y in the plane z = 0.
     """
     rows = _joined(read_rows(path))
     vertices = [row for row in rows if row[1][0] == "v"]
@@ -60,6 +61,9 @@ def read_obj(path: Path) -> RawSkeleton:
     if not edges:
         found = "only faces" if any(words[0] == "f" for _, words in rows) else "no elements"
         raise FormatError(f"{path} has {found}; need line elements ('l' or 'curv')")
+    flat = path.name.lower().endswith(".wire") and {len(words) for _, words in vertices} == {3}
+    if flat:  # a wire in the plane
+        vertices = [(line, [*words, "0"]) for line, words in vertices]
     nodes = float_columns(path, vertices, 1, 3, _VERTEX)
     used, compact = np.unique(np.asarray(edges, dtype=np.intp), return_inverse=True)
     return RawSkeleton(nodes[used], compact.reshape(-1, 2))
@@ -121,24 +125,24 @@ CHUNK = 1 << 15
 def write_obj_content(content: Content, path: Path) -> None:
     """Write a Skeleton as lines, and anything else that has a surface as its faces."""
     if isinstance(content.what, Skeleton):
-        write_obj_lines(content.what, path)
+        write_obj_lines(content.skeleton("an OBJ file"), path, content.unit)
     else:
-        write_obj(content.mesh(), path)
+        write_obj(content.mesh(), path, content.unit)
 
 
-def write_obj(mesh: QuadMesh | TriangleMesh, path: Path) -> None:
+def write_obj(mesh: QuadMesh | TriangleMesh, path: Path, unit: str = "mm") -> None:
     """Write the vertices, exact to the last bit, and the faces of `mesh`."""
     faces = mesh.quads if isinstance(mesh, QuadMesh) else mesh.triangles
     with path.open("w", encoding="ascii", newline="\n") as file:
-        file.write("# scaffold_cad\n# unit: mm\n")
+        file.write(f"# scaffold_cad\n# unit: {unit}\n")
         _write_rows(file, "v %r %r %r\n", mesh.vertices)
         _write_rows(file, "f" + " %d" * faces.shape[1] + "\n", faces + 1)
 
 
-def write_obj_lines(skeleton: Skeleton, path: Path) -> None:
+def write_obj_lines(skeleton: Skeleton, path: Path, unit: str = "mm") -> None:
     """Write the nodes, exact to the last bit, and the edges; OBJ has no place for radii."""
     with path.open("w", encoding="ascii", newline="\n") as file:
-        file.write("# scaffold_cad\n# unit: mm\n")
+        file.write(f"# scaffold_cad\n# unit: {unit}\n")
         _write_rows(file, "v %r %r %r\n", skeleton.nodes)
         _write_rows(file, "l %d %d\n", skeleton.edges + 1)
 

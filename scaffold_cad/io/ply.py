@@ -283,7 +283,7 @@ HEADER = """\
 ply
 format binary_little_endian 1.0
 comment scaffold_cad
-comment unit: mm
+comment unit: {unit}
 element vertex {vertices}
 property double x
 property double y
@@ -300,10 +300,10 @@ MOST_VERTICES = 2**31
 @register_writer(".ply", name="PLY")
 def write_ply_content(content: Content, path: Path) -> None:
     """Write the faces of anything that has a surface."""
-    write_ply(content.mesh(), path)
+    write_ply(content.mesh(), path, content.unit)
 
 
-def write_ply(mesh: QuadMesh | TriangleMesh, path: Path) -> None:
+def write_ply(mesh: QuadMesh | TriangleMesh, path: Path, unit: str = "mm") -> None:
     """Write the vertices and the faces of `mesh`.
 
     Raises
@@ -314,7 +314,7 @@ def write_ply(mesh: QuadMesh | TriangleMesh, path: Path) -> None:
     _check_count(len(mesh.vertices))
     faces = mesh.quads if isinstance(mesh, QuadMesh) else mesh.triangles
     with path.open("wb") as file:
-        _write_header(file, len(mesh.vertices), len(faces))
+        _write_header(file, len(mesh.vertices), len(faces), unit)
         file.write(mesh.vertices.astype("<f8").tobytes())
         _write_faces(file, faces)
 
@@ -327,8 +327,8 @@ def _check_count(vertices: int) -> None:
         )
 
 
-def _write_header(file: BinaryIO, vertices: int, faces: int) -> None:
-    file.write(HEADER.format(vertices=vertices, faces=faces).encode("ascii"))
+def _write_header(file: BinaryIO, vertices: int, faces: int, unit: str = "mm") -> None:
+    file.write(HEADER.format(vertices=vertices, faces=faces, unit=unit).encode("ascii"))
 
 
 def _write_faces(file: BinaryIO, faces: Ints) -> None:

@@ -12,6 +12,7 @@ from scaffold_cad.base.arguments import as_count, as_number, as_path
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.errors import FormatError, OptionError, SkeletonError
 from scaffold_cad.io._raw import RawSkeleton
+from scaffold_cad.io._units import factor_of
 from scaffold_cad.io.register import HEAD_SIZE, known_suffixes, reader_of
 from scaffold_cad.skeleton import Cleaning, Skeleton, check_skeleton
 from scaffold_cad.skeleton.repair import repaired
@@ -30,6 +31,8 @@ def read_skeleton(
     weld_distance: float | None = None,
     split_contacts: bool = False,
     max_nodes: int | None = None,
+    units: str | None = None,
+    scale: float | None = None,
 ) -> Skeleton:
     r"""Return the skeleton that a file holds, repaired so that it can be scaffolded.
 
@@ -40,20 +43,24 @@ def read_skeleton(
     path : a file of a format in `known_suffixes`
     radius : mm, > 0; the radius of every node and strut, instead of what the file holds; needed
         for formats without radii
-    strict : whether to refuse what needs repair; then no option of repair may be given
+    strict : whether to refuse what needs repair, and what a skeleton does not keep of the file;
+        then no option of repair may be given
     weld_distance, split_contacts : options of `Skeleton.cleaned`
     max_nodes : most nodes that are taken, as a guard of memory; any number if None
+    units : of the file's lengths, where it names none: "um", "mm", "cm", "m", "in", "ft", ...; by
+        default they are taken as mm
+    scale : > 0; what lengths are multiplied with besides
 
     Raises
     ------
     FormatError
         If the file cannot be read, or holds no edge, or no radii and none is given, or more
-        nodes than `max_nodes`.
+        nodes than `max_nodes`, or with `strict` more than a skeleton keeps.
     SkeletonError
         If it cannot be repaired, or with `strict` if it needs repair; nodes and edges are
         numbered from 0 in order of the file.
     OptionError
-        If an option is out of range.
+        If an option is out of range, or `units` are given and the file names its own.
 
     Examples
     --------
@@ -73,19 +80,27 @@ def read_skeleton(
             weld_distance=weld_distance,
             split_contacts=split_contacts,
             max_nodes=max_nodes,
+            units=units,
+            scale=scale,
         )
         if cleaning.repairs.total:
             _log.warning("%s was repaired: %s", path, cleaning.repairs)
         return cleaning.skeleton
     if weld_distance is not None or split_contacts:
         raise OptionError("strict reading repairs nothing; need no weld_distance, split_contacts")
-    raw = read_raw(path, max_nodes)
+    raw = _in_millimetres(path, read_raw(path, max_nodes), units, scale)
+    if raw.left_out:
+        raise FormatError(
+            f"{path} holds also {', '.join(raw.left_out)}; need nothing that a skeleton does not "
+            "keep (or read it without strict)"
+        )
     radii, edge_radii = _radii(Path(path), raw, radius)
     try:
         skeleton = Skeleton(raw.nodes, raw.edges, radii, edge_radii)
         check_skeleton(skeleton)
     except SkeletonError as error:
         raise SkeletonError(f"{path}: {error}") from None
+    _warn_of_radii(path, skeleton)
     return skeleton
 
 
@@ -96,9 +111,13 @@ def read_with_repairs(
     weld_distance: float | None = None,
     split_contacts: bool = False,
     max_nodes: int | None = None,
+    units: str | None = None,
+    scale: float | None = None,
 ) -> Cleaning:
     """Return the skeleton that a file holds as `read_skeleton` does, and what was repaired."""
-    raw = read_raw(path, max_nodes)
+    raw = _in_millimetres(path, read_raw(path, max_nodes), units, scale)
+    if raw.left_out:
+        _log.warning("%s: left out %s", path, ", ".join(raw.left_out))
     radii, edge_radii = _radii(Path(path), raw, radius)
     try:
         graph = repaired(
@@ -112,6 +131,7 @@ def read_with_repairs(
     except SkeletonError as error:
         raise SkeletonError(f"{path}: {error}") from None
     skeleton = Skeleton(graph.nodes, graph.edges, graph.radii, graph.edge_radii)
+    _warn_of_radii(path, skeleton)
     return Cleaning(skeleton, graph.repairs)
 
 
@@ -141,6 +161,48 @@ def read_raw(path: str | PathLike[str], max_nodes: int | None = None) -> RawSkel
         )
     _log.info("%s: %d nodes and %d edges read", path, len(raw.nodes), len(raw.edges))
     return raw
+
+
+def _in_millimetres(
+    path: str | PathLike[str], raw: RawSkeleton, units: str | None, scale: float | None
+) -> RawSkeleton:
+    """Return a graph whose lengths are in `units`, times `scale`, in mm.
+
+    Raises
+    ------
+    OptionError
+        If units are given and the file names its own.
+    """
+    factor = factor_of(units, scale)
+    if units is not None and raw.unit is not None:
+        raise OptionError(
+            f"{path} says that its unit is {raw.unit}; need no units (scale changes its size)"
+        )
+    if units is None and raw.usual_unit is not None:
+        _log.info(
+            "%s: lengths, mostly in %s, are taken as mm (units=%r converts them)",
+            path,
+            raw.usual_unit,
+            raw.usual_unit,
+        )
+    if factor == 1.0:
+        return raw
+    try:
+        return raw.scaled(factor)
+    except SkeletonError as error:
+        raise FormatError(f"{path}, in units of {factor:g} mm: {error}") from None
+
+
+def _warn_of_radii(path: str | PathLike[str], skeleton: Skeleton) -> None:
+    """Log a warning if all struts are thicker than they are long: units may be mixed."""
+    radius, longest = float(skeleton.edge_radii.min()), float(skeleton.lengths.max())
+    if radius > longest:
+        _log.warning(
+            "%s: radii of %g mm and more, edges of %g mm at most: check the units?",
+            path,
+            radius,
+            longest,
+        )
 
 
 def _head(path: Path) -> bytes:

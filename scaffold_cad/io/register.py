@@ -52,6 +52,8 @@ class MeshFormat:
 
     name: str
     suffixes: tuple[str, ...]
+    names_unit: bool
+    """Whether files say in which unit they are."""
     read: MeshReader
 
 
@@ -63,6 +65,8 @@ class WrittenFormat:
     suffixes: tuple[str, ...]
     solids: bool
     """Whether it can hold solids: a format that holds skeletons only cannot."""
+    names_unit: bool
+    """Whether files say in which unit they are."""
     write: Writer
 
 
@@ -91,22 +95,25 @@ def register_reader(
     return register
 
 
-def register_mesh_reader(name: str, *suffixes: str) -> Callable[[MeshReader], MeshReader]:
+def register_mesh_reader(
+    name: str, *suffixes: str, names_unit: bool = False
+) -> Callable[[MeshReader], MeshReader]:
     """Register the decorated reader of triangles for files whose names end with a suffix.
 
     The reader returns a mesh without triangles where the file holds a skeleton instead.
-    The reader registered last for a suffix counts.
+    The reader registered last for a suffix counts. `names_unit` tells whether files of the format
+    say in which unit they are, so that the reader returns mm.
     """
 
     def register(read: MeshReader) -> MeshReader:
-        _formats.append(MeshFormat(name, _lowered(suffixes), read))
+        _formats.append(MeshFormat(name, _lowered(suffixes), names_unit, read))
         return read
 
     return register
 
 
 def register_writer(
-    *suffixes: str, name: str | None = None, solids: bool = True
+    *suffixes: str, name: str | None = None, solids: bool = True, names_unit: bool = False
 ) -> Callable[[Writer], Writer]:
     """Register the decorated writer for files with one of `suffixes`, such as ".stl".
 
@@ -117,11 +124,12 @@ def register_writer(
     suffixes : such as ".stl"; case does not matter
     name : what lists call the format; by default its first suffix without the dot
     solids : whether the format can hold solids
+    names_unit : whether files of the format say that they are in mm
     """
 
     def register(write: Writer) -> Writer:
         shown = name or (suffixes[0].lstrip(".").upper() if suffixes else "")
-        _formats.append(WrittenFormat(shown, _lowered(suffixes), solids, write))
+        _formats.append(WrittenFormat(shown, _lowered(suffixes), solids, names_unit, write))
         return write
 
     return register
@@ -206,14 +214,14 @@ def reader_of(path: Path, head: bytes) -> Reader:
     raise FormatError(f"{path} is of no known format; need one of {', '.join(known_suffixes())}")
 
 
-def mesh_reader_of(path: Path) -> MeshReader | None:
-    """Return the reader of triangles that the suffix of `path` asks for, or None."""
+def mesh_format_of(path: Path) -> MeshFormat | None:
+    """Return the format with meshes that the suffix of `path` asks for, or None."""
     found = [known for known in mesh_formats() if path.name.lower().endswith(known.suffixes)]
-    return found[-1].read if found else None
+    return found[-1] if found else None
 
 
-def writer_of(path: Path, solid: bool = False) -> Writer:
-    """Return the writer that the suffix of `path` asks for.
+def written_format_of(path: Path, solid: bool = False) -> WrittenFormat:
+    """Return the format that is written to files with the suffix of `path`.
 
     Raises
     ------
@@ -222,7 +230,7 @@ def writer_of(path: Path, solid: bool = False) -> Writer:
     """
     found = [known for known in written_formats(solid) if path.suffix.lower() in known.suffixes]
     if found:
-        return found[-1].write
+        return found[-1]
     known = ", ".join(written_suffixes(solid))
     raise FormatError(f"cannot write {path}: its suffix is {path.suffix.lower()!r}; need {known}")
 

@@ -11,7 +11,6 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._document import member, number, read_document
-from scaffold_cad.io._nodes import largest_at_nodes
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io.register import register_reader
 
@@ -38,7 +37,7 @@ def _recognises(head: bytes) -> bool:
 
 @register_reader("spatial frame JSON", ".json", recognises=_recognises)
 def read_spatial_frame(path: Path) -> RawSkeleton:
-    """Read a frame of bars; a node has the largest radius of its bars.
+    """Read a frame of bars, each with its radius.
 
     Older files have ``node_list`` with points ``{"X": , "Y": , "Z": }``, ``element_list``, and
     one section for all bars in ``material_properties``; newer ones have ``nodes``, ``elements``,
@@ -54,11 +53,12 @@ def read_spatial_frame(path: Path) -> RawSkeleton:
     points = [_point(path, node, f"node {k}") for k, node in enumerate(nodes)]
     ends = [_pair(path, bar, ends_key, f"element {k}") for k, bar in enumerate(bars)]
     # Made here, so that ends out of range are refused before radii are put at them.
-    bare = RawSkeleton(np.reshape(points, (-1, 3)) * unit, np.reshape(ends, (-1, 2)))
+    said = None if "unit" not in document else str(document["unit"])
+    bare = RawSkeleton(np.reshape(points, (-1, 3)) * unit, np.reshape(ends, (-1, 2)), unit=said)
     radii = _radii_of_bars(path, document, bars, unit)
     if radii is None:
         return bare
-    return RawSkeleton(bare.nodes, bare.edges, largest_at_nodes(bare.edges, radii, len(nodes)))
+    return RawSkeleton(bare.nodes, bare.edges, edge_radii=radii, unit=said)
 
 
 def _point(path: Path, node: Any, where: str) -> list[float]:

@@ -93,7 +93,7 @@ def _of_text(path: Path, data: bytes) -> Points:
         raise FormatError(f"{path}: {error}; need a vertex: vertex x y z") from None
 
 
-HEADER = b"scaffold_cad binary STL, unit: mm"  # a header that starts with "solid" means text
+HEADER = "scaffold_cad binary STL, unit: {}"  # a header that starts with "solid" means text
 
 CHUNK = 1 << 16
 """Triangles at a time: what is worked on stays in the processor's cache."""
@@ -106,10 +106,10 @@ MOST_TRIANGLES = 2**32 - 1
 @register_writer(".stl", name="STL")
 def write_stl_content(content: Content, path: Path) -> None:
     """Write the triangles of anything that has a surface."""
-    write_stl(content.triangles(), path)
+    write_stl(content.triangles(), path, content.unit)
 
 
-def write_stl(mesh: TriangleMesh, path: Path) -> None:
+def write_stl(mesh: TriangleMesh, path: Path, unit: str = "mm") -> None:
     """Write `mesh` with 32-bit coordinates; a triangle without area has the normal 0.
 
     Raises
@@ -118,7 +118,7 @@ def write_stl(mesh: TriangleMesh, path: Path) -> None:
         If it has more triangles than the header can count.
     """
     _check_count(len(mesh.triangles))
-    _write(_chunks(mesh), path)
+    _write(_chunks(mesh), path, unit)
 
 
 def _check_count(triangles: int) -> None:
@@ -129,11 +129,11 @@ def _check_count(triangles: int) -> None:
         )
 
 
-def _write(blocks: Iterable[np.ndarray], path: Path) -> None:
+def _write(blocks: Iterable[np.ndarray], path: Path, unit: str = "mm") -> None:
     """Write triangles given by blocks of their corners (t, 3, 3), 32-bit."""
     count = 0
     with path.open("wb") as file:
-        file.write(HEADER.ljust(80) + bytes(4))
+        file.write(HEADER.format(unit).encode("ascii")[:80].ljust(80) + bytes(4))
         for corners in blocks:
             facets = np.zeros(len(corners), dtype=_FACET)
             facets["corners"] = corners

@@ -29,7 +29,10 @@ _NEED = "a sample: number, type, x, y, z, radius, parent"
 
 def _recognises(head: bytes) -> bool:
     words = first_words(head)
-    return (
+    lines = [line.strip() for line in head.splitlines()]
+    # In TGF a line # ends the nodes; here it is a comment, mostly before them.
+    is_tgf = b"#" in lines and not lines[0].startswith(b"#")
+    return not is_tgf and (
         len(words) >= 7
         and all(is_number(word) for word in words[:7])
         and all(words[k].removeprefix("-").isdigit() for k in (0, 1, 6))
@@ -48,7 +51,9 @@ def read_swc(path: Path) -> RawSkeleton:
         raise FormatError(f"{path} holds no line but comments; need {_NEED}")
     table = float_columns(path, rows, 0, 7, _NEED)
     edges = _edges(path, rows, table[:, 0], table[:, 6])
-    return RawSkeleton(table[:, 2:5], edges, table[:, 5])
+    # Our own files say that they are in mm; those of others are in µm.
+    usual = None if b"# unit: mm" in path.read_bytes()[:200] else "um"
+    return RawSkeleton(table[:, 2:5], edges, table[:, 5], usual_unit=usual)
 
 
 def _edges(path: Path, rows: list[Row], number: Floats, parent: Floats) -> Edges:
@@ -87,10 +92,10 @@ DENDRITE = 3
 @register_writer(".swc", name="SWC", solids=False)
 def write_swc_content(content: Content, path: Path) -> None:
     """Write the Skeleton that `write` is given."""
-    write_swc(content.skeleton("an SWC file"), path)
+    write_swc(content.skeleton("an SWC file"), path, content.unit)
 
 
-def write_swc(skeleton: Skeleton, path: Path) -> None:
+def write_swc(skeleton: Skeleton, path: Path, unit: str = "mm") -> None:
     """Write the nodes, exact to the last bit, in mm; edges turn so that parents come first.
 
     Each component begins with its first node, and samples follow in order of their distance
@@ -114,7 +119,7 @@ def write_swc(skeleton: Skeleton, path: Path) -> None:
         strict=True,
     )
     with path.open("w", encoding="ascii", newline="\n") as file:
-        file.write("# scaffold_cad\n# unit: mm\n# number type x y z radius parent\n")
+        file.write(f"# scaffold_cad\n# unit: {unit}\n# number type x y z radius parent\n")
         file.writelines(
             f"{k} {DENDRITE} {x!r} {y!r} {z!r} {radius!r} {up}\n"
             for k, ((x, y, z), radius, up) in enumerate(rows, start=1)

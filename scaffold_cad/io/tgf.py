@@ -22,15 +22,16 @@ def _recognises(head: bytes) -> bool:
     if "#" not in [line.strip() for line in lines]:
         return False
     words = lines[0].split()
-    return len(words) in (4, 5) and all(is_number(word) for word in words[1:])
+    return len(words) >= 4 and all(is_number(word) for word in words[1:4])
 
 
 @register_reader("TGF", ".tgf", recognises=_recognises)
 def read_tgf(path: Path) -> RawSkeleton:
     """Read nodes, a line ``#``, and edges.
 
-    A node's label is its x, y, z, and its radius or none, between commas, blanks or brackets; an
-    edge's label is ignored. Names are any words; edges have no direction.
+    A node's label is its x, y, z, and its radius or none, between commas, blanks or brackets; what
+    follows, as in files of libigl, is ignored, and so is an edge's label. Names are any words;
+    edges have no direction.
     """
     nodes, links = _parts(path)
     number: dict[str, int] = {}
@@ -38,9 +39,10 @@ def read_tgf(path: Path) -> RawSkeleton:
     for line, words in nodes:
         if words[0] in number:
             raise line_error(path, line, f"node {words[0]} is there already", "each name once")
-        if len(words) not in (4, 5) or not all(is_number(word) for word in words[1:]):
+        known = words[1:5] if len(words) == 5 else words[1:4]
+        if len(known) < 3 or not all(is_number(word) for word in known):
             raise line_error(path, line, f"{' '.join(words)!r}", _NODE)
-        values[len(number), : len(words) - 1] = [float(word) for word in words[1:]]
+        values[len(number), : len(known)] = [float(word) for word in known]
         number[words[0]] = len(number)
     edges = []
     for line, words in links:

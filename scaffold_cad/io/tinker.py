@@ -35,6 +35,11 @@ def _recognises(head: bytes) -> bool:
     )
 
 
+def _is_plain_atom(words: list[str]) -> bool:
+    """Return whether a line is an element and its place, as in plain XYZ."""
+    return len(words) >= 4 and words[0].isalpha() and all(map(is_number, words[1:4]))
+
+
 @register_reader("Tinker XYZ", ".xyz", ".txyz", recognises=_recognises)
 def read_xyz(path: Path) -> RawSkeleton:
     """Read atoms and bonds of a Tinker XYZ file; atoms are numbered from 1.
@@ -46,15 +51,17 @@ def read_xyz(path: Path) -> RawSkeleton:
     if not rows:
         raise FormatError(f"{path} holds no line; need the number of atoms")
     count = whole_number(path, rows[0][0], rows[0][1][0], "the number of atoms")
+    if any(_is_plain_atom(words) for _, words in rows[1:3]):
+        raise FormatError(
+            f"{path} is plain XYZ, {count} atoms without bonds; need a format with bonds: "
+            "Tinker XYZ, MOL, SDF, MOL2, PDB or CJSON"
+        )
     if len(rows) > 1 and all(is_number(word) for word in rows[1][1]):
         del rows[1]
     atoms = rows[1:]
     if len(atoms) != count:
         found = f"{path} has {len(atoms)} atoms"
         raise FormatError(f"{found}; need {count}, as the first line says, each {_ATOM}")
-    for line, words in atoms:
-        if not is_number(words[0]):
-            raise line_error(path, line, "an atom without bonds", _ATOM)
     nodes = float_columns(path, atoms, 2, 3, _ATOM)
     edges = []
     for k, (line, words) in enumerate(atoms):

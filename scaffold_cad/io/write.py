@@ -22,8 +22,9 @@ from scaffold_cad.base.arguments import as_path
 from scaffold_cad.base.builders import built
 from scaffold_cad.base.files import check_target, replacing
 from scaffold_cad.errors import OptionError
+from scaffold_cad.io._units import factor_of
 from scaffold_cad.io.content import Content
-from scaffold_cad.io.register import writer_of
+from scaffold_cad.io.register import WrittenFormat, written_format_of
 from scaffold_cad.io.step import STEP_SUFFIXES
 from scaffold_cad.products.overlaps import Overlaps
 from scaffold_cad.scaffold import Scaffold
@@ -38,6 +39,8 @@ def write(
     write_pcurves: bool = False,
     overlaps: Overlaps | None = None,
     sides: int | None = None,
+    units: str | None = None,
+    scale: float | None = None,
 ) -> None:
     """Write `what` to the file at `path`, whole or not at all.
 
@@ -56,6 +59,9 @@ def write(
         "refuse" them, the default of STEP and BREP; or "allow" faces that cross
     sides : of the polygon that stands for the circle of a round strut in mesh formats, a multiple
         of 4; 16 by default
+    units : "um", "mm", "cm", "m", "in", "ft", ...: the unit of the numbers in a file that names
+        none, such as STL; one that names its unit stays in it. By default mm
+    scale : > 0; what lengths are multiplied with besides
 
     Raises
     ------
@@ -65,8 +71,8 @@ def write(
         If a B-rep is asked for and the mesh does not bound a solid, or struts overlap and are
         refused, or a mesh of a BeamLattice is not closed.
     OptionError
-        If an option does not fit the format or `what`; or `what` is a builder that holds no shape
-        yet, or `path` is not a path.
+        If an option does not fit the format or `what`; or the units or the scale are not known; or
+        `what` is a builder that holds no shape yet, or `path` is not a path.
     MissingBackendError
         If the package that writes the format is not installed.
 
@@ -82,7 +88,15 @@ def write(
     684
     """
     path, what = _target(path, what), built(what)
-    writer = writer_of(path)
+    known = written_format_of(path)
+    content = Content(
+        what,
+        path.stem,
+        write_pcurves,
+        overlaps,
+        SIDES if sides is None else sides,
+        *_factor(known, units, scale),
+    )
     if write_pcurves and path.suffix.lower() not in STEP_SUFFIXES:
         raise OptionError(f"write_pcurves is for STEP files only; {path.name} is none")
     if overlaps is not None and not isinstance(what, Scaffold | RoundStruts):
@@ -94,10 +108,7 @@ def write(
     if sides is not None:
         check_sides(sides)
     with replacing(path) as fresh:
-        writer(
-            Content(what, path.stem, write_pcurves, overlaps, SIDES if sides is None else sides),
-            fresh,
-        )
+        known.write(content, fresh)
 
 
 def check_writable(path: str | PathLike[str], *, solid: bool = False) -> None:
@@ -113,8 +124,17 @@ def check_writable(path: str | PathLike[str], *, solid: bool = False) -> None:
         If the suffix is unknown, or the folder is missing or read-only.
     """
     path = as_path(path)
-    writer_of(path, solid)
+    written_format_of(path, solid)
     check_target(path)
+
+
+def _factor(known: WrittenFormat, units: str | None, scale: float | None) -> tuple[float, str]:
+    """Return what lengths in mm are multiplied with for a file of a format, and its unit."""
+    factor = factor_of(None, scale)
+    if units is None or known.names_unit:
+        factor_of(units, None)  # refuses a unit that nobody knows
+        return factor, "mm"
+    return factor / factor_of(units, None), units
 
 
 def _target(path: str | PathLike[str], what: Any) -> Path:

@@ -13,6 +13,7 @@ from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.subdivision import Subdivision
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.products.assembly import Assembly, assembly_solid
 from scaffold_cad.products.breps import to_brep
 from scaffold_cad.products.overlaps import Overlaps, to_unite
 from scaffold_cad.scaffold import Scaffold
@@ -31,7 +32,8 @@ def surface_of(
     Parameters
     ----------
     what : a mesh or a subdivision; a Scaffold, whose quads are taken as they are where they are
-        one solid and whose overlapping struts are united elsewhere; a RoundStruts; a Manifold; a
+        one solid and whose overlapping struts are united elsewhere; a RoundStruts; an Assembly,
+        whose beams and meshes are united; a manifold3d Manifold; a
         build123d shape, a builder's, or smooth patches, within 0.01 mm; anything with arrays
         `vertices`, and `triangles` or `faces` (t, 3), such as a trimesh Trimesh
 
@@ -58,6 +60,8 @@ def surface_of(
         if to_unite(overlaps, what.overlapping, what.skeleton) or overlaps != "allow":
             return round_mesh(what, sides)
         return triangulated(what, sides).mesh
+    if isinstance(what, Assembly):
+        return manifold_triangles(assembly_solid(what))
     if isinstance(what, Solidified):
         return manifold_triangles(what.manifold)
     if isinstance(what, BezierMesh | Patches):

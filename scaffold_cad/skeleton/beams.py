@@ -3,25 +3,33 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import check_kind
-from scaffold_cad.base.arrays import Floats, Frozen, as_floats, check_believable
-from scaffold_cad.errors import SkeletonError
+from scaffold_cad.base.arguments import check_choice, check_kind
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, as_floats, check_believable
+from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.skeleton.skeleton import Skeleton
+
+CAPS = ("sphere", "hemisphere", "butt")
+"""How a beam may end, by the numbers that stand for it."""
+
+BUTT = CAPS.index("butt")
+
+Clipping = Literal["inside", "outside"]
+"""Which part of the beams stays: what is inside of the mesh that cuts them, or outside."""
 
 
 @dataclass(frozen=True, eq=False)
 class BeamLattice(Frozen):
-    """Beams along the edges of a skeleton, for `write` to a 3MF file.
+    """Beams along the edges of a skeleton, for `write` to a 3MF file, and as such files hold them.
 
     Raises
     ------
     OptionError
-        If `skeleton` is none.
+        If `skeleton` is none, or `caps` or `clipping` is not known.
     SkeletonError
         If a ball's radius is negative or not finite, or there are not as many as nodes.
 
@@ -32,27 +40,70 @@ class BeamLattice(Frozen):
     Examples
     --------
     >>> from scaffold_cad import BeamLattice, Skeleton
-    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
-    >>> BeamLattice(strut, balls=1.5).balls
-    array([1.5, 1.5])
+    >>> strut = Skeleton([[0, 0, 0], [0, 0, 9]], [[0, 1]], 0.5)
+    >>> BeamLattice(strut, balls=0.8, caps="butt").caps.tolist()
+    [[2, 2]]
     """
 
     skeleton: Skeleton
-    """Its radii are those of the beams' ends, which are spheres."""
+    """Its `edge_radii` are those of the beams' ends."""
     balls: Floats
     """Radius of a ball at each node, 0 for none, shape (n,), mm; one number stands for all."""
     clip: Any
-    """Closed mesh or solid outside of which the beams are cut away."""
+    """Closed mesh or solid that the beams are cut at."""
     mesh: Any
     """Closed mesh or solid in the same object as the beams: programs that know no beams show and
     print it alone, others unite the two. A skin, or the solid of the very beams."""
+    caps: Ints
+    """How both ends of each beam end, shape (m, 2), numbers of `CAPS`: 0 for a sphere around the
+    node, 1 for the half of it that leaves the beam, 2 for a flat end."""
+    clipping: Clipping
+    """Which part of the beams stays, where there is a `clip`."""
+    representation: Any
+    """Closed mesh or solid that is shown for the beams by programs that cannot show them."""
 
     def __init__(
-        self, skeleton: Skeleton, balls: ArrayLike = 0.0, clip: Any = None, mesh: Any = None
+        self,
+        skeleton: Skeleton,
+        balls: ArrayLike = 0.0,
+        clip: Any = None,
+        mesh: Any = None,
+        *,
+        caps: str | ArrayLike = "sphere",
+        clipping: Clipping = "inside",
+        representation: Any = None,
     ) -> None:
         check_kind(skeleton, Skeleton)
-        radii = _ball_radii(balls, len(skeleton.nodes))
-        self._keep(skeleton=skeleton, balls=radii, clip=clip, mesh=mesh)
+        check_choice(clipping, "clipping", ("inside", "outside"))
+        self._keep(
+            skeleton=skeleton,
+            balls=_ball_radii(balls, len(skeleton.nodes)),
+            clip=clip,
+            mesh=mesh,
+            caps=_caps(caps, len(skeleton.edges)),
+            clipping=clipping,
+            representation=representation,
+        )
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the skeleton says it all: every beam ends in spheres, and there is no more."""
+        more = (self.clip, self.mesh)
+        return not (self.balls.any() or self.caps.any() or any(part is not None for part in more))
+
+
+def _caps(values: str | ArrayLike, count: int) -> Ints:
+    """Return how each end of `count` beams ends, shape (count, 2), from names or numbers."""
+    if isinstance(values, str):
+        check_choice(values, "caps", CAPS)
+        return np.full((count, 2), CAPS.index(values))
+    caps = np.asarray(values)
+    if caps.shape != (count, 2) or not np.isin(caps, range(len(CAPS))).all():
+        raise OptionError(
+            f"caps has shape {caps.shape}; need one of {', '.join(CAPS)}, or shape ({count}, 2) "
+            "of numbers 0, 1 and 2 that stand for them"
+        )
+    return caps.astype(np.intp)
 
 
 def _ball_radii(values: ArrayLike, count: int) -> Floats:

@@ -262,10 +262,23 @@ def _split_at_contacts(
         for edge, node in _nodes_near_edges(nodes, edges, distance)
     ]
     edge, node = (np.concatenate(parts) for parts in zip(*contacts, strict=True))
+    return split_at(nodes, edges, sizes, edge, node)
+
+
+def split_at(
+    nodes: Points, edges: Edges, sizes: Floats, edge: Ints, node: Ints
+) -> tuple[Edges, Floats, int, int]:
+    """Split each of some edges, (k,), at a node on it, (k,); count those and repeats.
+
+    An edge may have several nodes, in any order. Radii of edges change evenly along them.
+    """
     # The stops of each edge in order: its start, the nodes on it, its end.
     stops = np.concatenate([edges[:, 0], node, edges[:, 1]])
     owner = np.concatenate([np.arange(len(edges)), edge, np.arange(len(edges))])
-    sequence = np.argsort(owner, kind="stable")
+    start = nodes[edges[edge, 0]]
+    along = length(nodes[node] - start) / length(nodes[edges[edge, 1]] - start)
+    place = np.concatenate([np.full(len(edges), -np.inf), along, np.full(len(edges), np.inf)])
+    sequence = np.lexsort([place, owner])
     stops, owner = stops[sequence], owner[sequence]
     consecutive = owner[:-1] == owner[1:]
     pieces = np.stack([stops[:-1], stops[1:]], axis=1)[consecutive]

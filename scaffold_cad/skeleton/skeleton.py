@@ -40,6 +40,7 @@ from scaffold_cad.base.topology import (
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import SkeletonError
 from scaffold_cad.skeleton.editing import Editing
+from scaffold_cad.skeleton.joining import joined_graph
 from scaffold_cad.skeleton.repair import (
     LEAST_LENGTH,
     LEAST_RADIUS,
@@ -317,6 +318,31 @@ class Skeleton(Frozen, Shown, Editing):
         return Cleaning(
             Skeleton(graph.nodes, graph.edges, graph.radii, graph.edge_radii), graph.repairs
         )
+
+    def joined(self, tolerance: float) -> Skeleton:
+        """Return the skeleton with nodes where struts cross, or end on others.
+
+        Nodes closer than `tolerance` become one, and what else `cleaned` repairs is repaired.
+
+        Parameters
+        ----------
+        tolerance : mm, > 0; struts no farther apart than this meet
+
+        Raises
+        ------
+        SkeletonError
+            If no edge is left.
+
+        Examples
+        --------
+        >>> from scaffold_cad import Skeleton
+        >>> cross = Skeleton([[-5, 0, 0], [5, 0, 0], [0, -5, 0], [0, 5, 0]], [[0, 1], [2, 3]], 1.0)
+        >>> cross.joined(0.01).edges.tolist()
+        [[0, 4], [4, 1], [2, 4], [4, 3]]
+        """
+        tolerance = as_number(tolerance, "tolerance")
+        graph = joined_graph(self.nodes, self.edges, self.radii, self.edge_radii, tolerance)
+        return Skeleton(graph.nodes, graph.edges, graph.radii, graph.edge_radii)
 
     def simplified(self, tolerance: float) -> Skeleton:
         """Return the skeleton without the joints that its shape does not need.

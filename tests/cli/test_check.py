@@ -6,6 +6,8 @@ import json
 from pathlib import Path
 
 import pytest
+from build123d import Box, Shape
+from OCP.IGESControl import IGESControl_Writer
 
 from scaffold_cad import BeamLattice, build_scaffold, write
 from scaffold_cad.cli import main
@@ -109,8 +111,7 @@ def test_the_beams_of_a_3mf_file_are_checked_as_they_are_built(
     write(BeamLattice(K4, mesh=CUBE), path)
     assert main(["check", str(path)]) == 0
     captured = capsys.readouterr()
-    assert "6 beams are taken, not the 12 triangles beside them" in captured.err
-    assert "genus                          3 handles" in captured.out
+    assert "6 beams united with 1 meshes of 12 triangles" in captured.err
     assert main(["check", str(path), "--radius", "0.1"]) == 1
     assert "raise --radius to 0.4" in capsys.readouterr().out
 
@@ -126,9 +127,19 @@ def test_parts_of_cad_systems_are_taken(
     assert "part" in capsys.readouterr().out
 
 
-def test_an_iges_file_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["check", str(tmp_path / "part.igs")]) == 2
-    assert "part.igs is an IGES file; need STEP, BREP or STL" in capsys.readouterr().err
+def written_iges(folder: Path, shape: Shape) -> Path:
+    writer = IGESControl_Writer()
+    writer.AddShape(shape.wrapped)
+    writer.Write(str(folder / "part.igs"))
+    return folder / "part.igs"
+
+
+def test_the_faces_of_an_iges_file_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = written_iges(tmp_path, Box(1, 1, 1))
+    assert main(["check", str(path)]) == 2
+    assert "part.igs is an IGES file with faces; need STEP, BREP or STL" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("text", ["5x5x5", "5X5X5", "5,5,5", "5"])

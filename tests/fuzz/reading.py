@@ -31,7 +31,7 @@ def outcome(path: Path) -> Outcome:
     start = time.process_time()
     edges, message, fault = 0, "", ""
     try:
-        has_radii = read_raw(path).radii is not None
+        has_radii = read_raw(path).has_radii
         cleaning = read_with_repairs(path, None if has_radii else 1.0)
         edges = len(cleaning.skeleton.edges)
     except ScaffoldCadError as error:

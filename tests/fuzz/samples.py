@@ -14,6 +14,7 @@ import ezdxf
 import numpy as np
 
 from scaffold_cad.io import skeleton_to_json
+from tests.fuzz.members import MEMBERS
 from tests.skeletons import ELBOW
 
 POINTS = np.array([[0, 0, 0], [10, 0, 0], [10, 10, 0], [10, 10, 5]], dtype=np.float64)
@@ -311,7 +312,7 @@ def packed_3mf(model: bytes) -> bytes:
 MODEL_3MF = _3mf_model()
 """What is packed in a 3MF file."""
 
-SAMPLES: dict[str, bytes] = {
+SAMPLES: dict[str, bytes] = MEMBERS | {
     "lines.obj": OBJ,
     "rhino.obj": RHINO,
     "cell.wire": OBJ,

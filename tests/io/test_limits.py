@@ -24,7 +24,9 @@ from tests.fuzz.samples import RHINO, SAMPLES
 from tests.io.test_reading import written
 
 OPEN_ENDED = ("lines.obj", "rhino.obj", "cell.wire", "neuron.swc", "removed.graph", "path.cgal")
-OPEN_ENDED += ("path.polylines.txt", "path.tgf")
+OPEN_ENDED += ("path.polylines.txt", "path.tgf", "members.csv", "german.csv", "tables.csv")
+OPEN_ENDED += ("path.tsv", "tree.csv", "beams.inp", "parts.inp", "free.dat", "model.tcl")
+OPEN_ENDED += ("pyskelton.graph", "libigl.tgf", "plane.wire", "elbow.pdb", "bare.ent")
 """Formats whose files may end after any line, so that one that was cut may still be whole."""
 
 

@@ -222,7 +222,9 @@ def test_an_absurd_coordinate_is_refused(tmp_path: Path) -> None:
 
 def test_an_unknown_format_is_refused_with_the_known_ones(tmp_path: Path) -> None:
     path = written(tmp_path, "notes.md", "nothing of the kind\n")
-    with pytest.raises(FormatError, match=r"is of no known format; need one of \.3mf, .*\.wire"):
+    with pytest.raises(
+        FormatError, match=r"is of no known format; need one of \.3dm, \.3mf, .*\.wire"
+    ):
         read_skeleton(path, 1.0)
 
 

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-import logging
+import re
 import zipfile
 from pathlib import Path
 
@@ -89,19 +89,22 @@ def test_beams_become_edges_and_vertices_without_a_beam_are_left_out(tmp_path: P
 @pytest.mark.parametrize(
     ("beams", "radii"),
     [
-        ('<b:beam v1="0" v2="1"/>', [1.5, 1.5]),
-        ('<b:beam v1="0" v2="1" r1="3"/>', [3, 3]),
-        ('<b:beam v1="0" v2="1" r2="3"/>', [1.5, 3]),
-        ('<b:beam v1="0" v2="1" r1="3" r2="0.5 "/>', [3, 0.5]),
-        ('<b:beam v1="0" v2="1" r1="3" r2="0.5"/><b:beam v1="1" v2="2" r1="0.7"/>', [3, 0.7, 0.7]),
+        ('<b:beam v1="0" v2="1"/>', [[1.5, 1.5]]),
+        ('<b:beam v1="0" v2="1" r1="3"/>', [[3, 3]]),
+        ('<b:beam v1="0" v2="1" r2="3"/>', [[1.5, 3]]),
+        ('<b:beam v1="0" v2="1" r1="3" r2="0.5 "/>', [[3, 0.5]]),
+        (
+            '<b:beam v1="0" v2="1" r1="3" r2="0.5"/><b:beam v1="1" v2="2" r1="0.7"/>',
+            [[3, 0.5], [0.7, 0.7]],
+        ),
     ],
 )
-def test_radii_have_defaults_and_the_largest_at_a_node_counts(
-    tmp_path: Path, beams: str, radii: list[float]
+def test_beams_keep_the_radii_of_their_ends_which_have_defaults(
+    tmp_path: Path, beams: str, radii: list[list[float]]
 ) -> None:
     raw = read_raw(packed(tmp_path, model([mesh(beams)])))
-    assert raw.radii is not None
-    assert raw.radii.tolist() == radii
+    assert raw.edge_radii is not None
+    assert raw.edge_radii.tolist() == radii
 
 
 def test_a_lattice_without_a_radius_takes_that_of_the_nearest_beam(tmp_path: Path) -> None:
@@ -125,9 +128,9 @@ def test_units_become_millimeters_in_positions_radii_and_transforms(
 ) -> None:
     item = '<item objectid="1" transform="1 0 0 0 1 0 0 0 1 0 0 7"/>'
     raw = read_raw(packed(tmp_path, model([mesh()], item, unit)))
-    assert raw.radii is not None
+    assert raw.edge_radii is not None
     np.testing.assert_allclose(raw.nodes[2], np.array([10, 10, 7]) * factor)
-    np.testing.assert_allclose(raw.radii, np.array([1, 2, 1.5]) * factor)
+    np.testing.assert_allclose(raw.edge_radii, np.array([[1, 2], [1.5, 1.5]]) * factor)
 
 
 def test_every_item_of_the_build_is_placed_and_other_objects_are_not(tmp_path: Path) -> None:
@@ -142,10 +145,9 @@ def test_components_are_placed_in_each_other_with_radii_scaled(tmp_path: Path) -
     outer = f"<components>{component(2, '1 0 0 0 1 0 0 0 -1 0 0 1')}</components>"
     item = '<item objectid="3" transform="1 0 0 0 1 0 0 0 1 0 1000 0"/>'
     raw = read_raw(packed(tmp_path, model([mesh(), inner, outer], item)))
-    assert raw.radii is not None
     expected = [[5, 1000, 1], [25, 1000, 1], [25, 1020, 1], [0, 1000, 1], [10, 1000, 1]]
     np.testing.assert_allclose(raw.nodes[:5], expected)
-    np.testing.assert_allclose(raw.radii, [2, 4, 3, 1, 2, 1.5])
+    np.testing.assert_allclose(raw.edge_radii, [[2, 4], [3, 3], [1, 2], [1.5, 1.5]])
 
 
 def test_objects_in_other_parts_are_found_whatever_the_case_of_their_name(tmp_path: Path) -> None:
@@ -167,14 +169,17 @@ def test_vertices_of_other_extensions_are_not_taken_for_those_of_the_mesh(tmp_pa
     assert raw.nodes[0].tolist() == [0, 0, 0]
 
 
-def test_clipping_is_left_undone_and_logged(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture
+@pytest.mark.parametrize("name", ["clippingmode", "clipping"])
+def test_a_skeleton_leaves_clipping_out_says_so_and_is_refused_where_strict(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, name: str
 ) -> None:
-    lattice = 'radius="1" minlength="1" clippingmode="inside" clippingmesh="2"'
-    assert len(read_raw(packed(tmp_path, model([mesh(lattice=lattice), SOLID]))).edges) == 2
-    messages = [r.getMessage() for r in caplog.records if r.levelno == logging.WARNING]
-    assert len(messages) == 1
-    assert "beams are to be clipped (inside); they are read whole" in messages[0]
+    lattice = f'radius="1" minlength="1" {name}="inside" clippingmesh="2"'
+    path = packed(tmp_path, model([mesh(lattice=lattice), SOLID]))
+    assert len(read_skeleton(path).edges) == 2
+    said = "the clipping of 1 lattices (what is inside stays)"
+    assert f"left out {said}" in caplog.text
+    with pytest.raises(FormatError, match=rf"lattice\.3mf holds also {re.escape(said)}; need"):
+        read_skeleton(path, strict=True)
 
 
 def test_what_another_library_writes_is_read(tmp_path: Path) -> None:
@@ -206,12 +211,12 @@ def test_what_another_library_writes_is_read(tmp_path: Path) -> None:
     written_model.QueryWriter("3mf").WriteToFile(str(path))
 
     raw = read_raw(path)
-    assert raw.radii is not None
     used = np.array([corners[k] for k in (0, 1, 3, 7)])
     once = used @ turn[:3] + turn[3]
     twice = once @ turn[:3] + turn[3]
     np.testing.assert_allclose(raw.nodes, 25.4 * np.concatenate([twice, once]))
-    np.testing.assert_allclose(raw.radii, 25.4 * np.tile([0.25, 0.5, 0.75, 0.125], 2))
+    radii = [beam[2:] for beam in beams]
+    np.testing.assert_allclose(raw.edge_radii, 25.4 * np.array(radii + radii))
     assert raw.edges.tolist() == [[0, 1], [1, 2], [2, 3], [4, 5], [5, 6], [6, 7]]
 
 
@@ -301,7 +306,7 @@ def test_what_overflows_is_refused(tmp_path: Path, power: int) -> None:
     item = f'<item objectid="1" transform="{huge} 0 0 0 {huge} 0 0 0 {huge} 0 0 0"/>'
     far = mesh().replace('"10 "', f'"{huge}"')
     for objects, items in (([mesh()], item), ([far], ITEM), ([far], item)):
-        with pytest.raises(FormatError, match=r"lattice\.3mf: nodes?.* is .*; need "):
+        with pytest.raises(FormatError, match=r"lattice\.3mf: (node|edge).* (is|has) .*; need "):
             read_raw(packed(tmp_path, model(objects, items, 'unit="meter"')))
 
 
@@ -400,7 +405,9 @@ def test_what_lib3mf_writes_is_read_as_lib3mf_reads_it(tmp_path: Path) -> None:
 
 def test_beams_clipped_to_what_is_not_there_are_refused(tmp_path: Path) -> None:
     lattice = 'radius="1" minlength="1" clippingmode="inside" clippingmesh="2"'
-    with pytest.raises(FormatError, match="clips beams to object '2', which is not a mesh in /3D"):
+    with pytest.raises(
+        FormatError, match=r"clips beams to object '2', or .* which is not a mesh in /3D"
+    ):
         read_raw(packed(tmp_path, model([mesh(lattice=lattice)])))
     lattice = 'radius="1" minlength="1" clippingmode="inside"'
     with pytest.raises(FormatError, match="clippingmode is 'inside'; need the attribute clippingm"):

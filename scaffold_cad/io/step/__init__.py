@@ -5,8 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from scaffold_cad import brep
+from scaffold_cad.io._cad import read_cad_triangles, read_cad_wires
+from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io.content import Content
-from scaffold_cad.io.register import register_mesh_reader, register_writer
+from scaffold_cad.io.register import register_mesh_reader, register_reader, register_writer
 from scaffold_cad.io.step.analytic import write_analytic
 from scaffold_cad.io.step.patches import write_step
 from scaffold_cad.mesh.shells import check_solid
@@ -15,7 +17,7 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 STEP_SUFFIXES = (".step", ".stp")
 
 
-@register_writer(*STEP_SUFFIXES, name="STEP")
+@register_writer(*STEP_SUFFIXES, name="STEP", names_unit=True)
 def write_step_content(content: Content, path: Path) -> None:
     """Write a build123d shape by OCCT, and meshes of quads straight from their arrays."""
     faces = None if content.write_pcurves else content.faces()
@@ -32,10 +34,23 @@ def write_step_content(content: Content, path: Path) -> None:
     write_step(patches, path, name=content.name, face_names=content.face_names())
 
 
-@register_mesh_reader("STEP", *STEP_SUFFIXES)
+@register_mesh_reader("STEP", *STEP_SUFFIXES, names_unit=True)
 def read_step_triangles(path: Path) -> TriangleMesh:
-    """Read the solids of a STEP file as triangles within 0.01 mm."""
-    return brep.tessellated(brep.read_brep(path))
+    """Read the solids of a STEP file as triangles within 0.01 mm; none if it holds wires only."""
+    return read_cad_triangles(path)
+
+
+def _recognises(head: bytes) -> bool:
+    return head.lstrip().startswith(b"ISO-10303-21")
+
+
+@register_reader("STEP", *STEP_SUFFIXES, recognises=_recognises)
+def read_step_wires(path: Path) -> RawSkeleton:
+    """Read the edges and wires of a STEP file that bound no face; it has no radii.
+
+    Curves become edges within 1/1000 of their size, and join where they have equal points.
+    """
+    return read_cad_wires(path)
 
 
 __all__ = ["STEP_SUFFIXES", "write_analytic", "write_step"]

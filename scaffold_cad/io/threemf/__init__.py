@@ -4,19 +4,24 @@ from __future__ import annotations
 
 import logging
 from dataclasses import replace
+from os import PathLike
 from pathlib import Path
+from typing import overload
 
-from scaffold_cad.errors import FormatError
+from scaffold_cad.base.arguments import as_path
+from scaffold_cad.errors import FormatError, MeshError, SkeletonError
 from scaffold_cad.io._mesh import joined_meshes
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io.content import Content, closed_triangles
 from scaffold_cad.io.register import register_mesh_reader, register_reader, register_writer
 from scaffold_cad.io.threemf.archive import read_package
-from scaffold_cad.io.threemf.pieces import skeleton_of, triangles_of
-from scaffold_cad.io.threemf.writing import write_3mf, write_3mf_beams
+from scaffold_cad.io.threemf.pieces import assembly_of, skeleton_of, triangles_of
+from scaffold_cad.io.threemf.writing import write_3mf, write_3mf_assembly
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.products.assembly import Assembly, assembly_solid
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.skeleton.beams import BeamLattice
+from scaffold_cad.solid.manifolds import manifold_triangles
 
 _log = logging.getLogger(__name__)
 
@@ -29,45 +34,88 @@ def _recognises(head: bytes) -> bool:
 def read_3mf(path: Path) -> RawSkeleton:
     """Read the beam lattices that a 3MF file builds, each where it is placed, in mm.
 
-    A node gets the largest radius of the beams that end there; a transform scales radii by the
-    cube root of its determinant. Meshes, balls and vertices without a beam are left out, and a
-    lattice that is to be clipped is read whole.
+    Each beam keeps the radii of its ends; a transform scales them by the cube root of its
+    determinant. What a skeleton does not keep, such as meshes beside the beams, clipping, balls and
+    flat ends, is named in `left_out`; `read_assembly` reads it.
     """
     pieces = read_package(path)
-    for clipping in sorted({piece.body.clipping for piece in pieces} - {"none"}):
-        _log.warning("%s: beams are to be clipped (%s); they are read whole", path, clipping)
-    skeleton = skeleton_of(pieces)
+    skeleton = skeleton_of(pieces, assembly_of(pieces).beyond_skeleton())
     if len(skeleton.edges) == 0:
         raise FormatError(f"{path} builds no beam lattice; need at least one beam")
     return skeleton
 
 
-@register_mesh_reader("3MF", ".3mf")
+def read_assembly(path: str | PathLike[str]) -> Assembly:
+    """Return what a 3MF file builds, as what it is: beam lattices and meshes, in mm.
+
+    Raises
+    ------
+    FormatError
+        If the file cannot be read.
+    """
+    path = as_path(path)
+    try:
+        return assembly_of(read_package(path))
+    except OSError as error:
+        raise FormatError(f"{path} cannot be read: {error.strerror or error}") from None
+    except (MeshError, SkeletonError) as error:
+        raise FormatError(f"{path}: {error}") from None
+
+
+@register_mesh_reader("3MF", ".3mf", names_unit=True)
 def read_3mf_triangles(path: Path) -> TriangleMesh:
-    """Read the meshes that a 3MF file builds, in mm; none if it has beams: it is a skeleton."""
+    """Read the meshes that a 3MF file builds, in mm; none if a skeleton holds all of it.
+
+    Where there are beams too, their solid is made and united with the meshes.
+    """
     pieces = read_package(path)
-    beams = sum(len(piece.body.beams) for piece in pieces)
-    mesh = triangles_of(pieces)
-    if not beams:
-        return mesh
-    if len(mesh.triangles):
-        _log.warning(
-            "%s: %d beams are taken, not the %d triangles beside them",
-            path,
-            beams,
-            len(mesh.triangles),
-        )
-    return joined_meshes([])
+    if not any(len(piece.body.beams) for piece in pieces):
+        return triangles_of(pieces)
+    assembly = assembly_of(pieces)
+    if assembly.is_skeleton:
+        return joined_meshes([])
+    found = ", ".join(assembly.beyond_skeleton())
+    _log.info("%s: %d beams united with %s", path, assembly.beam_count, found)
+    return manifold_triangles(assembly_solid(assembly))
 
 
-@register_writer(".3mf", name="3MF")
+@register_writer(".3mf", name="3MF", names_unit=True)
 def write_3mf_content(content: Content, path: Path) -> None:
-    """Write a Skeleton or a BeamLattice as beams, and the triangles of anything else."""
-    what = content.what
+    """Write a Skeleton, a BeamLattice or an Assembly as beams, and triangles of anything else."""
+    what, factor = content.what, content.factor
     if isinstance(what, Skeleton):
-        what = BeamLattice(what)
+        what = BeamLattice(content.skeleton("a 3MF file"))
+        factor = 1.0
     if isinstance(what, BeamLattice):
-        clip, mesh = (closed_triangles(part) for part in (what.clip, what.mesh))
-        write_3mf_beams(replace(what, clip=clip, mesh=mesh), path)
+        what = Assembly([what])
+    if isinstance(what, Assembly):
+        meshes = [_scaled(mesh, factor) for mesh in what.meshes]
+        write_3mf_assembly(Assembly([_closed(one, factor) for one in what.lattices], meshes), path)
         return
     write_3mf(content.triangles(), path)
+
+
+def _closed(lattice: BeamLattice, factor: float) -> BeamLattice:
+    """Return a lattice times `factor`, its meshes closed triangles with 32-bit coordinates."""
+    return replace(
+        lattice,
+        skeleton=lattice.skeleton if factor == 1.0 else lattice.skeleton.scaled(factor),
+        balls=lattice.balls * factor,
+        clip=_scaled(closed_triangles(lattice.clip), factor),
+        mesh=_scaled(closed_triangles(lattice.mesh), factor),
+        representation=_scaled(closed_triangles(lattice.representation), factor),
+    )
+
+
+@overload
+def _scaled(mesh: TriangleMesh, factor: float) -> TriangleMesh: ...
+
+
+@overload
+def _scaled(mesh: None, factor: float) -> None: ...
+
+
+def _scaled(mesh: TriangleMesh | None, factor: float) -> TriangleMesh | None:
+    if mesh is None or factor == 1.0:
+        return mesh
+    return TriangleMesh(mesh.vertices * factor, mesh.triangles)

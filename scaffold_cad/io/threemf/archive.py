@@ -44,6 +44,8 @@ class Piece:
     body: Body
     clip: Body | None
     """The mesh that its beams are clipped to, which is placed as the body is."""
+    shown: Body | None
+    """The mesh that stands for its beams in programs that cannot show them."""
     transform: Floats
     """Rows that a position (x, y, z, 1) is multiplied with, shape (4, 3), the last in mm."""
 
@@ -115,7 +117,9 @@ class _Package:
             home, body, components = self._object(where, placed)
             transform = _composed(placed.transform, outer)
             if body.size:
-                found.append(Piece(body, self._clip(home, body), transform))
+                clip = None if body.clipping == "none" else body.clipping_mesh
+                meshes = [self._named(home, name) for name in (clip, body.representation_mesh)]
+                found.append(Piece(body, meshes[0], meshes[1], transform))
             waiting += [(home, component, transform) for component in reversed(components)]
         return found
 
@@ -147,15 +151,15 @@ class _Package:
             )
         return home, found.body, found.components
 
-    def _clip(self, home: str, body: Body) -> Body | None:
-        """Return the mesh that the beams of a body are clipped to, or None."""
-        if body.clipping == "none" or body.clipping_mesh is None:
+    def _named(self, home: str, name: str | None) -> Body | None:
+        """Return the mesh of an object that beams are clipped to or shown by, None for none."""
+        if name is None:
             return None
-        found = self.model(home).objects.get(body.clipping_mesh)
+        found = self.model(home).objects.get(name)
         if found is None or not len(found.body.triangles):
             raise FormatError(
-                f"{self._path} clips beams to object {body.clipping_mesh!r}, which is not a mesh "
-                f"in {home}; need one"
+                f"{self._path} clips beams to object {name!r}, or shows it for them, which is not "
+                f"a mesh in {home}; need one"
             )
         return found.body
 

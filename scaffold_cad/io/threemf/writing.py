@@ -1,4 +1,4 @@
-"""3MF files through lib3mf: one object of triangles, of beams, or of both, in mm."""
+"""3MF files through lib3mf: objects of triangles, of beams, or of both, in mm."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from scaffold_cad.base.arrays import Floats, Points, Triangles
 from scaffold_cad.base.backends import need
 from scaffold_cad.errors import FormatError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.products.assembly import Assembly
 from scaffold_cad.skeleton.beams import BeamLattice
 
 BEAM = np.dtype([("ends", "<u4", 2), ("radii", "<f8", 2), ("caps", "<i4", 2)])
@@ -43,16 +44,15 @@ def write_3mf(mesh: TriangleMesh, path: Path) -> None:
     package.write(path)
 
 
-def write_3mf_beams(lattice: BeamLattice, path: Path) -> None:
-    """Write a beam lattice with 32-bit coordinates; the same one always gives the same bytes.
+def write_3mf_assembly(assembly: Assembly, path: Path) -> None:
+    """Write beam lattices and meshes with 32-bit coordinates; the same always give the same bytes.
 
-    A beam tapers from the radius of one node to that of the other and ends in spheres: together
-    they are the solid of round struts with a ball at each node. lib3mf writes six decimals of
-    coordinates and radii.
+    A beam tapers between the radii of its ends. lib3mf writes six decimals of coordinates and
+    radii.
 
     Parameters
     ----------
-    lattice : its mesh and what it is clipped to are a TriangleMesh each, or None
+    assembly : each mesh of a lattice, and what it is clipped to, is a TriangleMesh or None
 
     Raises
     ------
@@ -61,32 +61,44 @@ def write_3mf_beams(lattice: BeamLattice, path: Path) -> None:
     MissingBackendError
         If lib3mf is not installed.
     """
-    skeleton, mesh = lattice.skeleton, lattice.mesh
-    balls = np.flatnonzero(lattice.balls)
-    _check_sizes(skeleton.radii, "has radius")
-    _check_sizes(skeleton.edge_radii.min(axis=1), "is of an edge of radius")
-    _check_sizes(np.where(lattice.balls > 0, lattice.balls, np.inf), "has a ball of radius")
-
+    for lattice in assembly.lattices:
+        _check_sizes(lattice.skeleton.radii, "has radius")
+        _check_sizes(lattice.skeleton.edge_radii.min(axis=1), "is of an edge of radius")
+        _check_sizes(np.where(lattice.balls > 0, lattice.balls, np.inf), "has a ball of radius")
     package = _Package()
+    for lattice in assembly.lattices:
+        package.build(_add_lattice(package, lattice))
+    for mesh in assembly.meshes:
+        package.build(package.add_mesh(mesh.vertices, mesh.triangles))
+    package.write(path)
+
+
+def _add_lattice(package: _Package, lattice: BeamLattice) -> Any:
+    """Add a lattice as an object, and return it."""
+    skeleton, mesh = lattice.skeleton, lattice.mesh
     # An object may only name those before it.
-    clip = None
-    if lattice.clip is not None:
-        clip = package.add_mesh(lattice.clip.vertices, lattice.clip.triangles)
+    clip, shown = (
+        None if part is None else package.add_mesh(part.vertices, part.triangles)
+        for part in (lattice.clip, lattice.representation)
+    )
     points, faces = skeleton.nodes, np.zeros((0, 3), dtype=np.intp)
     if mesh is not None:
         points = np.concatenate([points, mesh.vertices])
         faces = mesh.triangles + len(skeleton.nodes)
     body = package.add_mesh(points, faces)
-    beams = np.zeros(len(skeleton.edges), dtype=BEAM)  # all ends are spheres
-    beams["ends"] = skeleton.edges
-    beams["radii"] = skeleton.edge_radii
-    package.add_beams(body, beams, clip)
+    beams = np.zeros(len(skeleton.edges), dtype=BEAM)
+    beams["ends"], beams["radii"], beams["caps"] = skeleton.edges, skeleton.edge_radii, lattice.caps
+    package.add_beams(body, beams)
+    if clip is not None:
+        package.clip_beams(body, clip, lattice.clipping)
+    if shown is not None:
+        body.BeamLattice().SetRepresentation(shown.GetUniqueResourceID())
+    balls = np.flatnonzero(lattice.balls)
     if len(balls):
         rows = np.zeros(len(balls), dtype=BALL)
         rows["node"], rows["radius"] = balls, lattice.balls[balls]
         package.add_balls(body, rows)
-    package.build(body)
-    package.write(path)
+    return body
 
 
 def _check_sizes(radii: Floats, what: str) -> None:
@@ -132,14 +144,17 @@ class _Package:
         self._objects.append(body)
         return body
 
-    def add_beams(self, body: Any, beams: np.ndarray, clip: Any | None) -> None:
-        """Add beams between the vertices of an object, cut to what is inside of another."""
+    def add_beams(self, body: Any, beams: np.ndarray) -> None:
+        """Add beams between the vertices of an object."""
         lattice = body.BeamLattice()
         lattice.SetMinLength(SHORTEST_BEAM)
         self._call(lattice, "beamlattice_setbeams", (self._lib3mf.Beam, beams))
-        if clip is not None:
-            inside = self._lib3mf.BeamLatticeClipMode.Inside
-            lattice.SetClipping(inside, clip.GetUniqueResourceID())
+
+    def clip_beams(self, body: Any, clip: Any, clipping: str) -> None:
+        """Cut the beams of an object to what is inside or outside of another."""
+        modes = self._lib3mf.BeamLatticeClipMode
+        mode = modes.Outside if clipping == "outside" else modes.Inside
+        body.BeamLattice().SetClipping(mode, clip.GetUniqueResourceID())
 
     def add_balls(self, body: Any, balls: np.ndarray) -> None:
         """Add balls at vertices of an object where beams end."""

@@ -4,4 +4,4 @@ Both are read here, not by VTK: its readers end the process on files that are da
 """
 
 # Importing these modules registers their formats.
-from scaffold_cad.io.vtk import legacy, xml  # noqa: F401
+from scaffold_cad.io.vtk import legacy, writing, xml  # noqa: F401

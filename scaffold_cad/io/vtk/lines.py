@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -28,6 +29,26 @@ class Lines:
     """Where each polyline ends in `connectivity`, shape (c,)."""
 
 
+def radii_among(data: Mapping[str, Floats]) -> Floats | None:
+    """Return the radii among data of points or of cells by their names, flat, or None.
+
+    Besides radii that are named so, those that a ``diameter`` or an ``area`` gives.
+    """
+    for name, values in data.items():
+        numbers = np.asarray(values, dtype=np.float64).reshape(len(values), -1)
+        if numbers.shape[1] != 1:
+            continue
+        plain = name.strip().lower()
+        if is_radii(plain):
+            return numbers[:, 0]
+        if plain == "diameter":
+            return numbers[:, 0] / 2
+        if plain in ("area", "a"):
+            with np.errstate(invalid="ignore"):
+                return np.sqrt(numbers[:, 0] / np.pi)
+    return None
+
+
 def is_radii(name: str) -> bool:
     """Return whether point data of this name are radii."""
     return name.strip().lower() in RADII
@@ -51,13 +72,24 @@ def checked(path: Path, lines: Lines, count: int) -> Lines:
     return lines
 
 
-def skeleton_of(points: Floats, lines: Lines, radii: Floats | None) -> RawSkeleton:
-    """Return polylines, which were checked, as a graph."""
+def skeleton_of(
+    points: Floats, lines: Lines, radii: Floats | None, of_lines: Floats | None = None
+) -> RawSkeleton:
+    """Return polylines, which were checked, as a graph.
+
+    Parameters
+    ----------
+    radii : (n,) float64, of the points, or None
+    of_lines : (c,) float64, of the polylines, or None
+    """
     ahead = np.ones(len(lines.connectivity), dtype=np.bool_)
     ahead[lines.ends[np.diff(lines.ends, prepend=0) > 0] - 1] = False
     starts = np.flatnonzero(ahead)
     edges = np.stack([lines.connectivity[starts], lines.connectivity[starts + 1]], axis=1)
-    return RawSkeleton(points, edges, radii)
+    if of_lines is None:
+        return RawSkeleton(points, edges, radii)
+    line = np.repeat(np.arange(len(lines.ends)), np.diff(lines.ends, prepend=0))
+    return RawSkeleton(points, edges, radii, of_lines[line[starts]])
 
 
 def line_cells(path: Path, cells: Lines, types: Ints) -> Lines:

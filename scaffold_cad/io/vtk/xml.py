@@ -10,14 +10,22 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Ints
+from scaffold_cad.base.arrays import Bools, Floats, Ints
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._binary import as_doubles
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import LARGEST_FILE, as_indices, check_size
 from scaffold_cad.io._xml import xml_root
 from scaffold_cad.io.register import register_reader
-from scaffold_cad.io.vtk.lines import Lines, checked, is_radii, line_cells, skeleton_of
+from scaffold_cad.io.vtk.lines import (
+    LINE_CELLS,
+    Lines,
+    checked,
+    is_radii,
+    line_cells,
+    radii_among,
+    skeleton_of,
+)
 
 _TYPES = {
     "Int8": "i1",
@@ -42,7 +50,7 @@ def _recognises(head: bytes) -> bool:
 
 @register_reader("VTK XML", ".vtp", ".vtu", recognises=_recognises)
 def read_vtk_xml(path: Path) -> RawSkeleton:
-    """Read the lines of a .vtp or .vtu file; point data called "radius" are the radii.
+    """Read the lines of a .vtp or .vtu file; point or cell data called "radius" are the radii.
 
     Arrays may be text, base64, or appended, raw or base64; packed by zlib or not. Lengths are
     taken as mm. Cells that are no lines are left out.
@@ -61,10 +69,12 @@ def read_vtk_xml(path: Path) -> RawSkeleton:
         np.concatenate([piece.lines.ends + n for piece, n in zip(pieces, size, strict=False)]),
     )
     radii = [piece.radii for piece in pieces if piece.radii is not None]
+    of_lines = [piece.of_lines for piece in pieces if piece.of_lines is not None]
     return skeleton_of(
         np.concatenate([piece.points for piece in pieces]),
         lines,
         np.concatenate(radii) if len(radii) == len(pieces) else None,
+        np.concatenate(of_lines) if len(of_lines) == len(pieces) else None,
     )
 
 
@@ -75,6 +85,7 @@ class _Piece:
     points: Floats
     lines: Lines
     radii: Floats | None
+    of_lines: Floats | None
 
 
 class XmlFile:
@@ -97,6 +108,7 @@ class XmlFile:
         self.root = xml_root(path, data)
         if self.root.get("type") not in kinds:
             raise FormatError(f"{path} holds {self.root.get('type')}; need {' or '.join(kinds)}")
+        self._is_poly_data = self.root.get("type") == "PolyData"
         self._order = ">" if self.root.get("byte_order") == "BigEndian" else "<"
         self._header = np.dtype(
             self._order + ("u8" if self.root.get("header_type") == "UInt64" else "u4")
@@ -120,9 +132,11 @@ class XmlFile:
             self._indices(self.element(piece, f"{cells}/DataArray[@Name='offsets']")),
         )
         lines = checked(self._path, lines, len(points))
+        kept = np.ones(len(lines.ends), dtype=np.bool_)
         if cells == "Cells":
             types = self._indices(self.element(piece, "Cells/DataArray[@Name='types']"))
             lines = line_cells(self._path, lines, types)
+            kept = np.isin(types, LINE_CELLS)
         radii = None
         for array in piece.findall("PointData/DataArray"):
             if is_radii(array.get("Name", "")):
@@ -132,7 +146,24 @@ class XmlFile:
             raise FormatError(f"{self._path} has {len(points)} points; need {count[:80]}")
         if radii is not None and len(radii) != len(points):
             raise FormatError(f"{self._path} has {len(radii)} radii; need {len(points)}")
-        return _Piece(points, lines, radii)
+        return _Piece(points, lines, radii, self._of_lines(piece, kept))
+
+    def _of_lines(self, piece: Element, kept: Bools) -> Floats | None:
+        """Return the radius of each line, from data of all cells, of which some are lines."""
+        data = {}
+        for array in piece.findall("CellData/DataArray"):
+            name = array.get("Name", "")
+            if radii_among({name: np.zeros(1)}) is not None:
+                data[name] = as_doubles(self.array(array))
+        found = radii_among(data)
+        if found is None:
+            return None
+        # Cells of poly data come with vertices before lines, and polygons after them.
+        before = _count(piece.get("NumberOfVerts")) if self._is_poly_data else 0
+        found = found[before : before + len(kept)]
+        if len(found) != len(kept):
+            raise FormatError(f"{self._path} has {len(found)} radii of {len(kept)} cells")
+        return found[kept]
 
     def element(self, piece: Element, where: str) -> Element:
         """Return what is at a path in a piece.
@@ -201,6 +232,11 @@ class XmlFile:
 
     def _header_numbers(self, data: bytes, count: int) -> list[int]:
         return [int(value) for value in np.frombuffer(data, dtype=self._header, count=count)]
+
+
+def _count(text: str | None) -> int:
+    plain = (text or "").strip()
+    return int(plain) if plain.isdecimal() and len(plain) < 16 else 0
 
 
 class _Source:

@@ -47,10 +47,10 @@ def read_json(path: Path) -> RawSkeleton:
     document = _document(path)
     nodes = as_points(document["nodes"], "nodes")
     of_edges = document.get("edge_radii") if document["version"] > 1 else None
-    return RawSkeleton(nodes, document["edges"], document.get("radii"), of_edges)
+    return RawSkeleton(nodes, document["edges"], document.get("radii"), of_edges, unit=UNITS)
 
 
-@register_writer(".json", name="scaffold-cad JSON", solids=False)
+@register_writer(".json", name="scaffold-cad JSON", solids=False, names_unit=True)
 def write_json(content: Content, path: Path) -> None:
     """Write the Skeleton that `write` is given in our JSON format."""
     path.write_text(skeleton_to_json(content.skeleton("a JSON file")), encoding="utf-8")

@@ -1,0 +1,45 @@
+"""Solids and wires of CAD files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from scaffold_cad import brep
+from scaffold_cad.errors import FormatError
+from scaffold_cad.io._curves import SAGITTA
+from scaffold_cad.io._raw import RawSkeleton, joined_polylines
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+
+
+def read_cad_wires(path: Path) -> RawSkeleton:
+    """Return the edges of a CAD file that bound no face, joined where they have equal points.
+
+    Raises
+    ------
+    FormatError
+        If it cannot be read, or has no such edges.
+    """
+    wires = brep.read_wires(path, SAGITTA)
+    if not wires.lines:
+        raise FormatError(
+            f"{path} holds {wires.faces} faces and no wires; need edges that bound no face"
+        )
+    return joined_polylines(wires.lines, "mm")
+
+
+def read_cad_triangles(path: Path) -> TriangleMesh:
+    """Return the solids of a STEP or BREP file as triangles, none if it holds only wires.
+
+    Raises
+    ------
+    FormatError
+        If it cannot be read, or holds faces and no solid.
+    """
+    shape = brep.read_shape(path)
+    if shape.solids():
+        return brep.tessellated(shape)
+    if shape.faces() or not shape.edges():
+        raise FormatError(f"{path} holds no solid; need one")
+    return TriangleMesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.intp))

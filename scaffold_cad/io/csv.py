@@ -1,0 +1,302 @@
+"""CSV: tables of members, of nodes and members, or of samples along a path; columns by name.
+
+==================  ================================================================================
+table               columns
+==================  ================================================================================
+members             ``x1 y1 z1 x2 y2 z2``
+nodes               ``x y z``, and the name of each node: ``node``, ``id``, ``name``, ``number``
+members of nodes    ``start end``, also ``i j``, ``a b``, ``source target``, ``from to``, ``n1 n2``
+samples             ``x y z``; with ``parent`` as in SWC, else in order, each ``branch`` apart
+==================  ================================================================================
+
+Any of them may have ``radius``, ``diameter`` or ``area``; members ``r1 r2`` too. A unit may follow
+a name, as in ``x1 [m]`` or ``radius (in)``. Columns are parted by commas, semicolons or tabs; where
+semicolons part them, a comma is a decimal point. Two tables of one file are parted by an empty
+line; else a table of members looks for its nodes, and one of nodes for its members, in the file of
+the other name beside it (``truss_nodes.csv``, ``truss_members.csv``).
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import logging
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from scaffold_cad.errors import FormatError
+from scaffold_cad.io._nodes import NamedGraph, radius_of_area
+from scaffold_cad.io._raw import RawSkeleton
+from scaffold_cad.io._text import line_error, read_text
+from scaffold_cad.io._units import length_of
+from scaffold_cad.io.content import Content
+from scaffold_cad.io.register import register_reader, register_writer
+from scaffold_cad.skeleton import Skeleton
+
+_AXES = ("x", "y", "z")
+_START = (
+    ("x1", "y1", "z1"),
+    ("xi", "yi", "zi"),
+    ("xstart", "ystart", "zstart"),
+    ("ax", "ay", "az"),
+)
+_END = (("x2", "y2", "z2"), ("xj", "yj", "zj"), ("xend", "yend", "zend"), ("bx", "by", "bz"))
+_ENDS = (
+    ("start", "end"),
+    ("i", "j"),
+    ("nodei", "nodej"),
+    ("inode", "jnode"),
+    ("a", "b"),
+    ("source", "target"),
+    ("from", "to"),
+    ("n1", "n2"),
+    ("node1", "node2"),
+    ("v1", "v2"),
+    ("startnode", "endnode"),
+)
+_NAMES = ("node", "id", "name", "number", "nodeid", "no", "index", "tag", "sample")
+_BRANCHES = ("branch", "path", "line", "curve", "polyline", "group")
+_SIZES = ("radius", "r", "diameter", "d", "area", "r1", "r2", "radius1", "radius2")
+_KNOWN = {
+    *_AXES, *_NAMES, *_BRANCHES, *_SIZES, "parent",
+    *(name for group in (*_START, *_END, *_ENDS) for name in group),
+}  # fmt: skip
+
+_NODE_FILES, _MEMBER_FILES = (
+    ("nodes", "points"),
+    ("members", "edges", "elements", "links", "struts"),
+)
+
+_NEED = (
+    "columns x1 y1 z1 x2 y2 z2 of members, x y z of nodes beside start and end of members, or x y z"
+)
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class _Table:
+    """A table of a file: values by the name of their column, and the line of each row."""
+
+    path: Path
+    columns: dict[str, int]
+    """Where a column is, by its plain name."""
+    units: dict[str, float]
+    """mm in the unit that a column names."""
+    rows: list[tuple[int, list[str]]]
+
+    def first(self, groups: Sequence[tuple[str, ...]]) -> tuple[str, ...] | None:
+        """Return the first of some groups of columns of which all but z are there."""
+        return next((g for g in groups if set(g[:2]) <= set(self.columns)), None)
+
+    def any_of(self, names: Sequence[str]) -> str | None:
+        return next((name for name in names if name in self.columns), None)
+
+    def text(self, row: tuple[int, list[str]], name: str) -> str:
+        at = self.columns[name]
+        return row[1][at].strip() if at < len(row[1]) else ""
+
+    def number(self, row: tuple[int, list[str]], name: str, power: int = 1) -> float:
+        """Return a value in mm, or in mm to a power."""
+        text = self.text(row, name)
+        try:
+            return float(text) * self.units.get(name, 1.0) ** power
+        except ValueError:
+            raise line_error(self.path, row[0], f"{name} is {text!r}", "a number") from None
+
+    def point(self, row: tuple[int, list[str]], names: Sequence[str]) -> list[float]:
+        return [self.number(row, name) for name in names if name in self.columns]
+
+    def radius(self, row: tuple[int, list[str]]) -> float | tuple[float, float]:
+        """Return the radius of a row, or those of both ends, mm; NaN where it has none."""
+        for first, second in (("r1", "r2"), ("radius1", "radius2")):
+            if first in self.columns and second in self.columns:
+                return self.number(row, first), self.number(row, second)
+        name = self.any_of(("radius", "r", "diameter", "d", "area"))
+        if name is None or not self.text(row, name):
+            return math.nan
+        if name == "area":
+            return radius_of_area(self.number(row, name, 2))
+        return self.number(row, name) / (2.0 if name in ("diameter", "d") else 1.0)
+
+
+def _recognises(head: bytes) -> bool:
+    if b"\0" in head or b"\n" not in head:
+        return False
+    lines = head.decode("utf-8-sig", errors="replace").replace("\r", "\n").split("\n")
+    first = next((line for line in lines if line.strip() and not line.startswith("#")), "")
+    names = {_plain(cell)[0] for cell in _cells(first)}
+    return len(names) >= 2 and len(names & _KNOWN) >= 2
+
+
+@register_reader("CSV", ".csv", ".tsv", recognises=_recognises)
+def read_csv(path: Path) -> RawSkeleton:
+    """Read members, nodes and members, or samples of a path; this module says which columns.
+
+    Lengths without a unit are taken as mm.
+    """
+    tables = _tables(path)
+    links = [table for table in tables if table.first(_ENDS) and not table.first(_START)]
+    places = [table for table in tables if table.first([_AXES])]
+    whole = [table for table in tables if table.first(_START) and table.first(_END)]
+    if whole:
+        return _of_members(whole)
+    if links and not places:
+        beside = _beside(path, _MEMBER_FILES, _NODE_FILES)
+        places = [] if beside is None else _tables(beside)
+        places = [table for table in places if table.first([_AXES])]
+        if not places:
+            raise FormatError(f"{path} has members and no nodes; need a table of x, y, z too")
+    if places and not links and places[0].any_of(_NAMES) and "parent" not in places[0].columns:
+        beside = _beside(path, _NODE_FILES, _MEMBER_FILES)
+        if beside is None:
+            raise FormatError(f"{path} has nodes and no members; need start and end of members too")
+        found = _tables(beside)
+        if any(table.first(_START) for table in found):
+            return read_csv(beside)
+        links = [table for table in found if table.first(_ENDS)]
+    if links:
+        return _of_nodes(places, links)
+    if places:
+        return _of_samples(places[0])
+    raise FormatError(f"{path} has the columns {', '.join(tables[0].columns)[:80]}; need {_NEED}")
+
+
+def _of_members(tables: list[_Table]) -> RawSkeleton:
+    graph = NamedGraph(tables[0].path)
+    for table in tables:
+        start, end = table.first(_START) or (), table.first(_END) or ()
+        for row in table.rows:
+            ends = [tuple(table.point(row, names)) for names in (start, end)]
+            for place in ends:
+                # The table has no other way to share a node than to repeat its coordinates.
+                if place not in graph:
+                    graph.add_node(place, place)
+            graph.add_edge(ends[0], ends[1], table.radius(row), f"line {row[0]}")
+    return graph.skeleton()
+
+
+def _of_nodes(places: list[_Table], links: list[_Table]) -> RawSkeleton:
+    graph = NamedGraph(links[0].path)
+    for table in places:
+        name = table.any_of(_NAMES)
+        for row in table.rows:
+            key = str(len(graph)) if name is None else _name(table.text(row, name))
+            radius = table.radius(row)
+            where = f"line {row[0]}"
+            graph.add_node(key, table.point(row, _AXES), _single(radius), where)
+    for table in links:
+        start, end = table.first(_ENDS) or ("", "")
+        for row in table.rows:
+            ends = [_name(table.text(row, name)) for name in (start, end)]
+            graph.add_edge(ends[0], ends[1], table.radius(row), f"line {row[0]}")
+    return graph.skeleton()
+
+
+def _of_samples(table: _Table) -> RawSkeleton:
+    graph = NamedGraph(table.path)
+    name, branch = table.any_of(_NAMES), table.any_of(_BRANCHES)
+    keys = [
+        str(k) if name is None else _name(table.text(r, name)) for k, r in enumerate(table.rows)
+    ]
+    for key, row in zip(keys, table.rows, strict=True):
+        graph.add_node(key, table.point(row, _AXES), _single(table.radius(row)), f"line {row[0]}")
+    for k, row in enumerate(table.rows):
+        if "parent" in table.columns:
+            parent = _name(table.text(row, "parent"))
+            if parent not in ("", "-1"):
+                graph.add_edge(parent, keys[k], where=f"line {row[0]}")
+        elif k and (branch is None or _same(table, k, branch)):
+            graph.add_edge(keys[k - 1], keys[k])
+    return graph.skeleton()
+
+
+def _same(table: _Table, k: int, name: str) -> bool:
+    return table.text(table.rows[k - 1], name) == table.text(table.rows[k], name)
+
+
+def _single(radius: float | tuple[float, float]) -> float:
+    return max(radius) if isinstance(radius, tuple) else radius
+
+
+def _name(text: str) -> str:
+    """Return a name of a node; 3 and 3.0 are the same."""
+    return text.removesuffix(".0")
+
+
+def _beside(path: Path, kinds: Sequence[str], others: Sequence[str]) -> Path | None:
+    """Return the file beside `path` whose name has one of `others` in place of one of `kinds`."""
+    stem = path.stem.lower()
+    kind = next((kind for kind in kinds if kind in stem), None)
+    if kind is None:
+        return None
+    at = stem.index(kind)
+    for other in others:
+        found = path.with_name(path.stem[:at] + other + path.stem[at + len(kind) :] + path.suffix)
+        if found.is_file():
+            _log.info("%s: %s is read with it", path, found.name)
+            return found
+    return None
+
+
+def _tables(path: Path) -> list[_Table]:
+    """Return the tables of a file, which empty lines part; a comment begins with ``#``."""
+    tables: list[_Table] = []
+    inside = False
+    for line, text in enumerate(read_text(path).split("\n"), start=1):
+        if text.lstrip().startswith("#"):
+            continue
+        cells = _cells(text)
+        if not any(cell.strip() for cell in cells):
+            inside = False
+        elif not inside and _is_header(cells):
+            named = [_plain(cell) for cell in cells]
+            columns: dict[str, int] = {}
+            for k, (name, _) in enumerate(named):
+                columns.setdefault(name, k)
+            units = {name: unit for name, unit in named if unit is not None}
+            tables.append(_Table(path, columns, units, []))
+            inside = True
+        elif not tables:
+            raise line_error(path, line, f"{text.strip()!r} names no columns", _NEED)
+        else:
+            tables[-1].rows.append((line, cells))
+            inside = True
+    if not tables:
+        raise FormatError(f"{path} holds no table; need {_NEED}")
+    return tables
+
+
+def _is_header(cells: list[str]) -> bool:
+    return any(_plain(cell)[0] in _KNOWN for cell in cells)
+
+
+def _cells(line: str) -> list[str]:
+    """Return the cells of a line; its separator is the semicolon, the tab or the comma."""
+    mark = next((mark for mark in (";", "\t") if mark in line), ",")
+    cells = next(csv.reader(io.StringIO(line), delimiter=mark), []) if line.strip() else []
+    return [cell.replace(",", ".") for cell in cells] if mark == ";" else cells
+
+
+def _plain(cell: str) -> tuple[str, float | None]:
+    """Return the plain name of a column, and mm in the unit that it names."""
+    found = re.fullmatch(r"([^\[(]*)[\[(]([^\])]*)[\])]?\s*", cell)
+    name, unit = (found[1], found[2]) if found else (cell, "")
+    unit = unit.strip().removesuffix("²").removesuffix("^2").removesuffix("2")
+    return re.sub(r"[^a-z0-9]", "", name.lower()), length_of(unit)
+
+
+@register_writer(".csv", name="CSV", solids=False)
+def write_csv(content: Content, path: Path) -> None:
+    """Write the members of a Skeleton, a line each: both ends and both radii, mm, exact."""
+    skeleton: Skeleton = content.skeleton("a CSV file")
+    ends = skeleton.nodes[skeleton.edges].reshape(-1, 6).tolist()
+    radii = skeleton.edge_radii.tolist()
+    with path.open("w", encoding="ascii", newline="\n") as file:
+        file.write("x1,y1,z1,x2,y2,z2,r1,r2\n")
+        file.writelines(
+            ",".join(map(repr, [*row, *pair])) + "\n" for row, pair in zip(ends, radii, strict=True)
+        )

@@ -1,0 +1,110 @@
+"""SVG drawings: the outlines of their paths and shapes, through svgelements."""
+
+from __future__ import annotations
+
+import re
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+from xml.etree.ElementTree import Element, tostring
+
+import numpy as np
+
+from scaffold_cad.base.arrays import LARGEST_COORDINATE, Floats, Points
+from scaffold_cad.base.backends import need
+from scaffold_cad.errors import FormatError
+from scaffold_cad.io._curves import flattened
+from scaffold_cad.io._raw import RawSkeleton, joined_polylines
+from scaffold_cad.io._text import check_size, is_number
+from scaffold_cad.io._units import length_of
+from scaffold_cad.io._xml import xml_root
+from scaffold_cad.io.register import register_reader
+
+LARGEST_SVG = 2**26
+"""Most bytes of a drawing: svgelements makes an object of each piece of a path."""
+
+PIXELS_PER_INCH = 25.4
+"""So that a pixel is a millimetre: lengths without a unit are taken as mm."""
+
+
+def _recognises(head: bytes) -> bool:
+    return b"<svg" in head and b"\0" not in head
+
+
+@register_reader("SVG", ".svg", recognises=_recognises)
+def read_svg(path: Path) -> RawSkeleton:
+    """Read the outlines of paths, lines, polygons, circles and the like, which have no radii.
+
+    They lie in the plane z = 0 with y upwards, and join where they have equal points; curves
+    become edges within 1/1000 of their size. Transforms and the units of ``width`` and ``viewBox``
+    are heeded; lengths without a unit are taken as mm. Text and pictures are left out.
+    """
+    need("svgelements", "an SVG file")
+    check_size(path, LARGEST_SVG)
+    data = path.read_bytes()
+    # Document types and entities, which svgelements would follow, are refused.
+    root = xml_root(path, data)
+    for side in ("width", "height"):  # its millimetres are short by 5e-7
+        _make_plain(root, side)
+    data = tostring(root)
+    import svgelements
+
+    try:
+        drawing = svgelements.SVG.parse(BytesIO(data), ppi=PIXELS_PER_INCH, reify=True)
+        lines = [
+            line
+            for element in drawing.elements()
+            if isinstance(element, svgelements.Shape)
+            for line in _polylines(svgelements.Path(element), svgelements)
+        ]
+    except (OSError, MemoryError):
+        raise
+    except Exception as error:  # of the many things that svgelements raises
+        raise FormatError(f"{path} is no sound drawing: {error!r:.200}; need one") from None
+    if not lines:
+        raise FormatError(f"{path} has no outlines; need paths, lines or shapes")
+    return joined_polylines(lines)
+
+
+def _make_plain(root: Element, name: str) -> None:
+    """Replace a length with a unit by its millimetres."""
+    found = re.fullmatch(r"\s*([-+.\deE]+?)\s*([a-zA-Z]+)\s*", root.get(name, ""))
+    unit = length_of(found[2]) if found else None
+    if found and unit is not None and is_number(found[1]):
+        root.set(name, repr(float(found[1]) * unit))
+
+
+def _polylines(outline: Any, svgelements: Any) -> list[Points]:
+    """Return the points of each part of an outline, shape (k, 3), mm."""
+    lines: list[list[Points]] = []
+    for piece in outline:
+        if isinstance(piece, svgelements.Move):
+            lines.append([])
+        elif piece.start is not None and piece.end is not None and piece.start != piece.end:
+            if not lines:
+                lines.append([])
+            lines[-1].append(_points(piece, isinstance(piece, svgelements.Linear)))
+    found = [np.concatenate([np.zeros((0, 3)), *line]) for line in lines]
+    for points in found:
+        if not (np.abs(points) <= LARGEST_COORDINATE).all():
+            raise ValueError(f"an outline reaches beyond {LARGEST_COORDINATE:g} mm")
+    return [points for points in map(_without_repeats, found) if len(points) > 1]
+
+
+def _without_repeats(points: Points) -> Points:
+    """Return points without those that equal the one before them."""
+    kept: Points = points[np.append(True, (points[1:] != points[:-1]).any(axis=1))[: len(points)]]
+    return kept
+
+
+def _points(piece: Any, straight: bool) -> Points:
+    """Return points along a piece of a path, shape (k, 3)."""
+
+    def curve(parameters: Floats) -> Points:
+        places = np.array([(point.x, -point.y, 0.0) for point in map(piece.point, parameters)])
+        # The ends are those of its neighbours, to the last bit.
+        places[0] = piece.start.x, -piece.start.y, 0.0
+        places[-1] = piece.end.x, -piece.end.y, 0.0
+        return places + 0.0  # no negative zeros
+
+    return curve(np.array([0.0, 1.0])) if straight else flattened(curve)

@@ -1,0 +1,109 @@
+"""Assembly: beam lattices and meshes that stand together, as a 3MF file builds them, and its solid.
+
+This is the one place where the solid of a 3MF file is made.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from scaffold_cad.base.arguments import as_count, check_kind
+from scaffold_cad.base.arrays import Frozen
+from scaffold_cad.errors import MeshError
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.skeleton.beams import BUTT, BeamLattice
+from scaffold_cad.solid.beamsolids import beam_solid, solid_of_mesh, united
+from scaffold_cad.solid.rounds import SIDES
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+
+@dataclass(frozen=True, eq=False)
+class Assembly(Frozen):
+    """Beam lattices and meshes in one space."""
+
+    lattices: tuple[BeamLattice, ...]
+    """Each with the mesh of its object, and what it is clipped to: a TriangleMesh or None."""
+    meshes: tuple[TriangleMesh, ...]
+    """Objects without beams."""
+
+    def __init__(
+        self, lattices: Iterable[BeamLattice] = (), meshes: Iterable[TriangleMesh] = ()
+    ) -> None:
+        self._keep(lattices=tuple(lattices), meshes=tuple(meshes))
+        for lattice in self.lattices:
+            check_kind(lattice, BeamLattice)
+        for mesh in self.meshes:
+            check_kind(mesh, TriangleMesh)
+
+    @property
+    def beam_count(self) -> int:
+        """Number of beams of all lattices."""
+        return sum(len(lattice.skeleton.edges) for lattice in self.lattices)
+
+    @property
+    def is_skeleton(self) -> bool:
+        """Whether a skeleton says it all: beams with spheres at their ends, and nothing else."""
+        return not self.beyond_skeleton() and bool(self.lattices)
+
+    def beyond_skeleton(self) -> list[str]:
+        """Return in words what a skeleton of the beams does not keep; nothing if it keeps all."""
+        meshes = [*self.meshes, *(one.mesh for one in self.lattices if one.mesh is not None)]
+        found = []
+        if meshes:
+            triangles = sum(len(mesh.triangles) for mesh in meshes)
+            found.append(f"{len(meshes)} meshes of {triangles} triangles")
+        for clipping in ("inside", "outside"):
+            clipped = [o for o in self.lattices if o.clip is not None and o.clipping == clipping]
+            if clipped:
+                found.append(f"the clipping of {len(clipped)} lattices (what is {clipping} stays)")
+        balls = sum(int((one.balls > 0).sum()) for one in self.lattices)
+        if balls:
+            found.append(f"{balls} balls")
+        flat = sum(int((one.caps == BUTT).sum()) for one in self.lattices)
+        if flat:
+            found.append(f"{flat} flat ends of beams")
+        return found
+
+
+def assembly_solid(
+    assembly: Assembly, sides: int = SIDES, *, flat_joints: bool = False
+) -> Manifold:
+    """Return the solid of an assembly: all beams, clipped, and all meshes, united.
+
+    Parameters
+    ----------
+    sides : ≥ 4, of the beams, whose sections have the area of their circles
+    flat_joints : whether beams with flat ends (cap "butt") have them where they meet other beams
+        too, as the letter of the standard has it: that leaves notches between them. By default
+        only free ends are flat, and beams meet in spheres
+
+    Raises
+    ------
+    MeshError
+        If a mesh is not closed, every union tried crosses itself, or nothing is left of it.
+    OptionError
+        If `sides` is less than 4.
+    MissingBackendError
+        If manifold3d is not installed.
+
+    Examples
+    --------
+    >>> from scaffold_cad import BeamLattice, Skeleton
+    >>> from scaffold_cad.products.assembly import Assembly, assembly_solid
+    >>> strut = Skeleton([[0, 0, 0], [0, 0, 10]], [[0, 1]], 1.0)
+    >>> solid = assembly_solid(Assembly([BeamLattice(strut, caps="butt")]))
+    >>> round(solid.volume(), 3)
+    31.416
+    """
+    check_kind(assembly, Assembly)
+    as_count(sides, "sides", least=4)
+    parts = [beam_solid(lattice, sides, flat_joints) for lattice in assembly.lattices]
+    parts += [solid_of_mesh(mesh) for mesh in assembly.meshes]
+    solid = united([part for part in parts if not part.is_empty()]) if parts else None
+    if solid is None or solid.is_empty():
+        raise MeshError("nothing is left of the beams and meshes; need a solid")
+    return solid

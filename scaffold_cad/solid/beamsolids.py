@@ -1,0 +1,146 @@
+"""The solid of a beam lattice: cones between circles, spheres, balls, clipping, as 3MF has them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Floats, Points
+from scaffold_cad.base.vectors import any_perpendicular
+from scaffold_cad.errors import MeshError
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.skeleton.beams import BUTT, BeamLattice
+from scaffold_cad.solid import manifolds
+from scaffold_cad.solid.solid import FaultySurfaceError, clean_surface
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
+"""Turn between neighbouring struts, and balls, that keeps their faces out of common planes, rad."""
+
+TURNS = (0.0, 0.1, 0.23, 0.37, 0.71)
+"""Turns of all sections about their axes, rad; the first that gives a clean union counts."""
+
+
+def beam_solid(lattice: BeamLattice, sides: int, flat_joints: bool) -> Manifold:
+    """Return the solid of a beam lattice: its beams and balls, clipped, and the mesh beside them.
+
+    Sections have the area of the circles that they stand for, and balls the volume of the spheres.
+
+    Parameters
+    ----------
+    lattice : its clip and its mesh are a TriangleMesh each, or None
+    sides : of the beams
+    flat_joints : whether beams with flat ends have them where they meet others too, see
+        `assembly_solid`
+
+    Raises
+    ------
+    MeshError
+        If a mesh is not closed, or every union tried crosses itself.
+    MissingBackendError
+        If manifold3d is not installed.
+    """
+    clip = None if lattice.clip is None else manifolds.to_manifold(lattice.clip)
+    mesh = None if lattice.mesh is None else manifolds.to_manifold(lattice.mesh)
+    fault: FaultySurfaceError | None = None
+    for turn in TURNS:
+        solid = manifolds.union([], _pieces(lattice, sides, flat_joints, turn))
+        if clip is not None:
+            solid = solid ^ clip if lattice.clipping == "inside" else solid - clip
+        if mesh is not None:
+            solid = solid + mesh
+        if solid.is_empty():
+            return solid
+        try:
+            return manifolds.to_manifold(clean_surface(solid))
+        except FaultySurfaceError as error:
+            fault = error
+    raise MeshError(
+        f"the union of {len(lattice.skeleton.edges)} beams {fault}; need a clean surface"
+    )
+
+
+def united(parts: list[Manifold]) -> Manifold:
+    """Return the union of solids.
+
+    Raises
+    ------
+    MeshError
+        If it crosses itself.
+    """
+    import manifold3d
+
+    if len(parts) == 1:
+        return parts[0]
+    solid = manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add)
+    return solid if solid.is_empty() else manifolds.to_manifold(clean_surface(solid))
+
+
+def solid_of_mesh(mesh: TriangleMesh) -> Manifold:
+    """Return a closed mesh as a solid.
+
+    Raises
+    ------
+    MeshError
+        If it is not closed, or not outward.
+    """
+    return manifolds.to_manifold(mesh)
+
+
+def _pieces(lattice: BeamLattice, sides: int, flat_joints: bool, turn: float) -> list[Points]:
+    """Return the corners of a prism along each beam and of a ball at each node that has one."""
+    skeleton = lattice.skeleton
+    ends, count = skeleton.edges, len(skeleton.edges)
+    axis = skeleton.directions[::2]
+    angle = turn + GOLDEN_ANGLE * np.arange(count)[:, None] + 2 * np.pi / sides * np.arange(sides)
+    x = any_perpendicular(axis)
+    y = np.cross(axis, x)
+    ring = np.cos(angle)[:, :, None] * x[:, None] + np.sin(angle)[:, :, None] * y[:, None]
+    # A section has the area of its circle.
+    widths = skeleton.edge_radii * np.sqrt(
+        2 * np.pi / (sides * np.sin(2 * np.pi / sides))
+    )  # (m, 2)
+    sections = widths[:, :, None, None] * ring[:, None]  # (m, 2, sides, 3)
+    prisms = (skeleton.nodes[ends][:, :, None] + sections).reshape(-1, 2 * sides, 3)
+    return [*prisms, *_balls(lattice, sides, flat_joints, turn)]
+
+
+def _balls(lattice: BeamLattice, sides: int, flat_joints: bool, turn: float) -> Points:
+    """Return the corners of a ball at each node that has one, the largest of its spheres."""
+    skeleton = lattice.skeleton
+    radii = lattice.balls.copy()
+    flat = lattice.caps == BUTT
+    if not flat_joints:
+        flat &= skeleton.valency[skeleton.edges] == 1
+    rounded = np.where(flat, 0.0, skeleton.edge_radii)
+    np.maximum.at(radii, skeleton.edges.reshape(-1), rounded.reshape(-1))
+    nodes = np.flatnonzero(radii > 0)
+    angle = turn + GOLDEN_ANGLE * np.arange(len(nodes))
+    unit = _unit_ball(sides)
+    turned = np.stack(
+        [
+            np.cos(angle)[:, None] * unit[:, 0] - np.sin(angle)[:, None] * unit[:, 1],
+            np.sin(angle)[:, None] * unit[:, 0] + np.cos(angle)[:, None] * unit[:, 1],
+            np.broadcast_to(unit[:, 2], (len(nodes), len(unit))),
+        ],
+        axis=2,
+    )
+    places: Points = skeleton.nodes[nodes, None] + radii[nodes, None, None] * turned
+    return places
+
+
+def _unit_ball(sides: int) -> Points:
+    """Return points whose convex hull has the volume of the unit sphere, shape (p, 3)."""
+    import manifold3d
+
+    count = sides**2 // 2
+    height = 1 - (2 * np.arange(count) + 1) / count
+    angle = GOLDEN_ANGLE * np.arange(count)
+    across = np.sqrt(1 - height**2)
+    points: Floats = np.stack([across * np.cos(angle), across * np.sin(angle), height], axis=1)
+    volume = manifold3d.Manifold.hull_points(points).volume()
+    larger: Points = points * np.cbrt(4 / 3 * np.pi / volume)
+    return larger

@@ -1,0 +1,158 @@
+"""3MF files whole: beams with their radii, caps and balls, clipping, and meshes beside them."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from scaffold_cad import BeamLattice, Skeleton, TriangleMesh, write
+from scaffold_cad.cli import main
+from scaffold_cad.io import read_assembly, read_skeleton, read_triangles
+from scaffold_cad.products.assembly import Assembly, assembly_solid
+from scaffold_cad.skeleton.beams import CAPS
+from tests.io.test_threemf import SOLID, mesh, model, packed
+
+RIGHT = {
+    "3mf_clip_inside.3mf": 127.8,
+    "3mf_solid_and_beams.3mf": 1104.5,
+    "3mf_mesh_and_beams_one_object.3mf": 1104.5,
+    "3mf_thin_and_thick_beams.3mf": 322.7,
+}
+"""Volume of what users reported, mm³, worked out by others."""
+
+ROD = Skeleton([[0, 0, 0], [10, 0, 0]], [[0, 1]], 1.0)
+ELBOW = Skeleton([[0, 0, 0], [10, 0, 0], [10, 10, 0]], [[0, 1], [1, 2]], 1.0)
+
+
+def cube(corner: float, side: float) -> TriangleMesh:
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]) * side + corner
+    quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    return TriangleMesh(corners, [row for a, b, c, d in quads for row in ([a, b, c], [a, c, d])])
+
+
+@pytest.mark.parametrize(("name", "volume"), RIGHT.items(), ids=str)
+def test_reported_files_have_the_right_volume_in_build_and_check_alike(
+    shared_data: Path, tmp_path: Path, name: str, volume: float
+) -> None:
+    path = shared_data / "reported" / name
+    if not path.is_file():
+        pytest.skip(f"no {name} beside the repository")
+    mesh = read_triangles(path)  # what `check` reads
+    assert mesh is not None
+    assert mesh.signed_volume == pytest.approx(volume, rel=1e-3)
+    assert main(["build", str(path), "-o", str(tmp_path / "out.stl")]) == 0
+    built = read_triangles(tmp_path / "out.stl")
+    assert built is not None
+    assert built.signed_volume == pytest.approx(volume, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("caps", "volume"),
+    [
+        ("butt", 10 * math.pi),
+        ("sphere", (10 + 4 / 3) * math.pi),
+        ("hemisphere", (10 + 4 / 3) * math.pi),
+    ],
+)
+def test_caps_of_a_beam_have_their_volume(caps: str, volume: float) -> None:
+    solid = assembly_solid(Assembly([BeamLattice(ROD, caps=caps)]), 48)
+    assert solid.volume() == pytest.approx(volume, rel=2e-3)
+
+
+def test_balls_stand_at_the_ends_of_a_beam() -> None:
+    solid = assembly_solid(Assembly([BeamLattice(ROD, 2.0, caps="butt")]), 48)
+    within = math.sqrt(3)  # so far from its middle a ball of radius 2 is as wide as the beam
+    height = 2 - within
+    cap = math.pi * height**2 * (6 - height) / 3  # what of a ball is in the beam, beyond that
+    volume = 2 * 32 / 3 * math.pi - 2 * cap + math.pi * (10 - 2 * within)
+    assert solid.volume() == pytest.approx(volume, rel=2e-3)
+
+
+def test_a_beam_that_tapers_is_a_cone() -> None:
+    skeleton = Skeleton([[0, 0, 0], [12, 0, 0]], [[0, 1]], edge_radii=[[1.0, 2.0]])
+    solid = assembly_solid(Assembly([BeamLattice(skeleton, caps="butt")]), 32)
+    assert solid.volume() == pytest.approx(math.pi * 12 / 3 * (1 + 2 + 4), rel=1e-6)
+
+
+def test_flat_joints_leave_a_notch_that_is_filled_unless_asked_for() -> None:
+    lattice = Assembly([BeamLattice(ELBOW, caps="butt")])
+    steinmetz = 16 / 3 / 4  # two half cylinders at a right angle share a quarter of it
+    notched = 20 * math.pi - steinmetz
+    flat = assembly_solid(lattice, 48, flat_joints=True)
+    assert flat.volume() == pytest.approx(notched, rel=2e-3)
+    filled = notched + math.pi / 3  # a quarter of a sphere
+    assert assembly_solid(lattice, 48).volume() == pytest.approx(filled, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("clipping", "volume"), [("inside", 5 * math.pi), ("outside", 5 * math.pi)]
+)
+def test_beams_are_cut_to_what_is_inside_or_outside(clipping, volume: float) -> None:
+    lattice = BeamLattice(ROD, clip=cube(-5.0, 10.0), caps="butt", clipping=clipping)
+    solid = assembly_solid(Assembly([lattice]), 32)
+    assert solid.volume() == pytest.approx(volume, rel=1e-6)
+    assert (solid.bounding_box()[3] > 6) == (clipping == "outside")
+
+
+def test_an_assembly_goes_round(tmp_path: Path) -> None:
+    skeleton = Skeleton(ELBOW.nodes, ELBOW.edges, edge_radii=[[1.0, 0.5], [0.25, 0.75]])
+    caps = [[CAPS.index("butt"), CAPS.index("sphere")], [CAPS.index("hemisphere"), 0]]
+    lattice = BeamLattice(
+        skeleton,
+        [0, 2, 0],
+        cube(-20.0, 25.0),
+        cube(30.0, 2.0),
+        caps=caps,
+        clipping="outside",
+        representation=cube(0.0, 9.0),
+    )
+    write(Assembly([lattice], [cube(50.0, 3.0)]), tmp_path / "all.3mf")
+    again = read_assembly(tmp_path / "all.3mf")
+    (found,), (beside,) = again.lattices, again.meshes
+    np.testing.assert_allclose(found.skeleton.edge_radii, skeleton.edge_radii)
+    np.testing.assert_array_equal(found.caps, caps)
+    np.testing.assert_allclose(found.balls, [0, 2, 0])
+    assert found.clipping == "outside"
+    for part, volume in ((found.clip, 25), (found.mesh, 2), (found.representation, 9), (beside, 3)):
+        assert part.signed_volume == pytest.approx(volume**3)
+    assert again.beyond_skeleton() == [
+        "2 meshes of 24 triangles",
+        "the clipping of 1 lattices (what is outside stays)",
+        "1 balls",
+        "1 flat ends of beams",
+    ]
+
+
+def test_balls_of_all_nodes_and_their_radius_are_read(tmp_path: Path) -> None:
+    lattice = 'radius="1" minlength="0.1" ballmode="all" ballradius="3"'
+    (found,) = read_assembly(packed(tmp_path, model([mesh(lattice=lattice)]))).lattices
+    assert found.balls.tolist() == [3, 3, 3]
+
+
+def test_beams_alone_stay_a_skeleton_and_meshes_alone_a_mesh(tmp_path: Path) -> None:
+    path = packed(tmp_path, model([mesh()]))
+    assert read_triangles(path) is None
+    assert read_assembly(path).is_skeleton
+    path = packed(tmp_path, model([SOLID]))
+    found = read_triangles(path)
+    assert found is not None
+    assert len(found.triangles) == 4
+    assert not read_assembly(path).is_skeleton
+
+
+def test_what_is_beside_the_beams_is_told_and_left_out_of_a_cad_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    items = '<item objectid="1"/><item objectid="2"/>'
+    path = str(packed(tmp_path, model([mesh(), SOLID], items)))
+    assert main(["info", path]) == 0
+    assert "beside it      1 meshes of 4 triangles" in capsys.readouterr().out
+    out = tmp_path / "out.step"
+    assert main(["build", path, "-o", str(out)]) == 0
+    assert "left out 1 meshes of 4 triangles" in capsys.readouterr().err
+    assert main(["build", path, "--strict", "-o", str(tmp_path / "out.stl")]) == 2
+    assert "holds also 1 meshes of 4 triangles; need nothing" in capsys.readouterr().err
+    assert len(read_skeleton(path).edges) == 2

@@ -1,0 +1,114 @@
+"""Wires of STEP, BREP and IGES files, of drawings and of Rhino."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rhino3dm
+from build123d import Box, CenterArc, Compound, Line, Pos, export_brep, export_step
+
+from scaffold_cad import write
+from scaffold_cad.errors import FormatError
+from scaffold_cad.io import read_raw, read_skeleton, read_triangles
+from tests.fuzz.members import APART, sample_apart
+from tests.io.test_reading import written
+
+
+def total_length(path: Path) -> float:
+    return float(read_skeleton(path, 0.01).lengths.sum())
+
+
+@pytest.mark.parametrize("suffix", ["step", "brep"])
+def test_curves_become_edges_within_a_thousandth_of_their_size(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"arc.{suffix}"
+    arc = CenterArc((0, 0, 0), 10, 0, 180)
+    (export_step if suffix == "step" else export_brep)(arc, path)
+    raw = read_raw(path)
+    # Chords of an arc lie inside it by their sagitta.
+    middles = raw.nodes[raw.edges].mean(axis=1)
+    assert np.linalg.norm(middles, axis=1).min() > 10 - 0.001 * 25
+    np.testing.assert_allclose(np.linalg.norm(raw.nodes, axis=1), 10, rtol=1e-9)
+    assert total_length(path) == pytest.approx(10 * math.pi, rel=0.002)
+
+
+def test_wires_beside_a_solid_are_read_and_the_edges_of_its_faces_are_not(tmp_path: Path) -> None:
+    both = Compound([Box(1, 1, 1), Pos(5, 0, 0) * Line((0, 0), (3, 0))])
+    export_step(both, tmp_path / "both.step")
+    assert total_length(tmp_path / "both.step") == pytest.approx(3)
+    mesh = read_triangles(tmp_path / "both.step")
+    assert mesh is not None
+    assert mesh.signed_volume == pytest.approx(1)
+
+
+@pytest.mark.parametrize("suffix", ["step", "brep"])
+def test_a_solid_alone_is_no_skeleton_and_wires_alone_are_no_mesh(
+    tmp_path: Path, suffix: str
+) -> None:
+    write(Box(1, 1, 1), tmp_path / f"box.{suffix}")
+    with pytest.raises(FormatError, match=r"box\.\w+ holds 6 faces and no wires; need edges that"):
+        read_raw(tmp_path / f"box.{suffix}")
+    export = export_step if suffix == "step" else export_brep
+    export(Line((0, 0), (3, 0)), tmp_path / f"line.{suffix}")
+    assert read_triangles(tmp_path / f"line.{suffix}") is None
+
+
+def test_svg_units_transforms_and_curves(tmp_path: Path) -> None:
+    text = (
+        '<svg xmlns="http://www.w3.org/2000/svg" width="10cm" height="10cm" viewBox="0 0 50 50">'
+        '<g transform="scale(2)"><line x1="0" y1="0" x2="5" y2="0"/></g></svg>'
+    )
+    raw = read_raw(written(tmp_path, "x.svg", text))
+    np.testing.assert_allclose(raw.nodes, [[0, 0, 0], [20, 0, 0]], atol=1e-9)
+    circle = '<svg xmlns="http://www.w3.org/2000/svg"><circle cx="20" cy="30" r="5"/></svg>'
+    path = written(tmp_path, "circle.svg", circle)
+    raw = read_raw(path)
+    np.testing.assert_allclose(np.linalg.norm(raw.nodes - [20, -30, 0], axis=1), 5, rtol=1e-6)
+    skeleton = read_skeleton(path, 0.1)
+    assert (skeleton.loop_count, len(skeleton.extremities)) == (1, 0)
+
+
+@pytest.mark.parametrize("name", APART)
+def test_a_damaged_file_does_not_end_the_program(tmp_path: Path, name: str) -> None:
+    content = sample_apart(name)
+    half = content[: 2 * len(content) // 3]
+    with pytest.raises(
+        FormatError, match=rf"{name} (cannot be read|holds 0 faces|is no sound|has no)"
+    ):
+        read_raw(written(tmp_path, name, half))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("<svg/>", r"x\.svg has no outlines; need paths, lines or shapes"),
+        ('<!DOCTYPE svg [<!ENTITY a "b">]><svg>&a;</svg>', "declares a document type or entities"),
+        ("<svg", "need well-formed XML"),
+    ],
+)
+def test_errors_of_drawings(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(FormatError, match=message):
+        read_raw(written(tmp_path, "x.svg", text))
+
+
+def test_rhino_curves_are_in_the_unit_of_the_file(tmp_path: Path) -> None:
+    document = rhino3dm.File3dm()
+    document.Settings.ModelUnitSystem = rhino3dm.UnitSystem.Inches
+    corners = [rhino3dm.Point3d(*place) for place in ((0, 0, 0), (1, 0, 0), (1, 1, 0))]
+    document.Objects.AddPolyline(rhino3dm.Polyline(corners))
+    circle = rhino3dm.Circle(rhino3dm.Point3d(5, 0, 0), 1.0)
+    document.Objects.AddCurve(circle.ToNurbsCurve())
+    document.Objects.AddPoint(rhino3dm.Point3d(0, 0, 0))
+    path = tmp_path / "x.3dm"
+    document.Write(str(path), 7)
+    raw = read_raw(path)
+    np.testing.assert_allclose(raw.nodes[:3], [[0, 0, 0], [25.4, 0, 0], [25.4, 25.4, 0]])
+    around = raw.nodes[3:] - [127, 0, 0]
+    np.testing.assert_allclose(np.linalg.norm(around, axis=1), 25.4, rtol=1e-6)
+
+
+def test_a_damaged_rhino_file_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(FormatError, match=r"x\.3dm is no sound 3DM file"):
+        read_raw(written(tmp_path, "x.3dm", b"3D Geometry File Format and no more"))

@@ -1,0 +1,86 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from scaffold_cad import write
+from scaffold_cad.errors import FormatError
+from scaffold_cad.io import read_raw, read_skeleton
+from scaffold_cad.lattice import tile
+from scaffold_cad.skeleton import Skeleton
+from tests.io.test_members import sizes
+from tests.io.test_reading import written
+
+
+def test_members_of_nodes_are_found_in_the_file_beside(tmp_path: Path) -> None:
+    written(tmp_path, "truss_nodes.csv", "node,x,y,z\nA,0,0,0\nB,9,0,0\nC,9,9,0\n")
+    members = written(tmp_path, "truss_members.csv", "i,j,r\nA,B,1\nB,C,2\n")
+    for path in (members, tmp_path / "truss_nodes.csv"):
+        raw = read_raw(path)
+        assert raw.edges.tolist() == [[0, 1], [1, 2]]
+        assert sizes(raw).tolist() == [1, 2, 2]
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "radius"),
+    [
+        ("radius", "2", 2),
+        ("R [cm]", "2", 20),
+        ("diameter", "3", 1.5),
+        ("Area (cm^2)", "3.141592653589793", 10),
+    ],
+)
+def test_sizes_may_be_radius_diameter_or_area_in_any_unit(
+    tmp_path: Path, column: str, value: str, radius: float
+) -> None:
+    text = f"X1;Y1;X2;Y2;{column}\n0;0;9;0;{value}\n"
+    raw = read_raw(written(tmp_path, "plane.csv", text))
+    np.testing.assert_allclose(sizes(raw), radius)
+    assert raw.nodes.tolist() == [[0, 0, 0], [9, 0, 0]]
+
+
+def test_samples_without_branches_are_one_path_and_branches_lie_apart(tmp_path: Path) -> None:
+    rows = "0,0,0,a\n9,0,0,a\n0,9,0,b\n9,9,0,b\n"
+    path = written(tmp_path, "x.csv", "x,y,z,branch\n" + rows)
+    assert read_raw(path).edges.tolist() == [[0, 1], [2, 3]]
+    path = written(tmp_path, "x.csv", "x,y,z,note\n" + rows)
+    assert read_raw(path).edges.tolist() == [[0, 1], [1, 2], [2, 3]]
+
+
+def test_a_skeleton_reads_back_exactly(tmp_path: Path) -> None:
+    lattice = tile("octet", 8.0, 1, radius=lambda points: 0.3 + points[:, 2] / 30)
+    write(lattice, tmp_path / "octet.csv")
+    again = read_skeleton(tmp_path / "octet.csv", strict=True)
+    ours, theirs = lattice.nodes[lattice.edges], again.nodes[again.edges]
+    np.testing.assert_array_equal(ours, theirs)
+    np.testing.assert_array_equal(lattice.radii[lattice.edges], again.radii[again.edges])
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("1,2,3\n", r"x\.csv, line 1: '1,2,3' names no columns; need columns x1 y1 z1"),
+        ("node,x,y,z\n1,0,0,0\n", r"x\.csv has nodes and no members; need start and end"),
+        ("start,end\n1,2\n", r"x\.csv has members and no nodes; need a table of x, y, z"),
+        ("x1,y1,z1,x2,y2,z2\n0,0,0,9,zero,0\n", r"x\.csv, line 2: y2 is 'zero'; need a number"),
+        ("x1,y1,z1,x2,y2,z2\n0,0,0,9\n", r"x\.csv, line 2: y2 is ''; need a number"),
+        ("node,x,y\n1,0,0\n1,9,0\n\ni,j\n1,1\n", r"line 3: node '1' is there already; need each"),
+        ("node,x,y\n1,0,0\n2,9,0\n\ni,j\n1,7\n", r"line 6: an edge has the end '7'; need a node"),
+        ("radius,d\n1,2\n", r"x\.csv has the columns radius, d; need columns x1 y1 z1"),
+    ],
+)
+def test_errors_name_the_line_and_the_value(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(FormatError, match=message):
+        read_raw(written(tmp_path, "x.csv", text))
+
+
+def test_only_skeletons_are_written(tmp_path: Path) -> None:
+    with pytest.raises(FormatError, match="a CSV file cannot hold a ndarray; need a Skeleton"):
+        write(np.zeros(3), tmp_path / "x.csv")
+    write(Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0), tmp_path / "strut.csv")
+    assert (tmp_path / "strut.csv").read_text().splitlines() == [
+        "x1,y1,z1,x2,y2,z2,r1,r2",
+        "0.0,0.0,0.0,9.0,0.0,0.0,1.0,1.0",
+    ]
