@@ -51,10 +51,10 @@ def round_struts(
     Examples
     --------
     >>> from scaffold_cad import Skeleton
-    >>> tripod = Skeleton([[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]], [[0, 1], [0, 2], [0, 3]], 1.0)
-    >>> struts = round_struts(tripod, blend=0.4)
-    >>> struts.exact.tolist(), round(float(struts.fillet[0]), 6)
-    ([True, True, True], 0.4)
+    >>> elbow = Skeleton([[9, 0, 0], [0, 0, 0], [0, 9, 0]], [[0, 1], [1, 2]], 1.0)
+    >>> struts = round_struts(elbow, blend=0.4)
+    >>> struts.exact.tolist(), round(float(struts.fillet[1]), 6)
+    ([True, True], 0.4)
     """
     check_skeleton(skeleton)
     options = StrutOptions(blend, ends, nodes, wall)

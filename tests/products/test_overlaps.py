@@ -178,9 +178,7 @@ def test_cad_files_hold_what_is_allowed_or_united(
 
 
 def test_the_rule_is_for_struts_only(tmp_path: Path) -> None:
-    with pytest.raises(
-        OptionError, match=r"overlaps is for a Scaffold or RoundStruts; a\.stl"
-    ):
+    with pytest.raises(OptionError, match=r"overlaps is for a Scaffold or RoundStruts; a\.stl"):
         write(build_scaffold(STRUT).mesh, tmp_path / "a.stl", overlaps="unite")
 
 
