@@ -66,8 +66,8 @@ def test_struts_shorter_than_their_node_is_wide_are_crowded() -> None:
 
 
 def test_only_what_is_crowded_overlaps() -> None:
-    far = np.array([100.0, 0, 0])
-    nodes = np.concatenate([K4.nodes, far + [[0, 0, 0], [20, 0, 0], [10, -8, 0], [10, 8, 0]]])
+    crossing = np.array([[100, 0, 0], [120, 0, 0], [110, -8, 0], [110, 8, 0]])
+    nodes = np.concatenate([K4.nodes, crossing])
     edges = np.concatenate([K4.edges, [[4, 5], [6, 7]]])
     struts = round_struts(Skeleton(nodes, edges, 1.0))
     assert struts.overlapping.tolist() == [6, 7]
