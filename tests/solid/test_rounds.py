@@ -1,0 +1,108 @@
+"""Meshes of round struts: of the right volume, and whole in the 32 bits of a file."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from scaffold_cad.errors import OptionError
+from scaffold_cad.lattice import tile
+from scaffold_cad.mesh.intersections import self_intersections
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.solid import solidified, thicken, to_solid
+from scaffold_cad.solid.rounds import coarse_union, round_mesh
+from scaffold_cad.struts import round_struts
+from tests.skeletons import CUBE, K4, NAMED, STICK_FIGURE, STRUT, TAPER, TRIPOD
+from tests.solids import check_solid_of, check_watertight
+
+CLOSE = Skeleton([[0, 0, 0], [20, 0, 0], [10, -8, 0.5], [10, 8, 0.5]], [[0, 1], [2, 3]], 1.0)
+
+
+def check_as_written(mesh: TriangleMesh) -> None:
+    """Assert that the mesh is a solid in 32-bit coordinates, vertices at one place welded."""
+    points, number = np.unique(mesh.vertices.astype(np.float32), axis=0, return_inverse=True)
+    assert len(points) == len(mesh.vertices)
+    written = TriangleMesh(points.astype(np.float64), number.reshape(-1)[mesh.triangles])
+    check_watertight(written)
+    assert len(self_intersections(written)) == 0
+
+
+@pytest.mark.parametrize("sides", [4, 8, 16, 32])
+def test_cylinders_and_cones_have_their_volume(sides: int) -> None:
+    cylinder = round_mesh(round_struts(STRUT), sides)
+    assert cylinder.signed_volume == pytest.approx(10 * np.pi, rel=1e-12)
+    a, b = TAPER.radii
+    frustum = np.pi * TAPER.lengths[0] * (a**2 + a * b + b**2) / 3
+    assert round_mesh(round_struts(TAPER), sides).signed_volume == pytest.approx(frustum, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_meshes_are_whole_as_written(name: str) -> None:
+    if name == "trefoil":
+        pytest.skip("a field solid of a million triangles: see the fields' own tests")
+    check_as_written(round_mesh(round_struts(NAMED[name]), 8))
+
+
+@pytest.mark.parametrize("place", [0.0, 1e3, 1e5])
+def test_meshes_far_from_the_origin_are_whole_as_written(place: float) -> None:
+    check_as_written(round_mesh(round_struts(TRIPOD.moved(TRIPOD.nodes + place)), 16))
+
+
+@pytest.mark.parametrize("cell", ["bcc", "octet", "kelvin", "diamond"])
+def test_lattices_are_whole_as_written(cell: str) -> None:
+    struts = round_struts(tile(cell, 10.0, 2, radius=0.4))
+    assert struts.overlapping.tolist() == []
+    check_as_written(round_mesh(struts, 8))
+
+
+@pytest.mark.parametrize("skeleton", [TRIPOD, K4, CUBE], ids=["tripod", "k4", "cube"])
+def test_more_sides_hardly_change_the_volume(skeleton: Skeleton) -> None:
+    struts = round_struts(skeleton)
+    volumes = [round_mesh(struts, sides).signed_volume for sides in (8, 16, 64)]
+    assert volumes[0] == pytest.approx(volumes[2], rel=0.02)
+    assert volumes[1] == pytest.approx(volumes[2], rel=0.005)
+
+
+def test_loops_become_handles() -> None:
+    for skeleton in (K4, CUBE, STICK_FIGURE):
+        solid = solidified(round_struts(skeleton))
+        assert solid.manifold.genus() == skeleton.loop_count
+        assert len(solid.united_edges) == 0
+        check_solid_of(skeleton, solid.manifold)
+
+
+def test_struts_that_overlap_become_one_field_solid() -> None:
+    solid = solidified(round_struts(CLOSE))
+    assert solid.united_edges.tolist() == [0, 1]
+    check_solid_of(CLOSE, solid.manifold)
+    # Two cylinders of radius 1 that cross at right angles share 16/3 where their axes meet.
+    assert np.pi * 36 - 16 / 3 < solid.manifold.volume() < np.pi * 36
+
+
+def test_a_union_for_faces_has_few_triangles_and_nearly_the_volume() -> None:
+    struts = round_struts(CLOSE)
+    coarse, fine = coarse_union(struts), round_mesh(struts)
+    check_as_written(coarse)
+    assert len(coarse.triangles) < 10_000 < len(fine.triangles)
+    assert coarse.signed_volume == pytest.approx(fine.signed_volume, rel=0.005)
+
+
+def test_frames_of_round_struts_follow_their_radius() -> None:
+    for sides in (8, 12):
+        assert thicken(STRUT, 0.5, sides=sides).volume() == pytest.approx(2.5 * np.pi, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: round_mesh(STRUT), "got a Skeleton; need a RoundStruts: round_struts"),
+        (lambda: round_mesh(round_struts(STRUT), 6), "sides is 6; need a multiple of 4"),
+        (lambda: to_solid(round_struts(STRUT), sides=2), "sides is 2; need 4 or more"),
+    ],
+)
+def test_wrong_arguments_are_refused(call: Any, message: str) -> None:
+    with pytest.raises(OptionError, match=message):
+        call()

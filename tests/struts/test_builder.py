@@ -1,0 +1,122 @@
+"""round_struts(): what each strut and node gets, what is crowded, and that it follows its input."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.lattice import tile
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.struts import round_struts
+from scaffold_cad.struts.surface import triangulated
+from tests.skeletons import BCC_STAR, CUBE, ELBOW, JACK, K4, STRUT, TETRAPOD, TRIPOD, TWO_STRUTS
+
+APART = {
+    "strut": STRUT,
+    "elbow": ELBOW,
+    "tripod": TRIPOD,
+    "tetrapod": TETRAPOD,
+    "jack": JACK,
+    "bcc_star": BCC_STAR,
+    "k4": K4,
+    "cube": CUBE,
+    "two_struts": TWO_STRUTS,
+}
+
+
+@pytest.mark.parametrize("skeleton", APART.values(), ids=APART)
+def test_struts_with_room_are_exact_and_keep_apart(skeleton: Skeleton) -> None:
+    struts = round_struts(skeleton)
+    assert struts.exact.all()
+    assert struts.overlapping.tolist() == []
+    assert not struts.crowded.any()
+    inner = skeleton.valency > 1
+    np.testing.assert_allclose(struts.fillet[inner], 0.5, rtol=1e-9)
+    assert np.isnan(struts.fillet[~inner]).all()
+
+
+def test_the_blend_asked_for_is_reached_where_it_has_room() -> None:
+    for blend in (0.2, 0.5, 1.5):
+        assert round_struts(TRIPOD, blend=blend).fillet[0] == pytest.approx(blend)
+
+
+def test_a_wider_blend_has_its_collars_further_out() -> None:
+    collars = [round_struts(TRIPOD, blend=blend).collar[[0, 2, 4]] for blend in (0.2, 0.5, 1.5)]
+    assert (np.diff(collars, axis=0) > 0).all()
+
+
+def test_a_blend_without_room_shrinks_and_says_so() -> None:
+    short = TRIPOD.scaled(3.0 / TRIPOD.lengths[0]).with_radii(1.0)  # collars want 3.5 mm
+    struts = round_struts(short, blend=2.5)
+    assert struts.overlapping.tolist() == []
+    assert 0.1 <= struts.fillet[0] < 2.5
+    assert (struts.collar[0::2] < struts.runs.lengths).all()
+
+
+def test_struts_shorter_than_their_node_is_wide_are_crowded() -> None:
+    short = Skeleton([[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 0.9]], TRIPOD.edges, 1.0)
+    struts = round_struts(short)
+    assert struts.crowded.any()
+    assert 2 in struts.overlapping.tolist()
+    assert not struts.exact[2]
+    assert struts.exact[[0, 1]].all()
+
+
+def test_only_what_is_crowded_overlaps() -> None:
+    crossing = np.array([[100, 0, 0], [120, 0, 0], [110, -8, 0], [110, 8, 0]])
+    nodes = np.concatenate([K4.nodes, crossing])
+    edges = np.concatenate([K4.edges, [[4, 5], [6, 7]]])
+    struts = round_struts(Skeleton(nodes, edges, 1.0))
+    assert struts.overlapping.tolist() == [6, 7]
+    assert struts.exact.tolist() == [True] * 6 + [False] * 2
+
+
+def test_equal_nodes_share_one_blend() -> None:
+    struts = round_struts(tile("bcc", 10.0, 2, radius=0.6))
+    inner = [group for group in struts.blended if group.quads.shape[1] == 8]
+    assert sum(len(group.nodes) for group in inner) >= 8
+    assert sum(len(group.shapes.control) for group in inner) == 1
+
+
+@pytest.mark.parametrize("name", ["tripod", "bcc_star", "cube"])
+def test_struts_turn_move_and_grow_with_their_skeleton(name: str) -> None:
+    skeleton = APART[name]
+    turn = np.array([[0, 0, 1], [1, 0, 0], [0, 1, 0]])
+    there = skeleton.scaled(3.0)
+    there = there.moved(there.nodes @ turn.T + [10, 20, 30])
+    here, other = round_struts(skeleton), round_struts(there)
+    np.testing.assert_allclose(other.collar, 3 * here.collar, rtol=1e-6)
+    np.testing.assert_allclose(other.fillet, 3 * here.fillet, rtol=1e-9)
+    volumes = [triangulated(struts, 16).mesh.signed_volume for struts in (here, other)]
+    assert volumes[1] == pytest.approx(27 * volumes[0], rel=1e-3)
+
+
+def test_the_same_input_gives_the_same_output() -> None:
+    one, other = (round_struts(K4) for _ in range(2))
+    np.testing.assert_array_equal(one.collar, other.collar)
+    for a, b in zip(one.blended, other.blended, strict=True):
+        np.testing.assert_array_equal(a.shapes.control, b.shapes.control)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"blend": -1.0}, "blend is -1 mm; need > 0"),
+        ({"blend": "x"}, "blend is 'x'; need a number"),
+        ({"ends": "dome"}, "ends is 'dome'; need one of flat, round, open"),
+        ({"nodes": "balls"}, "nodes is 'balls'; .*did you mean 'ball'"),
+        ({"wall": 0}, "wall is 0 mm; need > 0"),
+        ({"ends": "open"}, "ends is 'open' without a wall"),
+    ],
+)
+def test_options_out_of_range_are_refused(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(OptionError, match=message):
+        round_struts(TRIPOD, **options)
+
+
+def test_skeletons_that_cannot_be_built_on_are_refused() -> None:
+    with pytest.raises(SkeletonError, match="no edges"):
+        round_struts(Skeleton([[0, 0, 0]], [], 1.0))
