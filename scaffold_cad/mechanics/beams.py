@@ -1,0 +1,373 @@
+"""Beam model: a skeleton's struts as Timoshenko beams, its nodes as rigid joints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scaffold_cad.base.arguments import as_number, as_real, check_kind
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Points, as_edge_radii, as_floats
+from scaffold_cad.errors import OptionError
+from scaffold_cad.mechanics.elements import (
+    assembled,
+    beam_blocks,
+    first_by_second,
+    second_end,
+)
+from scaffold_cad.mechanics.loading import (
+    Load,
+    Support,
+    check_supported,
+    held,
+    nodal_forces,
+)
+from scaffold_cad.mechanics.materials import Material, as_material
+from scaffold_cad.mechanics.sections import (
+    GAUSS_PLACES,
+    GAUSS_WEIGHTS,
+    Stiffnesses,
+    end_stiffnesses,
+    euler_loads,
+    sections_at,
+    volumes,
+)
+from scaffold_cad.mechanics.solvers import solve_sparse
+from scaffold_cad.mechanics.stresses import largest_stresses
+from scaffold_cad.skeleton import Skeleton, check_skeleton
+
+MOST_RIGID = 0.9
+"""Part of a strut that its rigid ends may take."""
+
+
+@dataclass(frozen=True, eq=False)
+class BeamModel(Frozen):
+    """Struts as beams, held and loaded; `solved` tells what becomes of them."""
+
+    skeleton: Skeleton
+    """The struts' axes."""
+    material: Material
+    """What all struts are made of."""
+    edge_radii: Floats
+    """Radius of each strut at its ends, shape (m, 2), mm."""
+    hollow: float
+    """Inner over outer radius of every section, 0 for full ones."""
+    rigid: Floats
+    """Length at each end of a strut that does not deform, shape (m, 2), mm."""
+    fixed: Bools
+    """Which freedoms are held, shape (n, 6)."""
+    displacement: Floats
+    """Where the held ones are moved to, shape (n, 6), mm and rad."""
+    forces: Floats
+    """Forces and moments on nodes, own weight apart, shape (n, 6), N and N mm."""
+    gravity: Floats
+    """Acceleration that gives the struts their weight, shape (3,), m/s²."""
+    effective_length: float
+    """Length that buckles over the strut's: 1 hinged, 0.5 clamped."""
+
+    @cached_property
+    def spans(self) -> Points:
+        """Second end of each strut seen from the first, shape (m, 3), mm."""
+        ends = self.skeleton.nodes[self.skeleton.edges]
+        spans: Points = ends[:, 1] - ends[:, 0]
+        return spans
+
+    @cached_property
+    def stiffnesses(self) -> Stiffnesses:
+        """Stiffnesses of each strut's second end."""
+        return end_stiffnesses(
+            self.skeleton.lengths, self.edge_radii, self.material, self.hollow, self.rigid
+        )
+
+    @cached_property
+    def masses(self) -> Floats:
+        """Mass of each strut from node to node, shape (m,), kg; nodes count several times."""
+        volume = volumes(self.skeleton.lengths, self.edge_radii, self.hollow)
+        return volume * self.material.density * 1e-9
+
+    @property
+    def mass(self) -> float:
+        """Mass of all struts, kg."""
+        return float(self.masses.sum())
+
+    def solved(self) -> BeamSolution:
+        """Return displacements, forces and stresses.
+
+        Raises
+        ------
+        OptionError
+            If the supports let a part move, memory does not suffice, or the equations do not
+            converge.
+        """
+        check_supported(self.skeleton, self.fixed)
+        skeleton, directions = self.skeleton, self.skeleton.directions[::2]
+        blocks = beam_blocks(self.spans, directions, self.stiffnesses)
+        matrix = assembled(skeleton.edges, blocks, len(skeleton.nodes))
+        del blocks
+        clamped = self._clamped_ends()
+        load = self.forces - _summed_at_nodes(skeleton, clamped)
+        given = self.displacement.reshape(-1)
+        moved = matrix @ given if given.any() else np.zeros(len(given))
+        right = load.reshape(-1) - moved
+        free = solve_sparse(matrix, skeleton.nodes, self.fixed, right)
+        found = given + free
+        reactions = (matrix @ found).reshape(-1, 6) - load
+        reactions[~self.fixed] = 0.0
+        freedoms = found.reshape(-1, 6)
+        return BeamSolution(
+            model=self,
+            displacements=np.ascontiguousarray(freedoms[:, :3]),
+            rotations=np.ascontiguousarray(freedoms[:, 3:]),
+            reactions=reactions,
+            end_forces=self._end_forces(freedoms, clamped),
+        )
+
+    def _clamped_ends(self) -> Floats:
+        """Return what the ends of struts that carry their weight push back with, (m, 2, 6)."""
+        count = len(self.skeleton.edges)
+        if not self.gravity.any() or self.material.density == 0:
+            return np.zeros((count, 2, 6))
+        return _clamped_by_weight(self)
+
+    def _end_forces(self, freedoms: Floats, clamped: Floats) -> Floats:
+        """Return the forces on each strut's ends, (m, 2, 6)."""
+        first, second = np.moveaxis(freedoms[self.skeleton.edges], 1, 0)  # (m, 6)
+        # What the second end moves beyond the rigid motion of the first: small differences of
+        # large numbers are taken before they are multiplied.
+        drift = second - first
+        drift[:, :3] -= np.cross(first[:, 3:], self.spans)
+        far = second_end(self.skeleton.directions[::2], self.stiffnesses)
+        at_second = np.einsum("mij,mj->mi", far, drift)
+        at_first = np.einsum("mij,mj->mi", first_by_second(self.spans), at_second)
+        forces: Floats = np.stack([at_first, at_second], axis=1) + clamped
+        return forces
+
+
+@dataclass(frozen=True, eq=False)
+class BeamSolution(Frozen):
+    """What becomes of a beam model under its loads: arrays by node and by strut."""
+
+    model: BeamModel
+    """What was solved."""
+    displacements: Points
+    """Of each node, shape (n, 3), mm."""
+    rotations: Points
+    """Of each node, shape (n, 3), rad."""
+    reactions: Floats
+    """Force and moment of the supports on each node, shape (n, 6), N and N mm."""
+    end_forces: Floats
+    """Force and moment on each strut at its two ends, in space, shape (m, 2, 6), N and N mm."""
+
+    @cached_property
+    def axial(self) -> Floats:
+        """Force along each strut, shape (m, 2) at its ends, N; tension is positive."""
+        along = self.model.skeleton.directions[::2]
+        forces = np.einsum("mej,mj->me", self.end_forces[:, :, :3], along)
+        return forces * np.array([-1.0, 1.0])
+
+    @cached_property
+    def stresses(self) -> Floats:
+        """Largest von Mises stress in each strut, shape (m,), MPa: of axial force, bending,
+        twisting and shear, sampled at five sections."""
+        return largest_stresses(
+            self.end_forces,
+            self.model.spans,
+            self.model.skeleton.directions[::2],
+            self.model.edge_radii,
+            self.model.hollow,
+        )
+
+    @cached_property
+    def stress_utilisation(self) -> Floats:
+        """Stress over the material's strength, shape (m,); 0 where that is unlimited."""
+        return self.stresses / self.model.material.strength
+
+    @cached_property
+    def buckling_utilisation(self) -> Floats:
+        """Compression over the strut's own Euler load, shape (m,); 0 in tension."""
+        limit = euler_loads(
+            self.model.skeleton.lengths,
+            self.model.edge_radii,
+            self.model.material,
+            self.model.hollow,
+            self.model.effective_length,
+        )
+        return np.maximum(-self.axial.min(axis=1), 0.0) / limit
+
+    @cached_property
+    def utilisation(self) -> Floats:
+        """The larger of both utilisations, shape (m,): above 1 the strut is overloaded."""
+        return np.maximum(self.stress_utilisation, self.buckling_utilisation)
+
+    @property
+    def compliance(self) -> float:
+        """Work of loads and moved supports, force times way, N mm: twice the strain energy where
+        no weight acts."""
+        freedoms = np.concatenate([self.displacements, self.rotations], axis=1)
+        return float(((self.model.forces + self.reactions) * freedoms).sum())
+
+    @property
+    def largest_displacement(self) -> float:
+        """Largest way of a node, mm."""
+        return float(np.linalg.norm(self.displacements, axis=1).max())
+
+    @property
+    def mass(self) -> float:
+        """Mass of all struts, kg."""
+        return self.model.mass
+
+    def deformed(self, scale: float = 1.0) -> Skeleton:
+        """Return the skeleton with its nodes moved, `scale` times as far as they are."""
+        return self.model.skeleton.moved(
+            self.model.skeleton.nodes + as_real(scale, "scale") * self.displacements
+        )
+
+
+def beam_model(
+    skeleton: Skeleton,
+    material: Material | str,
+    supports: Support | Iterable[Support],
+    loads: Load | Iterable[Load] = (),
+    *,
+    gravity: ArrayLike = (0.0, 0.0, 0.0),
+    hollow: float = 0.0,
+    edge_radii: ArrayLike | None = None,
+    rigid_ends: ArrayLike = 0.0,
+    effective_length: float = 1.0,
+) -> BeamModel:
+    """Return the struts of `skeleton` as beams, with what holds and loads them.
+
+    Linear: small displacements, no contact. Struts are Timoshenko beams with round sections that
+    meet in points: real nodes are stiffer, and lattices with relative densities above some 10 %
+    come out too soft, by up to 40 % at 50 %. `rigid_ends` stiffens the nodes.
+
+    Parameters
+    ----------
+    skeleton : as `check_skeleton` asks; radii are its struts' `edge_radii`
+    material : a Material, or the name of one in MATERIALS
+    supports, loads : one or several of each
+    gravity : acceleration, m/s², such as (0, 0, -9.81); struts get weight by their density
+    hollow : inner over outer radius of tubes, 0 for full struts
+    edge_radii : (m, 2), (m,) or one number, mm, in place of the skeleton's
+    rigid_ends : length at the ends of struts that does not deform, (m, 2) or one number, mm
+    effective_length : length that buckles over that of the strut: 1 for hinged ends (safe in
+        braced frames), 0.5 for clamped ones, 2 for one that is free
+
+    Raises
+    ------
+    OptionError
+        If an argument is of another kind or out of its range.
+    SkeletonError
+        If the skeleton is not valid or a radius is not > 0.
+
+    Examples
+    --------
+    A cantilever of length 100 mm and radius 5 mm bends by F l³ / (3 E I) and shears a little:
+
+    >>> from scaffold_cad import Skeleton
+    >>> arm = Skeleton([[0, 0, 0], [100, 0, 0]], [[0, 1]], 5.0)
+    >>> solution = beam_model(arm, "steel", Support([0]), Load([1], (0, 0, -100))).solved()
+    >>> round(solution.displacements[1, 2], 4)
+    -0.3249
+    """
+    check_kind(skeleton, Skeleton)
+    check_skeleton(skeleton)
+    ratio = as_number(hollow, "hollow", unit="", or_zero=True)
+    if not ratio < 1:
+        raise OptionError(f"hollow is {ratio:g}; need 0 or more, less than 1")
+    fastened = held(skeleton, supports)
+    return BeamModel(
+        skeleton=skeleton,
+        material=as_material(material),
+        edge_radii=skeleton.edge_radii
+        if edge_radii is None
+        else as_edge_radii(edge_radii, "edge_radii", len(skeleton.edges)),
+        hollow=ratio,
+        rigid=_rigid_ends(skeleton, rigid_ends),
+        fixed=fastened.fixed,
+        displacement=fastened.displacement,
+        forces=nodal_forces(skeleton, loads),
+        gravity=_three(gravity),
+        effective_length=as_number(effective_length, "effective_length", unit=""),
+    )
+
+
+def _three(gravity: ArrayLike) -> Floats:
+    three = as_floats(gravity, "gravity", OptionError)
+    if three.shape != (3,) or not np.isfinite(three).all():
+        raise OptionError(f"gravity is {three.tolist()}; need 3 finite numbers, m/s²")
+    return three
+
+
+def _rigid_ends(skeleton: Skeleton, values: ArrayLike) -> Floats:
+    count = len(skeleton.edges)
+    given = as_floats(values, "rigid_ends", OptionError)
+    if given.shape not in {(), (count, 2)} or not (np.isfinite(given) & (given >= 0)).all():
+        raise OptionError(f"rigid_ends must be a number >= 0 or ({count}, 2) of them, mm")
+    rigid: Floats = np.array(np.broadcast_to(given, (count, 2)))
+    over = np.flatnonzero(rigid.sum(axis=1) > MOST_RIGID * skeleton.lengths)
+    if len(over):
+        raise OptionError(
+            f"edge {over[0]} of length {skeleton.lengths[over[0]]:g} mm has rigid ends of "
+            f"{rigid[over[0]].sum():g} mm; need at most {MOST_RIGID:g} of its length"
+        )
+    return rigid
+
+
+def _summed_at_nodes(skeleton: Skeleton, at_ends: Floats) -> Floats:
+    """Return the sum of `at_ends` (m, 2, 6) at each node, (n, 6)."""
+    count, ends = len(skeleton.nodes), skeleton.edges.reshape(-1)
+    flat = at_ends.reshape(-1, 6)
+    return np.stack([np.bincount(ends, column, minlength=count) for column in flat.T], axis=1)
+
+
+def _clamped_by_weight(model: BeamModel) -> Floats:
+    """Return the forces on clamped ends of struts under their own weight, (m, 2, 6).
+
+    The strut is a cantilever, held at its first end, that bends under its weight; what brings its
+    second end back is the force there. All integrals are exact but for the taper's fractions.
+    """
+    lengths = model.skeleton.lengths[:, None]
+    directions, gravity = model.skeleton.directions[::2], model.gravity
+    along = gravity @ directions.T  # (m,)
+    across = gravity - along[:, None] * directions  # (m, 3)
+    start, stop = model.rigid[:, :1], lengths - model.rigid[:, 1:]
+    place = start + (stop - start) * GAUSS_PLACES  # (m, s)
+    step = (stop - start) * GAUSS_WEIGHTS
+    section = sections_at(model.edge_radii, place / lengths, model.hollow)
+    # Mass beyond each place, and its first moment about the place: again by Gauss's rule.
+    inner = place[:, :, None] + (lengths - place)[:, :, None] * GAUSS_PLACES  # (m, s, s)
+    weights = (lengths - place)[:, :, None] * GAUSS_WEIGHTS
+    a, b = model.edge_radii.T[:, :, None, None]
+    radius = a + (b - a) * inner / lengths[:, :, None]
+    by_length = np.pi * radius**2 * (1.0 - model.hollow**2) * model.material.density * 1e-9
+    beyond = (weights * by_length).sum(axis=2)  # kg
+    moment = (weights * by_length * (inner - place[:, :, None])).sum(axis=2)  # kg mm
+    material = model.material
+    bending = material.young * section.inertia
+    shear = material.shear_factor(model.hollow) * material.shear_modulus * section.area
+    lever = lengths - place
+    stretch = (step * beyond / (material.young * section.area)).sum(axis=1) * along
+    sag = (step * (moment * lever / bending + beyond / shear)).sum(axis=1)
+    tilt = (step * moment / bending).sum(axis=1)
+    free = np.concatenate(
+        [
+            stretch[:, None] * directions + sag[:, None] * across,
+            tilt[:, None] * np.cross(directions, across),
+        ],
+        axis=1,
+    )
+    second = -np.einsum("mij,mj->mi", second_end(directions, model.stiffnesses), free)
+    masses = model.masses
+    r0, r1 = model.edge_radii.T
+    # Center of mass of a cone's frustum, from the first end.
+    center = (r0**2 + 2 * r0 * r1 + 3 * r1**2) / (4 * (r0**2 + r0 * r1 + r1**2))
+    weight = masses[:, None] * gravity
+    turning = np.cross(center[:, None] * model.spans, weight)
+    first = np.einsum("mij,mj->mi", first_by_second(model.spans), second)
+    first[:, :3] -= weight
+    first[:, 3:] -= turning
+    return np.stack([first, second], axis=1)
