@@ -1,15 +1,26 @@
 """Mechanics: beams, homogenised cells, radii sized by stress, hexahedra."""
 
 from scaffold_cad.mechanics.beams import BeamModel, BeamSolution, beam_model
+from scaffold_cad.mechanics.cells import CellRow, Homogenised, cell_table, homogenised
+from scaffold_cad.mechanics.hexahedra import Hexahedra, hexahedra
 from scaffold_cad.mechanics.loading import Load, Support
 from scaffold_cad.mechanics.materials import MATERIALS, Material
+from scaffold_cad.mechanics.polar import polar_picture, young_polar
 
 __all__ = [
     "MATERIALS",
     "BeamModel",
     "BeamSolution",
+    "CellRow",
+    "Hexahedra",
+    "Homogenised",
     "Load",
     "Material",
     "Support",
     "beam_model",
+    "cell_table",
+    "hexahedra",
+    "homogenised",
+    "polar_picture",
+    "young_polar",
 ]

@@ -30,6 +30,7 @@ from scaffold_cad.mechanics.sections import (
     GAUSS_PLACES,
     GAUSS_WEIGHTS,
     Stiffnesses,
+    as_hollow,
     end_stiffnesses,
     euler_loads,
     sections_at,
@@ -171,7 +172,8 @@ class BeamSolution(Frozen):
     @cached_property
     def stresses(self) -> Floats:
         """Largest von Mises stress in each strut, shape (m,), MPa: of axial force, bending,
-        twisting and shear, sampled at five sections."""
+        twisting and shear, sampled at five sections.
+        """
         return largest_stresses(
             self.end_forces,
             self.model.spans,
@@ -205,7 +207,8 @@ class BeamSolution(Frozen):
     @property
     def compliance(self) -> float:
         """Work of loads and moved supports, force times way, N mm: twice the strain energy where
-        no weight acts."""
+        no weight acts.
+        """
         freedoms = np.concatenate([self.displacements, self.rotations], axis=1)
         return float(((self.model.forces + self.reactions) * freedoms).sum())
 
@@ -275,9 +278,6 @@ def beam_model(
     """
     check_kind(skeleton, Skeleton)
     check_skeleton(skeleton)
-    ratio = as_number(hollow, "hollow", unit="", or_zero=True)
-    if not ratio < 1:
-        raise OptionError(f"hollow is {ratio:g}; need 0 or more, less than 1")
     fastened = held(skeleton, supports)
     return BeamModel(
         skeleton=skeleton,
@@ -285,7 +285,7 @@ def beam_model(
         edge_radii=skeleton.edge_radii
         if edge_radii is None
         else as_edge_radii(edge_radii, "edge_radii", len(skeleton.edges)),
-        hollow=ratio,
+        hollow=as_hollow(hollow),
         rigid=_rigid_ends(skeleton, rigid_ends),
         fixed=fastened.fixed,
         displacement=fastened.displacement,

@@ -14,7 +14,7 @@ from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import UnitCell, cells, unit_cell
 from scaffold_cad.mechanics.elements import beam_blocks
 from scaffold_cad.mechanics.materials import Material, as_material
-from scaffold_cad.mechanics.sections import end_stiffnesses, volumes
+from scaffold_cad.mechanics.sections import as_hollow, end_stiffnesses
 
 STRAINS = ("xx", "yy", "zz", "yz", "xz", "xy")
 """Order of strains and stresses (Voigt's); shear strains are angles, twice the tensor's."""
@@ -173,10 +173,8 @@ def homogenised(
         raise OptionError(
             f"rigid_ends is {rigid_ends:g} mm; need less than {0.45 * lengths.min():g} mm"
         )
-    ratio = as_number(hollow, "hollow", unit="", or_zero=True)
-    stiffnesses = end_stiffnesses(
-        lengths, np.full((len(spans), 2), radius), law, ratio, rigid
-    )
+    ratio = as_hollow(hollow)
+    stiffnesses = end_stiffnesses(lengths, np.full((len(spans), 2), radius), law, ratio, rigid)
     blocks = beam_blocks(spans, spans / lengths[:, None], stiffnesses)
     stiffness = _condensed(motif.struts, blocks, spans, cell.site_count) / sizes.prod()
     return Homogenised(cell, sizes, radius, law, (stiffness + stiffness.T) / 2.0)

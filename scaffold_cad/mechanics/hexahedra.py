@@ -31,10 +31,7 @@ from scaffold_cad.mechanics.hexrelax import Control, relaxed
 from scaffold_cad.scaffold import Scaffold
 
 CORE = 0.55
-"""How far out the core of a section with layers reaches towards its corners, in radii."""
-
-CORE_SIDE = 0.47
-"""The same towards the middles of its sides: less, so that the core is nearly square."""
+"""How far out the core of a section with layers reaches, in radii."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,11 +148,10 @@ def _end_points(scaffold: Scaffold, sections: Ints, count: int) -> Ints:
 
 def _movable(scaffold: Scaffold, sides: Sides) -> tuple[Bools, Floats]:
     """Return which corners, middles and centers may move, and by how much: those of nodes that
-    are branch points of the skeleton, by their radii; sections of struts stay circles."""
+    are branch points of the skeleton, by their radii; sections of struts stay circles.
+    """
     refined = scaffold.refined
-    owner = np.concatenate(
-        [scaffold.node_of_vertex, sides.node, np.arange(len(refined.nodes))]
-    )
+    owner = np.concatenate([scaffold.node_of_vertex, sides.node, np.arange(len(refined.nodes))])
     return refined.valency[owner] >= 3, refined.radii[owner]
 
 
@@ -168,12 +164,8 @@ def _rings(scaffold: Scaffold, sides: Sides, layers: int) -> tuple[Ints, sparse.
     corners, middles = len(scaffold.node_of_vertex), len(sides.node)
     rim, centers = corners + middles, len(scaffold.refined.nodes)
     owner = np.concatenate([scaffold.node_of_vertex, sides.node])
-    factors = np.ones((layers + 1, rim))
-    if layers:
-        share = np.linspace(0.0, 1.0, layers + 1)[:, None]
-        factors[:, :corners] = CORE + (1.0 - CORE) * share
-        factors[:, corners:] = CORE_SIDE + (1.0 - CORE_SIDE) * share
-    flat = factors.reshape(-1)
+    factors = np.linspace(CORE, 1.0, layers + 1) if layers else np.ones(1)
+    flat = np.repeat(factors, rim)
     row = centers + np.arange(len(flat))
     inside = np.flatnonzero(flat < 1.0)
     spread = sparse.csr_array(
@@ -213,9 +205,7 @@ def _section_quads(layers: int) -> Ints:
     return np.concatenate(quads)
 
 
-def _stations(
-    rings: Ints, spread: sparse.csr_array, pieces: int
-) -> tuple[Ints, sparse.csr_array]:
+def _stations(rings: Ints, spread: sparse.csr_array, pieces: int) -> tuple[Ints, sparse.csr_array]:
     """Return the points of all sections of each edge, (m', pieces + 1, s), and all points."""
     if pieces == 1:
         return rings, spread

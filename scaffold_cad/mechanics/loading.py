@@ -187,9 +187,7 @@ def _freedoms(fixed: str) -> list[int]:
     words = names.get(fixed.strip().lower(), fixed).replace(",", " ").split()
     unknown = [word for word in words if word not in FREEDOMS]
     if unknown or not words:
-        raise OptionError(
-            f"fixed is {fixed!r}; need all, pinned, or some of {' '.join(FREEDOMS)}"
-        )
+        raise OptionError(f"fixed is {fixed!r}; need all, pinned, or some of {' '.join(FREEDOMS)}")
     return sorted({FREEDOMS.index(word) for word in words})
 
 

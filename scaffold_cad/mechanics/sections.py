@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.arrays import Floats
+from scaffold_cad.errors import OptionError
 from scaffold_cad.mechanics.materials import Material
 
 _PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
@@ -103,6 +105,14 @@ def end_stiffnesses(
         coupling=-both / determinant,
         bending=by_force / determinant,
     )
+
+
+def as_hollow(value: float) -> float:
+    """Return the inner over the outer radius of sections, 0 or more and less than 1."""
+    ratio = as_number(value, "hollow", unit="", or_zero=True)
+    if not ratio < 1:
+        raise OptionError(f"hollow is {ratio:g}; need 0 or more, less than 1")
+    return ratio
 
 
 def volumes(lengths: Floats, edge_radii: Floats, hollow: float) -> Floats:
