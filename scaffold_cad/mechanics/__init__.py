@@ -1,11 +1,14 @@
 """Mechanics: beams, homogenised cells, radii sized by stress, hexahedra."""
 
+from scaffold_cad.mechanics.beamfiles import write_beams
 from scaffold_cad.mechanics.beams import BeamModel, BeamSolution, beam_model
 from scaffold_cad.mechanics.cells import CellRow, Homogenised, cell_table, homogenised
 from scaffold_cad.mechanics.hexahedra import Hexahedra, hexahedra
 from scaffold_cad.mechanics.loading import Load, Support
 from scaffold_cad.mechanics.materials import MATERIALS, Material
+from scaffold_cad.mechanics.meshfiles import write_hexahedra
 from scaffold_cad.mechanics.polar import polar_picture, young_polar
+from scaffold_cad.mechanics.sizing import Sized, sized
 
 __all__ = [
     "MATERIALS",
@@ -16,11 +19,15 @@ __all__ = [
     "Homogenised",
     "Load",
     "Material",
+    "Sized",
     "Support",
     "beam_model",
     "cell_table",
     "hexahedra",
     "homogenised",
     "polar_picture",
+    "sized",
+    "write_beams",
+    "write_hexahedra",
     "young_polar",
 ]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy import sparse
 
 from scaffold_cad.base.arguments import as_number, as_real, check_kind
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Points, as_edge_radii, as_floats
@@ -87,7 +88,8 @@ class BeamModel(Frozen):
     def masses(self) -> Floats:
         """Mass of each strut from node to node, shape (m,), kg; nodes count several times."""
         volume = volumes(self.skeleton.lengths, self.edge_radii, self.hollow)
-        return volume * self.material.density * 1e-9
+        masses: Floats = volume * self.material.density * 1e-9
+        return masses
 
     @property
     def mass(self) -> float:
@@ -104,10 +106,7 @@ class BeamModel(Frozen):
             converge.
         """
         check_supported(self.skeleton, self.fixed)
-        skeleton, directions = self.skeleton, self.skeleton.directions[::2]
-        blocks = beam_blocks(self.spans, directions, self.stiffnesses)
-        matrix = assembled(skeleton.edges, blocks, len(skeleton.nodes))
-        del blocks
+        skeleton, matrix = self.skeleton, self.stiffness_matrix()
         clamped = self._clamped_ends()
         load = self.forces - _summed_at_nodes(skeleton, clamped)
         given = self.displacement.reshape(-1)
@@ -123,8 +122,48 @@ class BeamModel(Frozen):
             displacements=np.ascontiguousarray(freedoms[:, :3]),
             rotations=np.ascontiguousarray(freedoms[:, 3:]),
             reactions=reactions,
-            end_forces=self._end_forces(freedoms, clamped),
+            end_forces=self.end_forces(freedoms, clamped),
         )
+
+    def stiffness_matrix(self) -> sparse.bsr_array:
+        """Return the stiffness of all nodes, held or not, 6 rows a node: x y z rx ry rz."""
+        directions = self.skeleton.directions[::2]
+        blocks = beam_blocks(self.spans, directions, self.stiffnesses)
+        return assembled(self.skeleton.edges, blocks, len(self.skeleton.nodes))
+
+    def stresses(self, end_forces: Floats) -> Floats:
+        """Return the largest von Mises stress in each strut under forces (m, 2, 6), (m,), MPa."""
+        directions = self.skeleton.directions[::2]
+        return largest_stresses(end_forces, self.spans, directions, self.edge_radii, self.hollow)
+
+    def compressions(self, end_forces: Floats) -> Floats:
+        """Return the largest compression in each strut, 0 in tension, (m,), N."""
+        pushes = end_forces[:, :, :3] @ self.skeleton.directions[::2][:, :, None]  # (m, 2, 1)
+        pressed: Floats = np.maximum(pushes[:, 0, 0], -pushes[:, 1, 0])
+        pressed = np.maximum(pressed, 0.0)
+        return pressed
+
+    @cached_property
+    def euler_loads(self) -> Floats:
+        """Compression at which each strut buckles by itself, shape (m,), N."""
+        return euler_loads(
+            self.skeleton.lengths,
+            self.edge_radii,
+            self.material,
+            self.hollow,
+            self.effective_length,
+        )
+
+    def utilizations(self, end_forces: Floats) -> Floats:
+        """Return the larger of stress over strength and compression over Euler load, (m,)."""
+        by_stress = self.stresses(end_forces) / self.material.strength
+        larger: Floats = np.maximum(by_stress, self.compressions(end_forces) / self.euler_loads)
+        return larger
+
+    def with_edge_radii(self, edge_radii: ArrayLike) -> BeamModel:
+        """Return the same model with other radii of struts, (m, 2), (m,) or one number, mm."""
+        radii = as_edge_radii(edge_radii, "edge_radii", len(self.skeleton.edges))
+        return replace(self, edge_radii=radii)
 
     def _clamped_ends(self) -> Floats:
         """Return what the ends of struts that carry their weight push back with, (m, 2, 6)."""
@@ -133,8 +172,9 @@ class BeamModel(Frozen):
             return np.zeros((count, 2, 6))
         return _clamped_by_weight(self)
 
-    def _end_forces(self, freedoms: Floats, clamped: Floats) -> Floats:
-        """Return the forces on each strut's ends, (m, 2, 6)."""
+    def end_forces(self, freedoms: Floats, clamped: Floats | None = None) -> Floats:
+        """Return the forces on each strut's ends if nodes move by `freedoms` (n, 6), (m, 2, 6)."""
+        clamped = self._clamped_ends() if clamped is None else clamped
         first, second = np.moveaxis(freedoms[self.skeleton.edges], 1, 0)  # (m, 6)
         # What the second end moves beyond the rigid motion of the first: small differences of
         # large numbers are taken before they are multiplied.
@@ -166,48 +206,35 @@ class BeamSolution(Frozen):
     def axial(self) -> Floats:
         """Force along each strut, shape (m, 2) at its ends, N; tension is positive."""
         along = self.model.skeleton.directions[::2]
-        forces = np.einsum("mej,mj->me", self.end_forces[:, :, :3], along)
-        return forces * np.array([-1.0, 1.0])
+        forces: Floats = np.einsum("mej,mj->me", self.end_forces[:, :, :3], along)
+        forces = forces * np.array([-1.0, 1.0])
+        return forces
 
     @cached_property
     def stresses(self) -> Floats:
-        """Largest von Mises stress in each strut, shape (m,), MPa: of axial force, bending,
-        twisting and shear, sampled at five sections.
-        """
-        return largest_stresses(
-            self.end_forces,
-            self.model.spans,
-            self.model.skeleton.directions[::2],
-            self.model.edge_radii,
-            self.model.hollow,
-        )
+        """Largest von Mises stress in each strut, at five sections of it, shape (m,), MPa."""
+        return self.model.stresses(self.end_forces)
 
     @cached_property
-    def stress_utilisation(self) -> Floats:
+    def stress_utilization(self) -> Floats:
         """Stress over the material's strength, shape (m,); 0 where that is unlimited."""
         return self.stresses / self.model.material.strength
 
     @cached_property
-    def buckling_utilisation(self) -> Floats:
+    def buckling_utilization(self) -> Floats:
         """Compression over the strut's own Euler load, shape (m,); 0 in tension."""
-        limit = euler_loads(
-            self.model.skeleton.lengths,
-            self.model.edge_radii,
-            self.model.material,
-            self.model.hollow,
-            self.model.effective_length,
-        )
-        return np.maximum(-self.axial.min(axis=1), 0.0) / limit
+        return self.model.compressions(self.end_forces) / self.model.euler_loads
 
     @cached_property
-    def utilisation(self) -> Floats:
-        """The larger of both utilisations, shape (m,): above 1 the strut is overloaded."""
-        return np.maximum(self.stress_utilisation, self.buckling_utilisation)
+    def utilization(self) -> Floats:
+        """The larger of both utilizations, shape (m,): above 1 the strut is overloaded."""
+        return self.model.utilizations(self.end_forces)
 
     @property
     def compliance(self) -> float:
-        """Work of loads and moved supports, force times way, N mm: twice the strain energy where
-        no weight acts.
+        """Forces times ways, of loads on nodes and of moved supports, N mm.
+
+        It is twice the strain energy where no weight acts.
         """
         freedoms = np.concatenate([self.displacements, self.rotations], axis=1)
         return float(((self.model.forces + self.reactions) * freedoms).sum())

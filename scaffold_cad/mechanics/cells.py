@@ -46,7 +46,7 @@ class Homogenised(Frozen):
     @cached_property
     def compliance(self) -> Floats:
         """Inverse of the stiffness, shape (6, 6), 1/MPa."""
-        return np.linalg.inv(self.stiffness)
+        return np.asarray(np.linalg.inv(self.stiffness), dtype=np.float64)
 
     @property
     def relative_density(self) -> float:

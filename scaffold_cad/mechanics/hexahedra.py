@@ -147,8 +147,9 @@ def _end_points(scaffold: Scaffold, sections: Ints, count: int) -> Ints:
 
 
 def _movable(scaffold: Scaffold, sides: Sides) -> tuple[Bools, Floats]:
-    """Return which corners, middles and centers may move, and by how much: those of nodes that
-    are branch points of the skeleton, by their radii; sections of struts stay circles.
+    """Return which corners, middles and centers may move, and by how much.
+
+    Those of branch points may, by their radii: sections of struts stay circles.
     """
     refined = scaffold.refined
     owner = np.concatenate([scaffold.node_of_vertex, sides.node, np.arange(len(refined.nodes))])

@@ -89,4 +89,5 @@ def _distances(scaffold: Scaffold, sides: Sides, directions: UnitVectors) -> Flo
     most = np.full(len(directions), np.inf)
     limit = np.where(along > 1e-9, reach[edge][:, None] / np.maximum(along, 1e-9), np.inf)
     np.minimum.at(most, rows, limit)
-    return np.minimum(distance, most)
+    nearer: Floats = np.minimum(distance, most)
+    return nearer

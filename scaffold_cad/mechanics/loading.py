@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -94,8 +94,8 @@ def held(skeleton: Skeleton, supports: Support | Iterable[Support]) -> Held:
                 f"displacement of support {number} is {values.tolist()}; need a finite number, "
                 f"or {len(columns)}, one for each of {support.fixed!r}"
             )
-        fixed[np.ix_(nodes, columns)] = True
-        moved[np.ix_(nodes, columns)] = values
+        fixed[nodes[:, None], columns] = True
+        moved[nodes[:, None], columns] = values
     return Held(read_only(fixed), read_only(moved))
 
 
@@ -200,7 +200,7 @@ def _three(values: ArrayLike, name: str, number: int) -> Floats:
 
 def _listed(items: object, kind: type[_Item]) -> list[_Item]:
     """Return one or several of a kind as a list."""
-    found = list(items) if isinstance(items, Iterable) else [items]
+    found: list[Any] = list(items) if isinstance(items, Iterable) else [items]
     for item in found:
         check_kind(item, kind)
     return found

@@ -216,7 +216,7 @@ def _largest_eigenvalue(matrix: sparse.bsr_array, inverse: sparse.bsr_array) -> 
     return value
 
 
-def _shifted(matrix: sparse.sparray) -> sparse.bsr_array:
+def _shifted(matrix: sparse.bsr_array) -> sparse.bsr_array:
     diagonal = matrix.diagonal()
     shift = np.where(diagonal > 0, SHIFT * diagonal, 1.0)
     return sparse.bsr_array(matrix + sparse.diags_array(shift), blocksize=(6, 6))

@@ -98,10 +98,10 @@ def test_euler_load_of_a_hinged_strut() -> None:
     press = Load([1], (-1000, 0, 0))
     free = beam_model(ARM, STEEL, Support([0]), press).solved()
     euler = np.pi**2 * STEEL.young * INERTIA / 100**2
-    assert free.buckling_utilisation[0] == pytest.approx(1000 / euler)
+    assert free.buckling_utilization[0] == pytest.approx(1000 / euler)
     flag = beam_model(ARM, STEEL, Support([0]), press, effective_length=2).solved()
-    assert flag.buckling_utilisation[0] == pytest.approx(4000 / euler)
-    assert flag.utilisation[0] == max(flag.stress_utilisation[0], flag.buckling_utilisation[0])
+    assert flag.buckling_utilization[0] == pytest.approx(4000 / euler)
+    assert flag.utilization[0] == max(flag.stress_utilization[0], flag.buckling_utilization[0])
 
 
 def test_moved_support_stretches_the_strut() -> None:
