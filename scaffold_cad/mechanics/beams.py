@@ -139,8 +139,8 @@ class BeamModel(Frozen):
     def compressions(self, end_forces: Floats) -> Floats:
         """Return the largest compression in each strut, 0 in tension, (m,), N."""
         pushes = end_forces[:, :, :3] @ self.skeleton.directions[::2][:, :, None]  # (m, 2, 1)
-        pressed: Floats = np.maximum(pushes[:, 0, 0], -pushes[:, 1, 0])
-        pressed = np.maximum(pressed, 0.0)
+        zero = np.zeros(len(pushes))
+        pressed: Floats = np.max([pushes[:, 0, 0], -pushes[:, 1, 0], zero], axis=0)
         return pressed
 
     @cached_property
@@ -206,8 +206,8 @@ class BeamSolution(Frozen):
     def axial(self) -> Floats:
         """Force along each strut, shape (m, 2) at its ends, N; tension is positive."""
         along = self.model.skeleton.directions[::2]
-        forces: Floats = np.einsum("mej,mj->me", self.end_forces[:, :, :3], along)
-        forces = forces * np.array([-1.0, 1.0])
+        signs = np.array([-1.0, 1.0])
+        forces: Floats = np.einsum("mej,mj,e->me", self.end_forces[:, :, :3], along, signs)
         return forces
 
     @cached_property
@@ -300,8 +300,8 @@ def beam_model(
     >>> from scaffold_cad import Skeleton
     >>> arm = Skeleton([[0, 0, 0], [100, 0, 0]], [[0, 1]], 5.0)
     >>> solution = beam_model(arm, "steel", Support([0]), Load([1], (0, 0, -100))).solved()
-    >>> round(solution.displacements[1, 2], 4)
-    -0.3249
+    >>> print(f"{solution.displacements[1, 2]:.4f} mm, {solution.stresses[0]:.1f} MPa")
+    -0.3252 mm, 101.9 MPa
     """
     check_kind(skeleton, Skeleton)
     check_skeleton(skeleton)

@@ -157,7 +157,7 @@ def homogenised(
     A slender simple cubic lattice has a third of its struts along a pull:
 
     >>> cubic = homogenised("sc", 0.1, "steel", size=10.0)
-    >>> round(cubic.young_axes[0] / (cubic.relative_density * 210e3), 4)
+    >>> print(f"{cubic.young_axes[0] / (cubic.relative_density * 210e3):.4f}")
     0.3333
     """
     cell = unit_cell(cell) if isinstance(cell, str) else cell

@@ -11,7 +11,7 @@ from scaffold_cad.mechanics.hexahedra import Hexahedra
 
 def card(name: str, *fields: float | int | None) -> str:
     """Return a card of 16 characters a field, four a line."""
-    texts = [wide(field) for field in fields]
+    texts = [_wide(field) for field in fields]
     lines = [texts[k : k + 4] for k in range(0, len(texts), 4)]
     starts = [f"{name + '*':<8}"] + ["*" + " " * 7] * (len(lines) - 1)
     return "\n".join(
@@ -19,7 +19,8 @@ def card(name: str, *fields: float | int | None) -> str:
     ).rstrip()
 
 
-def wide(field: float | int | None) -> str:
+def _wide(field: float | int | None) -> str:
+    """Return a field of 16 characters; None is empty."""
     if field is None:
         return " " * 16
     text = str(field) if isinstance(field, int) else f"{field:.9E}"
