@@ -301,7 +301,7 @@ def beam_model(
     >>> arm = Skeleton([[0, 0, 0], [100, 0, 0]], [[0, 1]], 5.0)
     >>> solution = beam_model(arm, "steel", Support([0]), Load([1], (0, 0, -100))).solved()
     >>> print(f"{solution.displacements[1, 2]:.4f} mm, {solution.stresses[0]:.1f} MPa")
-    -0.3252 mm, 101.9 MPa
+    -0.3251 mm, 101.9 MPa
     """
     check_kind(skeleton, Skeleton)
     check_skeleton(skeleton)
