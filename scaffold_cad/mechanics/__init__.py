@@ -9,6 +9,7 @@ from scaffold_cad.mechanics.materials import MATERIALS, Material
 from scaffold_cad.mechanics.meshfiles import write_hexahedra
 from scaffold_cad.mechanics.polar import polar_picture, young_polar
 from scaffold_cad.mechanics.sizing import Sized, sized
+from scaffold_cad.mechanics.solidcells import homogenised_solid
 
 __all__ = [
     "MATERIALS",
@@ -25,6 +26,7 @@ __all__ = [
     "cell_table",
     "hexahedra",
     "homogenised",
+    "homogenised_solid",
     "polar_picture",
     "sized",
     "write_beams",

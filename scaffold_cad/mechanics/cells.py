@@ -19,7 +19,8 @@ from scaffold_cad.mechanics.sections import as_hollow, end_stiffnesses
 STRAINS = ("xx", "yy", "zz", "yz", "xz", "xy")
 """Order of strains and stresses (Voigt's); shear strains are angles, twice the tensor's."""
 
-_PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+VOIGT_PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+"""Axes of each of them."""
 
 SOFT = 1e-12
 """Stiffness of a motion, in those of the stiffest one, below which the cell does not resist it."""
@@ -42,17 +43,13 @@ class Homogenised(Frozen):
     """What they are made of."""
     stiffness: Floats
     """Stiffness in the order of STRAINS, shape (6, 6), MPa."""
+    relative_density: float
+    """Volume of the struts over that of the cell; beams are counted from node to node."""
 
     @cached_property
     def compliance(self) -> Floats:
         """Inverse of the stiffness, shape (6, 6), 1/MPa."""
         return np.asarray(np.linalg.inv(self.stiffness), dtype=np.float64)
-
-    @property
-    def relative_density(self) -> float:
-        """Volume of the struts, node to node, over that of the cell: nodes count several times."""
-        lengths = self.cell.motif.strut_lengths(self.size)
-        return float(np.pi * self.radius**2 * lengths.sum() / self.size.prod())
 
     def young(self, directions: ArrayLike) -> Floats:
         """Return Young's modulus along each of `directions` (..., 3), of any length, MPa.
@@ -177,14 +174,15 @@ def homogenised(
     stiffnesses = end_stiffnesses(lengths, np.full((len(spans), 2), radius), law, ratio, rigid)
     blocks = beam_blocks(spans, spans / lengths[:, None], stiffnesses)
     stiffness = _condensed(motif.struts, blocks, spans, cell.site_count) / sizes.prod()
-    return Homogenised(cell, sizes, radius, law, (stiffness + stiffness.T) / 2.0)
+    density = np.pi * radius**2 * (1.0 - ratio**2) * lengths.sum() / sizes.prod()
+    return Homogenised(cell, sizes, radius, law, (stiffness + stiffness.T) / 2.0, float(density))
 
 
 def _condensed(struts: Edges, blocks: Floats, spans: Floats, count: int) -> Floats:
     """Return the energy of a unit of each strain while the sites find their places, (6, 6)."""
     # Strain moves a strut's second end against its first one.
     gaps = np.zeros((len(spans), 6, 6))
-    for k, (i, j) in enumerate(_PAIRS):
+    for k, (i, j) in enumerate(VOIGT_PAIRS):
         gaps[:, i, k] += spans[:, j] * (1.0 if i == j else 0.5)
         if i != j:
             gaps[:, j, k] += spans[:, i] * 0.5
@@ -215,7 +213,7 @@ def _sizes(cell: UnitCell, size: ArrayLike) -> Floats:
 
 def _voigt(units: Floats) -> Floats:
     """Return the stress of a unit pull along each row, in Voigt's order, (..., 6)."""
-    return np.stack([units[..., i] * units[..., j] for i, j in _PAIRS], axis=-1)
+    return np.stack([units[..., i] * units[..., j] for i, j in VOIGT_PAIRS], axis=-1)
 
 
 @dataclass(frozen=True)
