@@ -54,6 +54,7 @@ def surface_points(scaffold: Scaffold, sides: Sides) -> Points:
     corner_node = scaffold.node_of_vertex
     offsets = scaffold.mesh.vertices - refined.nodes[corner_node]
     offsets = offsets / scaffold.options.corner_distance * OCTAGON
+    offsets *= _section_scale(scaffold)[corner_node, None]
     a, b = sides.ends.T
     middles = (offsets[a] + offsets[b]) * np.sqrt(0.5)
     rim = np.concatenate([offsets, middles])
@@ -66,6 +67,22 @@ def surface_points(scaffold: Scaffold, sides: Sides) -> Points:
     return np.concatenate([refined.nodes[owner] + rim, refined.nodes])
 
 
+def strut_radii(scaffold: Scaffold) -> Floats:
+    """Return the radius of each refined edge at its ends, (m', 2), mm: the struts' own."""
+    radii = scaffold.refined.edge_radii.reshape(-1).copy()
+    radii[scaffold.refinement.leaving] = scaffold.skeleton.edge_radii.reshape(-1)
+    return radii.reshape(-1, 2)
+
+
+def _section_scale(scaffold: Scaffold) -> Floats:
+    """Return the mean radius of the struts at each joint and extremity over the node's, (n',)."""
+    refined = scaffold.refined
+    ends = refined.edges.reshape(-1)
+    total = np.bincount(ends, strut_radii(scaffold).reshape(-1), minlength=len(refined.nodes))
+    scale: Floats = total / refined.valency / refined.radii
+    return scale
+
+
 def _distances(scaffold: Scaffold, sides: Sides, directions: UnitVectors) -> Floats:
     """Return how far the struts beside each direction reach along it, (v + s,), mm."""
     refined = scaffold.refined
@@ -75,7 +92,7 @@ def _distances(scaffold: Scaffold, sides: Sides, directions: UnitVectors) -> Flo
     shared = leaving.all(axis=1)
     reach = refined.lengths * np.where(shared, REACH, FREE_REACH)
     # A cone is taken for the cylinder of its radius at the node.
-    radius = refined.edge_radii * OCTAGON  # (m', 2)
+    radius = strut_radii(scaffold) * OCTAGON  # (m', 2)
     edge, slot = np.nonzero(leaving)
     rows = points[edge, slot]  # (h, 8)
     axis = axes[edge, slot][:, None]

@@ -63,7 +63,7 @@ def hexahedron_stiffnesses(points: Points, hexahedra: Ints, law: Floats) -> Floa
     for place in GAUSS:
         jacobian = _jacobians(corners, place)
         size = np.linalg.det(jacobian)
-        slopes = np.linalg.solve(jacobian, _shape_slopes(place).T)  # (k, 3, 8)
+        slopes: Floats = np.linalg.inv(jacobian) @ _shape_slopes(place).T  # (k, 3, 8)
         strain = _strains(slopes)  # (k, 6, 24)
         modes = -2.0 * place * np.eye(3)  # slope of 1 - ξ² along its own coordinate
         scaled = (center_size / size)[:, None, None] * (at_center @ modes)

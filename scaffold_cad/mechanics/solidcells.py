@@ -50,7 +50,7 @@ def homogenised_solid(
     OptionError
         If an argument is out of its range.
     MeshError
-        If the struts overlap beyond their nodes.
+        If the struts overlap beyond their nodes, or hexahedra are inverted.
 
     Examples
     --------
@@ -62,14 +62,19 @@ def homogenised_solid(
     beams = homogenised(cell, radius, material, size=size)
     lattice = tile(beams.cell, beams.size, (3, 3, 3), radius=beams.radius)
     scaffold = build_scaffold(lattice, collars=True)
-    mesh = hexahedra(scaffold, layers=as_count(layers, "layers"), along=as_count(along, "along", 1))
     struts = _middle_struts(beams, lattice)
-    chosen = np.isin(mesh.edge_of_hexahedron, struts)
-    crossing = np.isin(scaffold.embedding().left_out, struts).any()
-    if crossing or (mesh.quality[chosen] <= 0).any():
+    if np.isin(scaffold.embedding().left_out, struts).any():
         raise MeshError(
             f"struts of cell {beams.cell.name!r} of radius {radius:g} mm overlap beyond their "
             "nodes, so that they have no hexahedra; need thinner ones"
+        )
+    mesh = hexahedra(scaffold, layers=as_count(layers, "layers"), along=as_count(along, "along", 1))
+    chosen = np.isin(mesh.edge_of_hexahedron, struts)
+    bad = int((mesh.quality[chosen] <= 0).sum())
+    if bad:
+        raise MeshError(
+            f"{bad} hexahedra of cell {beams.cell.name!r} are inverted at radius {radius:g} mm; "
+            "need thinner struts"
         )
     used, cells = np.unique(mesh.hexahedra[chosen], return_inverse=True)
     points, cells = mesh.points[used], cells.reshape(-1, 8)
@@ -86,7 +91,7 @@ def _middle_struts(law: Homogenised, lattice: Skeleton) -> Ints:
     ends = (motif.sites[motif.struts] + motif.moves + 1.0) * law.size  # (s, 2, 3)
     middles = lattice.nodes[lattice.edges].mean(axis=1)
     distance, edge = KDTree(middles).query(ends.mean(axis=1))
-    if distance.max() > 1e-6 * law.size.max():
+    if np.max(distance) > 1e-6 * law.size.max():
         raise MeshError(f"cell {law.cell.name!r} has a strut that its tiling lacks")
     return np.asarray(edge, dtype=np.intp)
 

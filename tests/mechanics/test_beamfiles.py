@@ -75,6 +75,24 @@ def test_opensees_finds_the_same_displacements(count: int, tmp_path: Path) -> No
     )
 
 
+@pytest.mark.parametrize("count", [5, 10])
+def test_opensees_finds_the_same_of_1000_and_of_8000_struts(count: int, tmp_path: Path) -> None:
+    top = 10.0 * count
+    model = beam_model(
+        tile("bcc", 10.0, (count, count, count), radius=0.4),
+        STEEL,
+        Support(lambda nodes: nodes[:, 2] < 0.1),
+        Load(lambda nodes: nodes[:, 2] > top - 0.1, (0, 0, -1), each=True),
+    )
+    assert len(model.skeleton.edges) == 8 * count**3
+    write_beams(model, tmp_path / "block.tcl")
+    theirs = opensees_displacements(tmp_path / "block.tcl", len(model.skeleton.nodes))
+    ours = model.solved()
+    np.testing.assert_allclose(
+        theirs[:, :3], ours.displacements, rtol=0, atol=1e-6 * ours.largest_displacement
+    )
+
+
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="needs CalculiX")
 @pytest.mark.parametrize("hollow", [0.0, 0.6])
 def test_calculix_finds_the_cantilever(hollow: float, tmp_path: Path) -> None:

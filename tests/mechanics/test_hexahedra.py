@@ -124,6 +124,21 @@ def test_volume_of_a_lattice_is_that_of_its_struts_united() -> None:
     assert mesh.volumes.sum() == pytest.approx(expected, rel=0.03)
 
 
+@pytest.mark.parametrize("collars", [False, True])
+def test_struts_keep_their_own_radii(collars: bool) -> None:
+    star = Skeleton(
+        [[0, 0, 0], [20, 0, 0], [0, 20, 0], [0, 0, 20], [-20, -20, -20]],
+        [[0, 1], [0, 2], [0, 3], [0, 4]],
+        edge_radii=[[2.0, 2.0], [1.0, 1.0], [1.5, 0.5], [1.0, 1.0]],
+    )
+    mesh = hexahedra(build_scaffold(star, collars=collars))
+    for edge, radius in enumerate([2.0, 1.0, 0.5, 1.0]):
+        end = mesh.points[mesh.end_of_point == edge + 1] - star.nodes[edge + 1]
+        expected = radius * np.sqrt(np.pi / np.sqrt(8))
+        np.testing.assert_allclose(np.linalg.norm(end, axis=1).max(), expected, rtol=1e-9)
+    assert mesh.quality.min() > 0.1
+
+
 def test_a_ring_closes() -> None:
     mesh = hexahedra(build_scaffold(RING))
     assert len(mesh.hexahedra) == 48

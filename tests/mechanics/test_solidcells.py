@@ -80,5 +80,5 @@ def test_beams_of_a_fat_octet_are_too_soft() -> None:
 
 
 def test_struts_that_overlap_beyond_their_nodes_are_refused() -> None:
-    with pytest.raises(MeshError, match="struts of cell .bcc. of radius 0.3 mm overlap"):
+    with pytest.raises(MeshError, match=r"struts of cell .bcc. of radius 0\.3 mm overlap"):
         homogenised_solid("bcc", 0.3, STEEL, layers=1, along=2)
