@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools
+from scaffold_cad.base.files import check_page
 from scaffold_cad.cli import source
 from scaffold_cad.errors import OptionError
 from scaffold_cad.io.write import write
@@ -65,9 +66,7 @@ def add_parser(
         metavar="WHERE:FX,FY,FZ",
         help="force that these nodes share, N",
     )
-    parser.add_argument(
-        "--weight", action="store_true", help="add the struts' weight, along -z"
-    )
+    parser.add_argument("--weight", action="store_true", help="add the struts' weight, along -z")
     parser.add_argument(
         "--hollow", type=float, default=0.0, metavar="K", help="inner over outer radius of tubes"
     )
@@ -76,6 +75,9 @@ def add_parser(
         type=float,
         metavar="RMIN",
         help="size the radii, so that no strut is overloaded, none below RMIN mm",
+    )
+    parser.add_argument(
+        "--html", type=Path, metavar="PAGE", help="write a page of the struts by utilization"
     )
     parser.add_argument("--json", action="store_true", help="print results as JSON")
     parser.add_argument(
@@ -90,8 +92,10 @@ def add_parser(
 
 def run(options: argparse.Namespace) -> None:
     """Solve, print and write."""
-    from scaffold_cad.mechanics import sized, write_beams
+    from scaffold_cad.mechanics import sized, write_beams, write_strength_page
 
+    if options.html is not None:
+        check_page(options.html)
     skeleton = source.skeleton_from(options)
     model = _model(options, skeleton)
     result = None if options.size is None else sized(model, least_radius=options.size)
@@ -101,6 +105,9 @@ def run(options: argparse.Namespace) -> None:
         print(json.dumps(rows | {"struts": _struts(solution)}, indent=1))
     else:
         _print_table(rows, solution)
+    if options.html is not None:
+        write_strength_page(solution, options.html)
+        _log.info("%s written", options.html)
     if options.output is None:
         return
     if options.output.suffix.lower() in BEAM_ENDINGS:

@@ -7,6 +7,7 @@ from scaffold_cad.mechanics.hexahedra import Hexahedra, hexahedra
 from scaffold_cad.mechanics.loading import Load, Support
 from scaffold_cad.mechanics.materials import MATERIALS, Material
 from scaffold_cad.mechanics.meshfiles import write_hexahedra
+from scaffold_cad.mechanics.page import write_strength_page
 from scaffold_cad.mechanics.polar import polar_picture, young_polar
 from scaffold_cad.mechanics.sizing import Sized, sized
 from scaffold_cad.mechanics.solidcells import homogenised_solid
@@ -31,5 +32,6 @@ __all__ = [
     "sized",
     "write_beams",
     "write_hexahedra",
+    "write_strength_page",
     "young_polar",
 ]

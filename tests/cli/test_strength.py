@@ -48,6 +48,16 @@ def test_beam_models_are_written(arm: str, tmp_path: Path) -> None:
     assert "B32R" in out.read_text()
 
 
+def test_page_tells_how_many_struts_are_overloaded(arm: str, tmp_path: Path) -> None:
+    out = tmp_path / "arm.html"
+    words = ["strength", arm, "--fix", "xmin", "--load", "xmax:0,0,-500", "--html", str(out)]
+    assert main(words) == 0
+    text = out.read_text("utf-8")
+    assert "1 struts, above 1: overloaded" in text
+    assert 'value="supports"' in text
+    assert main([*words[:-1], str(tmp_path / "arm.txt")]) == 2
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
