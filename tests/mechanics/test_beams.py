@@ -202,34 +202,68 @@ def test_bad_materials_are_refused(change: dict[str, float], message: str) -> No
         Material(**{"young": 1.0, **change})
 
 
-def test_pynite_finds_the_same_displacements() -> None:
+def test_a_lack_of_memory_is_one_clear_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(matrix: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr("scaffold_cad.mechanics.solvers.factor", full)
+    with pytest.raises(OptionError, match="the equations of 2 nodes do not fit into memory"):
+        beam_model(ARM, STEEL, Support([0])).solved()
+
+
+def test_steps_that_do_not_converge_are_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("scaffold_cad.mechanics.solvers.DIRECT_NODES", 0)
+    monkeypatch.setattr("scaffold_cad.mechanics.solvers.COARSE_NODES", 20)
+    monkeypatch.setattr("scaffold_cad.mechanics.solvers.MOST_ROUNDS", 2)
+    lattice = tile("octet", 10.0, (3, 3, 3), radius=0.5)
+    model = beam_model(lattice, STEEL, Support([0]), Load([5], (0, 0, 1)))
+    with pytest.raises(OptionError, match="did not converge in 2 steps"):
+        model.solved()
+
+
+def test_results_are_read_only() -> None:
+    solution = beam_model(ARM, STEEL, Support([0]), Load([1], (1, 0, 0))).solved()
+    for array in (solution.displacements, solution.end_forces, solution.utilization):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
+
+
+def test_deformed_skeleton_is_moved_by_the_scaled_displacements() -> None:
+    solution = beam_model(ARM, STEEL, Support([0]), Load([1], (0, 0, -100))).solved()
+    bent = solution.deformed(10.0)
+    np.testing.assert_allclose(bent.nodes - ARM.nodes, 10 * solution.displacements)
+
+
+@pytest.mark.parametrize("count", [2, 5])
+def test_pynite_finds_the_same_displacements(count: int) -> None:
     pynite = pytest.importorskip("Pynite")
-    lattice = tile("bcc", 10.0, (2, 2, 2), radius=0.5)
+    lattice = tile("bcc", 10.0, (count, count, count), radius=0.2)
+    top = 10.0 * count - 0.1
     ours = beam_model(
         lattice,
         Material(210e3, 0.3),
         Support(lambda nodes: nodes[:, 2] < 0.1),
-        Load(lambda nodes: nodes[:, 2] > 19.9, (1, 0, -4), each=True),
+        Load(lambda nodes: nodes[:, 2] > top, (1, 0, -4), each=True),
     ).solved()
     model = pynite.FEModel3D()
     model.add_material("m", 210e3, 210e3 / 2.6, 0.3, 0)
-    area, inertia = np.pi / 4, np.pi / 64
+    area, inertia = np.pi * 0.2**2, np.pi / 4 * 0.2**4
     model.add_section("s", area, inertia, inertia, 2 * inertia)
     for k, place in enumerate(lattice.nodes.tolist()):
         model.add_node(f"n{k}", *place)
         if place[2] < 0.1:
             model.def_support(f"n{k}", *[True] * 6)
-        if place[2] > 19.9:
+        if place[2] > top:
             model.add_node_load(f"n{k}", "FX", 1)
             model.add_node_load(f"n{k}", "FZ", -4)
     for k, (i, j) in enumerate(lattice.edges.tolist()):
         model.add_member(f"m{k}", f"n{i}", f"n{j}", "m", "s")
-    model.analyze_linear()
+    model.analyze_linear(sparse=True)
     theirs = [
         [getattr(model.nodes[f"n{k}"], f"D{axis}")["Combo 1"] for axis in "XYZ"]
         for k in range(len(lattice.nodes))
     ]
     # PyNite's members are Euler's: they do not shear.
     np.testing.assert_allclose(
-        ours.displacements, theirs, atol=0.05 * ours.largest_displacement, rtol=0
+        ours.displacements, theirs, atol=0.005 * ours.largest_displacement, rtol=0
     )
