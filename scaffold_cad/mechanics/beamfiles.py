@@ -42,6 +42,14 @@ def write_beams(model: BeamModel | BeamSolution, path: str | Path) -> None:
         If the ending is none of these, or the file cannot be written.
     MissingBackendError
         If meshio is needed and not installed.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton
+    >>> from scaffold_cad.mechanics import Load, Support, beam_model
+    >>> arm = Skeleton([[0, 0, 0], [100, 0, 0]], [[0, 1]], 5.0)
+    >>> model = beam_model(arm, "steel", Support([0]), Load([1], (0, 0, -100)))
+    >>> write_beams(model, "arm.inp")  # doctest: +SKIP
     """
     check_kind(model, BeamModel, BeamSolution)
     place = as_path(path)

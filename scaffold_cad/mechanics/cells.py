@@ -252,6 +252,13 @@ def cell_table(
     ------
     OptionError
         If the density or the ratio is out of its range or a name is not known.
+
+    Examples
+    --------
+    >>> for row in cell_table(0.01, names=("sc", "octet")):
+    ...     print(f"{row.name}: {row.young[0]:.3f}")
+    sc: 0.333
+    octet: 0.111
     """
     density = as_number(relative_density, "relative density", unit="")
     if not density < 1:

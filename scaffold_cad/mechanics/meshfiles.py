@@ -40,6 +40,13 @@ def write_hexahedra(mesh: Hexahedra, path: str | Path) -> None:
         If the ending is none of these, or the file cannot be written.
     MissingBackendError
         If meshio is not installed, which all but .bdf need.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, build_scaffold
+    >>> from scaffold_cad.mechanics import hexahedra
+    >>> arm = Skeleton([[0, 0, 0], [100, 0, 0]], [[0, 1]], 5.0)
+    >>> write_hexahedra(hexahedra(build_scaffold(arm), along=20), "arm.inp")  # doctest: +SKIP
     """
     check_kind(mesh, Hexahedra)
     place = as_path(path)

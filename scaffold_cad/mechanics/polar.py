@@ -26,6 +26,12 @@ def young_polar(law: Homogenised, plane: str = "xy", count: int = 180) -> Floats
     ------
     OptionError
         If the plane is none of these or there are fewer than 3 points.
+
+    Examples
+    --------
+    >>> from scaffold_cad.mechanics import homogenised
+    >>> young_polar(homogenised("bcc", 0.05, "steel"), "xz", count=90).shape
+    (90, 2)
     """
     check_choice(plane, "plane", PLANES)
     angle = 2.0 * np.pi * np.arange(as_count(count, "count", 3)) / count

@@ -92,6 +92,18 @@ def sized(
     References
     ----------
     Haftka, Gurdal, Elements of Structural Optimization, 1992, chapters 6.1 and 9.2.
+
+    Examples
+    --------
+    A rod of 200 MPa that pulls 5 kN needs 25 mm²:
+
+    >>> from scaffold_cad import Skeleton
+    >>> from scaffold_cad.mechanics import Load, Support, beam_model
+    >>> rod = Skeleton([[0, 0, 0], [100, 0, 0]], [[0, 1]], 5.0)
+    >>> model = beam_model(rod, "aluminum", Support([0]), Load([1], (5000, 0, 0)))
+    >>> result = sized(model, least_radius=0.5)
+    >>> print(f"{result.radii[0]:.2f} mm")
+    2.82 mm
     """
     check_kind(model, BeamModel)
     low = as_number(least_radius, "least_radius")
