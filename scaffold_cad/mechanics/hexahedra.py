@@ -20,6 +20,7 @@ from scipy import sparse
 
 from scaffold_cad.base.arguments import as_count, as_number, check_kind
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Quads
+from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.mechanics.hexplacement import Sides, section_sides, surface_points
 from scaffold_cad.mechanics.hexquality import (
     boundary_faces,
@@ -115,6 +116,9 @@ def hexahedra(
     cells = _between(sections, _section_quads(count))  # (m', k, 8)
     control = Control(weights, cells.reshape(-1, 8), *_movable(scaffold, sides))
     points = weights @ relaxed(control, surface_points(scaffold, sides), goal)
+    _make_round(
+        points, sections[(scaffold.refined.valency[scaffold.refined.edges] < 3).all(axis=1)]
+    )
     per_edge = cells.shape[1]
     return Hexahedra(
         points=points,
@@ -123,6 +127,37 @@ def hexahedra(
         node_of_hexahedron=_nodes_touched(scaffold, per_edge, per_edge // pieces),
         end_of_point=_end_points(scaffold, sections, len(points)),
     )
+
+
+def _make_round(points: Points, sections: Ints) -> None:
+    """Move the points between the ends of straight parts to their distances from the axis.
+
+    Sections twist from one end to the other: straight lines between them would make a waist.
+
+    Parameters
+    ----------
+    sections : (e, stations, s) intp, points of each section, its center first
+    """
+    count = sections.shape[1]
+    if count < 3 or len(sections) == 0:
+        return
+    start, end = points[sections[:, 0, 0]], points[sections[:, -1, 0]]  # (e, 3)
+    axis = normalize(end - start)[:, None]
+
+    def around(station: int) -> tuple[Points, Points, Floats]:
+        center = (start + (end - start) * (station / (count - 1)))[:, None]  # (e, 1, 3)
+        offsets = points[sections[:, station]] - center  # (e, s, 3)
+        across = offsets - dot(offsets, np.broadcast_to(axis, offsets.shape))[..., None] * axis
+        return points[sections[:, station]] - across, across, length(across)
+
+    near, far = around(0)[2], around(count - 1)[2]  # (e, s)
+    for station in range(1, count - 1):
+        share = station / (count - 1)
+        foot, across, distance = around(station)
+        wanted = (1.0 - share) * near + share * far
+        off_axis = distance > 1e-6 * wanted.max(axis=1, keepdims=True)
+        scale = np.divide(wanted, distance, out=np.zeros_like(wanted), where=off_axis)
+        points[sections[:, station]] = foot + scale[..., None] * across
 
 
 def _nodes_touched(scaffold: Scaffold, per_edge: int, per_piece: int) -> Ints:

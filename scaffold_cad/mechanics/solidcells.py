@@ -15,11 +15,15 @@ from scaffold_cad.errors import MeshError
 from scaffold_cad.lattice import UnitCell, tile
 from scaffold_cad.mechanics.cells import VOIGT_PAIRS, Homogenised, homogenised
 from scaffold_cad.mechanics.hexahedra import hexahedra
+from scaffold_cad.mechanics.hexquality import boundary_faces
 from scaffold_cad.mechanics.hexstiffness import elasticity, hexahedron_stiffnesses
 from scaffold_cad.mechanics.materials import Material
 from scaffold_cad.mechanics.solvers import factor
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
+
+LEAST_QUALITY = 0.05
+"""Scaled Jacobian below which points of hexahedra are moved."""
 
 MEETING = 0.02
 """Distance, in radii, within which points of neighboring cells are one."""
@@ -50,7 +54,8 @@ def homogenised_solid(
     OptionError
         If an argument is out of its range.
     MeshError
-        If the struts overlap beyond their nodes, or hexahedra are inverted.
+        If the struts overlap beyond their nodes, or hexahedra are inverted or do not
+        repeat from cell to cell.
 
     Examples
     --------
@@ -68,8 +73,12 @@ def homogenised_solid(
             f"struts of cell {beams.cell.name!r} of radius {radius:g} mm overlap beyond their "
             "nodes, so that they have no hexahedra; need thinner ones"
         )
-    mesh = hexahedra(scaffold, layers=as_count(layers, "layers"), along=as_count(along, "along", 1))
+    count, pieces = as_count(layers, "layers"), as_count(along, "along", 1)
+    # Equal nodes stay equal if nothing moves.
+    mesh = hexahedra(scaffold, layers=count, along=pieces, relax=0)
     chosen = np.isin(mesh.edge_of_hexahedron, struts)
+    if mesh.quality[chosen].min() < LEAST_QUALITY:
+        mesh = hexahedra(scaffold, layers=count, along=pieces)
     bad = int((mesh.quality[chosen] <= 0).sum())
     if bad:
         raise MeshError(
@@ -79,6 +88,12 @@ def homogenised_solid(
     used, cells = np.unique(mesh.hexahedra[chosen], return_inverse=True)
     points, cells = mesh.points[used], cells.reshape(-1, 8)
     freedom = _repeating(points, beams.size, MEETING * beams.radius)
+    sides = 8 * (int(chosen.sum()) // (8 * count + 4))  # faces on the struts' surfaces
+    if len(boundary_faces(freedom[cells])) != sides:
+        raise MeshError(
+            f"the hexahedra of cell {beams.cell.name!r} do not repeat at radius {radius:g} mm; "
+            "need thinner struts"
+        )
     stiffness = _condensed(points, cells, freedom, elasticity(beams.material))
     stiffness = (stiffness + stiffness.T) / (2.0 * beams.size.prod())
     filled = float(mesh.volumes[chosen].sum() / beams.size.prod())
