@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[1]
 CONFIGURATION = """
 [mypy]
 strict = True
-[mypy-scipy.*,OCP.*,build123d.*,trimesh.*,manifold3d.*,lib3mf.*,networkx.*,ezdxf.*]
+[mypy-scipy.*,OCP.*,build123d.*,trimesh.*,manifold3d.*,lib3mf.*,networkx.*,ezdxf.*,meshio.*]
 # Not read, which would take longer than all else.
 follow_imports = skip
 ignore_missing_imports = True

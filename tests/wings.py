@@ -26,7 +26,7 @@ FLOORS = (
     ("products",),
     ("io",),
     ("webpage", "viewers", "filling"),
-    ("parts", "printability"),
+    ("parts", "printability", "mechanics"),
     ("cli",),
 )
 """Wings from the bottom up. A wing imports those below it, and none beside it."""

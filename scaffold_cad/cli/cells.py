@@ -44,12 +44,22 @@ def add_parser(
         metavar="PAGE",
         help="write them as a page with pictures, .html",
     )
+    parser.add_argument(
+        "--stiffness",
+        type=float,
+        metavar="DENSITY",
+        help="print their moduli at this relative density instead, as parts of what the material "
+        "would give: of Young along x y z, of shear yz xz xy, and of bulk",
+    )
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
     """Print a line a cell, or write the page."""
     known = cells()
+    if options.stiffness is not None:
+        _print_stiffness(options.stiffness)
+        return
     if options.output is not None:
         check_page(options.output)
         with replacing(options.output) as fresh:
@@ -61,6 +71,17 @@ def run(options: argparse.Namespace) -> None:
     for name, cell in known.items():
         valency, density = _valency(cell), _density(cell)
         print(f"{name:<{width}}  valency {valency:<6}  {density:<14}  {cell.description}")
+
+
+def _print_stiffness(density: float) -> None:
+    """Print how stiff each cell is, over relative density times the material's Young's modulus."""
+    from scaffold_cad.mechanics import cell_table
+
+    print(f"{'':<22}{'E x':>8}{'E y':>8}{'E z':>8}{'G yz':>8}{'G xz':>8}{'G xy':>8}", end="")
+    print(f"{'K':>8}{'Zener':>9}{'Maxwell':>9}")
+    for row in cell_table(density):
+        moduli = "".join(f"{value:>8.4f}" for value in (*row.young, *row.shear, row.bulk))
+        print(f"{row.name:<22}{moduli}{row.zener:>9.3g}{row.maxwell:>9}")
 
 
 def _figure(name: str, cell: UnitCell) -> str:

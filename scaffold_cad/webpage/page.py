@@ -86,18 +86,18 @@ def model_page(what: Model, *, title: str, solid: Model | None = None) -> str:
         If the scaffold has no solid.
     """
     if isinstance(what, Skeleton):
-        return _page(title, _counts(what), [skeleton_layer(what)])
+        return layers_page(title, _counts(what), [skeleton_layer(what)])
     if isinstance(what, Scaffold):
         layers = _scaffold_layers(what, _surface(solidified(what) if solid is None else solid))
-        return _page(title, _counts(what.skeleton), layers)
+        return layers_page(title, _counts(what.skeleton), layers)
     if isinstance(what, RoundStruts):
         layers = [skeleton_layer(what.skeleton), solid_layer(_surface(what), shown=True)]
-        return _page(title, _counts(what.skeleton), layers)
+        return layers_page(title, _counts(what.skeleton), layers)
     mesh = _surface(what)
     volume = f"volume {mesh.signed_volume:.6g} mm³"
     if isinstance(mesh, QuadMesh):
-        return _page(title, volume, [quads_layer(mesh, "mesh")])
-    return _page(title, volume, [solid_layer(mesh, shown=True)])
+        return layers_page(title, volume, [quads_layer(mesh, "mesh")])
+    return layers_page(title, volume, [solid_layer(mesh, shown=True)])
 
 
 def for_notebook(what: Shown) -> str:
@@ -154,7 +154,8 @@ def _scaffold_layers(scaffold: Scaffold, solid: QuadMesh | TriangleMesh) -> list
     return layers if worst is None else [*layers, worst]
 
 
-def _page(title: str, summary: str, layers: Iterable[ShownLayer]) -> str:
+def layers_page(title: str, summary: str, layers: Iterable[ShownLayer]) -> str:
+    """Return a page of layers that can be shown and hidden, with a line of summary."""
     shown = list(layers)
     return filled(
         files("scaffold_cad.webpage").joinpath("model.html").read_text("utf-8"),

@@ -1,0 +1,37 @@
+"""Mechanics: beams, homogenised cells, radii sized by stress, hexahedra."""
+
+from scaffold_cad.mechanics.beamfiles import write_beams
+from scaffold_cad.mechanics.beams import BeamModel, BeamSolution, beam_model
+from scaffold_cad.mechanics.cells import CellRow, Homogenised, cell_table, homogenised
+from scaffold_cad.mechanics.hexahedra import Hexahedra, hexahedra
+from scaffold_cad.mechanics.loading import Load, Support
+from scaffold_cad.mechanics.materials import MATERIALS, Material
+from scaffold_cad.mechanics.meshfiles import write_hexahedra
+from scaffold_cad.mechanics.page import write_strength_page
+from scaffold_cad.mechanics.polar import polar_picture, young_polar
+from scaffold_cad.mechanics.sizing import Sized, sized
+from scaffold_cad.mechanics.solidcells import homogenised_solid
+
+__all__ = [
+    "MATERIALS",
+    "BeamModel",
+    "BeamSolution",
+    "CellRow",
+    "Hexahedra",
+    "Homogenised",
+    "Load",
+    "Material",
+    "Sized",
+    "Support",
+    "beam_model",
+    "cell_table",
+    "hexahedra",
+    "homogenised",
+    "homogenised_solid",
+    "polar_picture",
+    "sized",
+    "write_beams",
+    "write_hexahedra",
+    "write_strength_page",
+    "young_polar",
+]

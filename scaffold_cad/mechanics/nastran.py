@@ -1,0 +1,54 @@
+"""Cards of Nastran's bulk data, and hexahedra written with them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from scaffold_cad.mechanics.hexahedra import Hexahedra
+
+
+def card(name: str, *fields: float | int | None) -> str:
+    """Return a card of 16 characters a field, four a line."""
+    texts = [_wide(field) for field in fields]
+    lines = [texts[k : k + 4] for k in range(0, len(texts), 4)]
+    starts = [f"{name + '*':<8}"] + ["*" + " " * 7] * (len(lines) - 1)
+    return "\n".join(
+        start + "".join(line) for start, line in zip(starts, lines, strict=True)
+    ).rstrip()
+
+
+def _wide(field: float | int | None) -> str:
+    """Return a field of 16 characters; None is empty."""
+    if field is None:
+        return " " * 16
+    text = str(field) if isinstance(field, int) else f"{field:.9E}"
+    return f"{text:>16}"
+
+
+def short(value: float) -> str:
+    """Return a number in at most 8 characters that reads as real."""
+    for digits in range(6, 0, -1):
+        text = f"{value:.{digits}g}"
+        if "." not in text and "e" not in text:
+            text += "."
+        text = text.replace("e-0", "-").replace("e-", "-").replace("e+0", "+").replace("e+", "+")
+        if len(text) <= 8:
+            return text
+    return text
+
+
+def hexahedra_cards(mesh: Hexahedra) -> Iterator[str]:
+    """Give the lines of a file of hexahedra: a PSOLID a strut, numbered from 1, of material 1."""
+    yield "CEND\nBEGIN BULK"
+    yield card("MAT1", 1, 1.0, None, 0.3)
+    for strut in np.unique(mesh.edge_of_hexahedron).tolist():
+        yield f"PSOLID,{strut + 1},1"
+    for k, place in enumerate(mesh.points.tolist(), 1):
+        yield card("GRID", k, None, *place)
+    rows = zip(mesh.edge_of_hexahedron.tolist(), (mesh.hexahedra + 1).tolist(), strict=True)
+    for k, (strut, corners) in enumerate(rows, 1):
+        first, last = (",".join(map(str, part)) for part in (corners[:6], corners[6:]))
+        yield f"CHEXA,{k},{strut + 1},{first},+\n+,{last}"
+    yield "ENDDATA"

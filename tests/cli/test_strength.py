@@ -1,0 +1,82 @@
+"""`scaffold-cad strength` and the table of cells' stiffness."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from scaffold_cad import Skeleton, read_skeleton, write
+from scaffold_cad.cli import main
+
+ARM = Skeleton([[0, 0, 0], [100, 0, 0]], [[0, 1]], 5.0)
+
+
+@pytest.fixture
+def arm(tmp_path: Path) -> str:
+    write(ARM, tmp_path / "arm.json")
+    return str(tmp_path / "arm.json")
+
+
+def test_table_tells_the_stress_and_the_sag(arm: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["strength", arm, "--fix", "xmin", "--load", "xmax:0,0,-100"]) == 0
+    said = capsys.readouterr().out
+    assert "largest displacement mm  0.32" in said
+    assert "largest stress MPa       101.86" in said
+
+
+def test_json_holds_every_strut(arm: str, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["strength", arm, "--fix", "0", "--load", "x>99:1000,0,0", "--json", "--strength", "50"]
+    assert main(words) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["strut_count"] == 1
+    assert found["struts"][0]["axial_N"] == pytest.approx(1000)
+    assert found["stress_utilization"] == pytest.approx(1000 / (78.5398 * 50), rel=1e-4)
+
+
+def test_sized_radii_are_written(arm: str, tmp_path: Path) -> None:
+    words = ["strength", arm, "--fix", "xmin", "--load", "xmax:5000,0,0", "--size", "0.5"]
+    assert main([*words, "-o", str(tmp_path / "sized.json")]) == 0
+    radius = read_skeleton(tmp_path / "sized.json").edge_radii[0, 0]
+    assert radius == pytest.approx((5000 / 235 / 3.14159265) ** 0.5, rel=3e-3)
+
+
+def test_beam_models_are_written(arm: str, tmp_path: Path) -> None:
+    out = tmp_path / "arm.inp"
+    assert main(["strength", arm, "--fix", "xmin", "--weight", "-o", str(out)]) == 0
+    assert "B32R" in out.read_text()
+
+
+def test_page_tells_how_many_struts_are_overloaded(arm: str, tmp_path: Path) -> None:
+    out = tmp_path / "arm.html"
+    words = ["strength", arm, "--fix", "xmin", "--load", "xmax:0,0,-500", "--html", str(out)]
+    assert main(words) == 0
+    text = out.read_text("utf-8")
+    assert "1 struts, above 1: overloaded" in text
+    assert 'value="supports"' in text
+    assert main([*words[:-1], str(tmp_path / "arm.txt")]) == 2
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([], "nothing loads the struts; need --load"),
+        (["--load", "top:1,2,3"], "nodes are 'top'; need xmin"),
+        (["--load", "xmax:1,2"], "need WHERE:FX,FY,FZ"),
+        (["--weight", "--fix", "xmin:x"], "supports hold"),
+        (["--weight", "--material", "cheese"], "material is 'cheese'"),
+    ],
+)
+def test_bad_words_are_named(
+    arm: str, words: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["strength", arm, *words]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_cells_are_listed_with_their_stiffness(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["cells", "--stiffness", "0.01"]) == 0
+    rows = {line.split()[0]: line.split()[1:] for line in capsys.readouterr().out.splitlines()[1:]}
+    assert float(rows["sc"][0]) == pytest.approx(1 / 3, abs=1e-4)
+    assert float(rows["octet"][0]) == pytest.approx(1 / 9, rel=0.02)

@@ -1,0 +1,148 @@
+"""Beam models written for other programs, and solved by them where they are installed."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from scaffold_cad import Skeleton
+from scaffold_cad.errors import FormatError, OptionError
+from scaffold_cad.lattice import tile
+from scaffold_cad.mechanics import BeamModel, Load, Material, Support, beam_model, write_beams
+
+STEEL = Material(210e3, 0.3, 7850.0, 235.0)
+
+
+def block(count: int = 1, radius: float = 0.4) -> BeamModel:
+    top = 10.0 * count
+    return beam_model(
+        tile("bccz", 10.0, (count, count, count), radius=radius),
+        STEEL,
+        Support(lambda nodes: nodes[:, 2] < 0.1),
+        Load(lambda nodes: nodes[:, 2] > top - 0.1, (5, 0, -10), each=True),
+    )
+
+
+def opensees_displacements(path: Path, count: int) -> np.ndarray:
+    """Return the displacements that OpenSees finds of a file's own commands."""
+    ops = pytest.importorskip("openseespy.opensees", exc_type=(ImportError, RuntimeError))
+    ops.wipe()
+    ops.model("basic", "-ndm", 3, "-ndf", 6)
+    for line in path.read_text().splitlines():
+        name, *words = line.split()
+        numbers = [w for w in words if re.fullmatch(r"-?[\d.]+(e[-+]?\d+)?", w)]
+        values = [float(w) if re.search(r"[.e]", w) else int(w) for w in numbers]
+        if name == "node":
+            ops.node(values[0], *map(float, values[1:]))
+        elif name == "fix":
+            ops.fix(*values)
+        elif name == "geomTransf":
+            ops.geomTransf("Linear", values[0], *map(float, values[1:]))
+        elif name == "element":
+            tag, i, j, *sizes, turn = values
+            ops.element(words[0], tag, i, j, *map(float, sizes), turn)
+        elif name == "timeSeries":
+            ops.timeSeries("Linear", 1)
+        elif name == "pattern":
+            ops.pattern("Plain", 1, 1)
+        elif name == "load":
+            ops.load(values[0], *map(float, values[1:]))
+    ops.constraints("Transformation")
+    ops.numberer("RCM")
+    ops.system("SparseSYM")
+    ops.algorithm("Linear")
+    ops.integrator("LoadControl", 1.0)
+    ops.analysis("Static")
+    assert ops.analyze(1) == 0
+    return np.array([ops.nodeDisp(k + 1) for k in range(count)])
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_opensees_finds_the_same_displacements(count: int, tmp_path: Path) -> None:
+    model = block(count)
+    write_beams(model, tmp_path / "block.tcl")
+    theirs = opensees_displacements(tmp_path / "block.tcl", len(model.skeleton.nodes))
+    ours = model.solved()
+    scale = ours.largest_displacement
+    np.testing.assert_allclose(theirs[:, :3], ours.displacements, rtol=0, atol=1e-6 * scale)
+    np.testing.assert_allclose(
+        theirs[:, 3:], ours.rotations, rtol=0, atol=1e-6 * np.abs(ours.rotations).max()
+    )
+
+
+@pytest.mark.parametrize("count", [5, 10])
+def test_opensees_finds_the_same_of_1000_and_of_8000_struts(count: int, tmp_path: Path) -> None:
+    top = 10.0 * count
+    model = beam_model(
+        tile("bcc", 10.0, (count, count, count), radius=0.4),
+        STEEL,
+        Support(lambda nodes: nodes[:, 2] < 0.1),
+        Load(lambda nodes: nodes[:, 2] > top - 0.1, (0, 0, -1), each=True),
+    )
+    assert len(model.skeleton.edges) == 8 * count**3
+    write_beams(model, tmp_path / "block.tcl")
+    theirs = opensees_displacements(tmp_path / "block.tcl", len(model.skeleton.nodes))
+    ours = model.solved()
+    np.testing.assert_allclose(
+        theirs[:, :3], ours.displacements, rtol=0, atol=1e-6 * ours.largest_displacement
+    )
+
+
+@pytest.mark.skipif(shutil.which("ccx") is None, reason="needs CalculiX")
+@pytest.mark.parametrize("hollow", [0.0, 0.6])
+def test_calculix_finds_the_cantilever(hollow: float, tmp_path: Path) -> None:
+    arm = Skeleton(np.outer(np.arange(11), [10.0, 0, 0]), [[k, k + 1] for k in range(10)], 5.0)
+    model = beam_model(
+        arm, STEEL, Support([0]), Load([10], (20, 0, -100)), gravity=(0, 0, -9810), hollow=hollow
+    )
+    write_beams(model, tmp_path / "arm.inp")
+    done = subprocess.run(
+        ["ccx", "arm"], cwd=tmp_path, capture_output=True, text=True, timeout=100, check=False
+    )
+    table = (tmp_path / "arm.dat").read_text().split(" forces")[0]
+    rows = [line.split() for line in table.splitlines() if re.match(r"\s+\d+\s", line)]
+    found = {int(row[0]): [float(x) for x in row[1:4]] for row in rows}
+    expected = model.solved().displacements[10]
+    # CalculiX turns beams into bricks whose round section is not quite one.
+    assert found[11][2] == pytest.approx(expected[2], rel=0.04), done.stdout[-2000:]
+
+
+def test_nastran_cards_hold_the_model(tmp_path: Path) -> None:
+    model = beam_model(
+        Skeleton([[0, 0, 0], [0, 1 / 3, 50]], [[0, 1]], edge_radii=[[2.0, 1.0]]),
+        STEEL,
+        Support([0]),
+        Load([1], (1, 2, 3), (4, 0, 0)),
+        gravity=(0, 0, -9.81),
+    )
+    write_beams(model, tmp_path / "arm.bdf")
+    text = (tmp_path / "arm.bdf").read_text()
+    assert "PBEAML,1,1,,ROD\n,2.,0.0,YES,1.0,1.,0.0" in text
+    assert "CBEAM,1,1,1,2,1.0,0.0,0.0" in text
+    assert text.count("SPC,1,1,") == 6
+    grid = next(line for line in text.splitlines() if line.startswith("GRID*"))
+    fields = [grid[k : k + 16] for k in range(8, 72, 16)]
+    assert [int(fields[0]), float(fields[2]), float(fields[3])] == [1, 0.0, 0.0]
+    assert all(len(line) <= 72 for line in text.splitlines())
+
+
+def test_paraview_file_holds_results(tmp_path: Path) -> None:
+    meshio = pytest.importorskip("meshio")
+    solution = block().solved()
+    write_beams(solution, tmp_path / "block.vtu")
+    mesh = meshio.read(tmp_path / "block.vtu")
+    np.testing.assert_allclose(mesh.point_data["displacement"], solution.displacements)
+    np.testing.assert_allclose(mesh.cell_data["utilization"][0], solution.utilization)
+    np.testing.assert_array_equal(mesh.cells[0].data, solution.model.skeleton.edges)
+
+
+def test_unknown_endings_and_kinds_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(FormatError, match=r"cannot write beams as '.doc'; need one of .inp"):
+        write_beams(block(), tmp_path / "block.doc")
+    with pytest.raises(OptionError, match="need a BeamModel or a BeamSolution"):
+        write_beams(block().skeleton, tmp_path / "block.inp")  # type: ignore[arg-type]
