@@ -13,6 +13,7 @@ from scaffold_cad.base.arrays import as_floats
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import BoxRegion, Region
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
+from scaffold_cad.filling.drains import drained
 from scaffold_cad.filling.fill import HasTriangles, as_region, fill
 from scaffold_cad.lattice import CellMap, UnitCell
 from scaffold_cad.lattice.maps.grading import CellSize
@@ -72,6 +73,8 @@ def lattice_part(
     *,
     skin: float | None = None,
     sides: int = 4,
+    drain: float | None = None,
+    drain_places: ArrayLike | None = None,
 ) -> Manifold:
     """Return `body` with a lattice for its inside: one watertight solid.
 
@@ -90,6 +93,10 @@ def lattice_part(
     skin : thickness of the closed wall at the body's surface, mm; none by default. Where the body
         is more tightly curved than that, making it takes some 3 ms a triangle
     sides : of the struts: 4 for square ones, 8 or another multiple of 4 for round ones
+    drain : diameter of holes through the skin, mm, for powder and resin to get out; none by
+        default
+    drain_places : where the holes are, on or near the surface, (k, 3), mm; by default two for each
+        void, one low and one high along z, where struts leave most room
 
     Raises
     ------
@@ -97,7 +104,8 @@ def lattice_part(
         If an argument is out of its range.
     MeshError
         If the body is not closed or crosses itself, has too many triangles for the skin where it is
-        tightly curved, or the part crosses itself wherever the lattice is put; places are named.
+        tightly curved, a void stays closed that is to be drained, or the part crosses itself
+        wherever the lattice is put; places are named.
     SkeletonError
         If no strut is in the body.
 
@@ -113,6 +121,10 @@ def lattice_part(
     """
     if skin is not None and not 0 < as_real(skin, "skin") < np.inf:
         raise OptionError(f"skin is {skin:g} mm; need > 0, or none")
+    if skin is None and (drain is not None or drain_places is not None):
+        raise OptionError("drain holes are given without a skin; need one")
+    if drain is None and drain_places is not None:
+        raise OptionError("drain_places are given without drain, their diameter; need it")
     surface, outer = _sound(triangles_of(body))
     region = as_region(surface)
     inner = outer if skin is None else _inside(surface, outer, skin)
@@ -122,6 +134,8 @@ def lattice_part(
         solid = _lattice(struts, sides)
         lattice = solid.manifold
         part = lattice ^ outer if skin is None else outer - (inner - lattice)
+        if skin is not None and drain is not None:
+            part = drained(part, surface, skin, drain, drain_places)
         try:
             whole = manifolds.to_manifold(clean_surface(_without_slivers(part, extent)))
         except MeshError as error:

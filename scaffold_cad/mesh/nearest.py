@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from scaffold_cad.base.arrays import Floats, Points
-from scaffold_cad.base.vectors import dot, length
+from scaffold_cad.base.arrays import Floats, Points, UnitVectors
+from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 NEAREST = 8
@@ -22,14 +22,20 @@ class NearestPlace:
 
     def nearest(self, points: Points) -> Points:
         """Return the nearest place of the mesh to each of `points` (n, 3), among near triangles."""
+        return self.with_normals(points)[0]
+
+    def with_normals(self, points: Points) -> tuple[Points, UnitVectors]:
+        """Return the nearest places to `points` (n, 3), and the normals of their triangles."""
         count = min(NEAREST, len(self._corners))
         _, triangles = self._tree.query(points, k=count)
         triangles = triangles.reshape(len(points), count)
         every = np.repeat(points, count, axis=0)
         feet = nearest_on_triangles(every, self._corners[triangles.reshape(-1)])
         gaps = length(feet - every).reshape(-1, count)
-        chosen: Points = feet.reshape(-1, count, 3)[np.arange(len(points)), gaps.argmin(axis=1)]
-        return chosen
+        row, best = np.arange(len(points)), gaps.argmin(axis=1)
+        a, b, c = np.moveaxis(self._corners[triangles[row, best]], 1, 0)
+        places: Points = feet.reshape(-1, count, 3)[row, best]
+        return places, normalize(np.cross(b - a, c - a))
 
 
 def nearest_on_triangles(points: Points, corners: Floats) -> Points:

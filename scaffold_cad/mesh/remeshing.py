@@ -68,7 +68,7 @@ def evened(mesh: TriangleMesh) -> TriangleMesh:
     corners = mesh.vertices[mesh.triangles]
     extent = float(np.ptp(corners.reshape(-1, 3), axis=0).max())
     sides = length(corners - np.roll(corners, 1, axis=1))
-    return _split(mesh, max(float(np.median(sides)), extent / EVEN_ACROSS))
+    return split_to(mesh, max(float(np.median(sides)), extent / EVEN_ACROSS))
 
 
 def three_quads_each(mesh: TriangleMesh) -> QuadMesh:
@@ -102,17 +102,17 @@ def _remeshed(mesh: TriangleMesh, size: float) -> tuple[TriangleMesh, NearestPla
             f"{MOST_TRIANGLES}; need larger ones"
         )
     is_open = len(mesh.faulty_sides()[1]) > 0
-    mesh = _split(mesh, size)
+    mesh = split_to(mesh, size)
     target = NearestPlace(mesh)
     for _ in range(ROUNDS):
-        mesh = _split(mesh, LONGEST * size)
+        mesh = split_to(mesh, LONGEST * size)
         mesh = without_short_edges(mesh, SHORTEST * size, is_open=is_open)
         mesh = _turned(_turned(mesh))
         mesh = _relaxed(mesh, target)
     return mesh, target
 
 
-def _split(mesh: TriangleMesh, longest: float) -> TriangleMesh:
+def split_to(mesh: TriangleMesh, longest: float) -> TriangleMesh:
     """Return the mesh with edges halved until none is longer than `longest`."""
     while True:
         edges, of_side = _edges(mesh.triangles)

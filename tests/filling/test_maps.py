@@ -126,6 +126,18 @@ def test_cells_between_two_pipes_close() -> None:
         between_faces(cylinder_face(10, 30), wave())
 
 
+def test_faces_whose_seams_are_elsewhere_are_matched() -> None:
+    turned = Rot(0, 0, 77) * Cylinder(14, 30)
+    outer = turned.faces().filter_by(GeomType.CYLINDER)[0]
+    lattice = tile(
+        "sc", counts=(24, 4, 1), radius=0.3, on=between_faces(cylinder_face(10, 30), outer)
+    )
+    check_skeleton(lattice)
+    radial = lattice.lengths[np.ptp(distances_from_axis(lattice)[lattice.edges], axis=1) > 1]
+    assert len(radial) == 24 * 5
+    np.testing.assert_allclose(radial, 4.0, atol=1e-3)
+
+
 def test_a_triangle_mesh_is_made_anew_in_quads() -> None:
     ball = trimesh.creation.icosphere(3, 15.0)
     shell = tile("bcc", counts=1, radius=0.25, on=mesh_map(ball, 2.5, size=2.5))

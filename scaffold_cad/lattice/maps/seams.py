@@ -94,12 +94,19 @@ def check_sides(mapping: CellMap, cell: UnitCell, counts: tuple[int, int, int]) 
         if same and len(a):
             gaps = np.asarray(cKDTree(_on_torus(a)).query(_on_torus(b))[0])
             same = float(gaps.max()) < SAME_NODE
-        if not same or (one // 2 != other // 2 and counts[0] != counts[1]):
+        where = (
+            f"at {np.round(place, 3).tolist()} mm, where the side {sides[one]} of a patch is the "
+            f"{'mirrored ' * mirrored}side {sides[other]} of the next"
+        )
+        if not same:
             raise SkeletonError(
-                f"cells of {cell.name!r} do not meet at {np.round(place, 3).tolist()} mm, where "
-                f"the side {sides[one]} of a patch is the {'mirrored ' * mirrored}side "
-                f"{sides[other]} of the next; need a cell with four equal sides, such as bcc, "
-                "octet or kelvin, and as many cells along u as along v"
+                f"cells of {cell.name!r} do not meet {where}; need a cell with four equal sides, "
+                "such as bcc, octet or kelvin"
+            )
+        if one // 2 != other // 2 and counts[0] != counts[1]:
+            raise SkeletonError(
+                f"{counts[0]} cells along u and {counts[1]} along v do not meet {where}; need as "
+                "many along both"
             )
 
 

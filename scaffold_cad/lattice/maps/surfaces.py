@@ -22,6 +22,13 @@ MATCHING = 5
 """Places along each side of the unit square at which two surfaces are compared."""
 
 
+SHIFTS = 12
+"""Shifts of a surface that closes that are tried at first."""
+
+SAME_SHIFT = 1e-6
+"""Difference below which two shifts are the same."""
+
+
 class Surface(Protocol):
     """A surface over one unit square or several, with its normals."""
 
@@ -88,6 +95,8 @@ class BetweenMap(Frozen, CellMap):
     upper: Surface
     turn: tuple[bool, bool, bool]
     """Whether u and v of the upper surface are exchanged, and then which of them run backwards."""
+    shift: tuple[float, float]
+    """How far u and v of the upper surface begin further on, where they close, from 0 to 1."""
 
     def __init__(self, lower: Surface, upper: Surface) -> None:
         """Match two surfaces.
@@ -99,7 +108,7 @@ class BetweenMap(Frozen, CellMap):
         """
         if lower.patches != 1 or upper.patches != 1:
             raise OptionError("a surface has several patches; need one unit square a surface")
-        turn = _best_turn(lower, upper)
+        turn, shift = _best_match(lower, upper)
         closes = upper.wraps[::-1] if turn[0] else upper.wraps
         if closes != lower.wraps:
             raise OptionError(
@@ -107,13 +116,19 @@ class BetweenMap(Frozen, CellMap):
                 "need both to close, or none"
             )
         self._keep(
-            lower=lower, upper=upper, turn=turn, wraps=(*lower.wraps, False), loops=lower.loops
+            lower=lower,
+            upper=upper,
+            turn=turn,
+            shift=shift,
+            wraps=(*lower.wraps, False),
+            loops=lower.loops,
         )
 
     def positions(self, places: Points, patch: Ints) -> Points:
         """Return where places are; see `CellMap`."""
         low, _, of_low = _each_once(self.lower, places, patch)
-        turned = np.concatenate([_turned(places[:, :2], self.turn), places[:, 2:]], axis=1)
+        flat = _turned(places[:, :2], self.turn, self.shift)
+        turned = np.concatenate([flat, places[:, 2:]], axis=1)
         high, _, of_high = _each_once(self.upper, turned, patch)
         w = places[:, 2:]
         moved: Points = (1 - w) * low[of_low] + w * high[of_high]
@@ -169,21 +184,44 @@ def _each_once(surface: Surface, places: Points, patch: Ints) -> tuple[Points, U
     return feet, normals, of_place
 
 
-def _turned(places: Floats, turn: tuple[bool, bool, bool]) -> Floats:
+def _turned(
+    places: Floats, turn: tuple[bool, bool, bool], shift: tuple[float, float] = (0.0, 0.0)
+) -> Floats:
+    """Return places (n, 2) of one square in the other, see `BetweenMap`."""
     swapped = places[:, ::-1] if turn[0] else places
-    return np.where(turn[1:], 1 - swapped, swapped)
+    turned = np.where(turn[1:], 1 - swapped, swapped)
+    moved = np.asarray(shift) != 0
+    # 1 is 0 again where a surface closes.
+    return np.where(moved, (turned + shift) % 1.0, turned)
 
 
-def _best_turn(lower: Surface, upper: Surface) -> tuple[bool, bool, bool]:
-    """Return the symmetry of the square under which two surfaces are closest."""
+def _best_match(
+    lower: Surface, upper: Surface
+) -> tuple[tuple[bool, bool, bool], tuple[float, float]]:
+    """Return the symmetry of the square, and the shifts, under which two surfaces are closest."""
     steps = (np.arange(MATCHING) + 0.5) / MATCHING
     places = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2)
     patch = np.zeros(len(places), dtype=np.intp)
     low, _ = lower.at(places, patch)
 
-    def gap(turn: tuple[bool, bool, bool]) -> float:
-        high, _ = upper.at(_turned(places, turn), patch)
+    def gap(turn: tuple[bool, bool, bool], shift: tuple[float, float]) -> float:
+        high, _ = upper.at(_turned(places, turn, shift), patch)
         return float(((high - low) ** 2).sum())
 
-    turns = [(bool(a), bool(b), bool(c)) for a, b, c in product((0, 1), repeat=3)]
-    return min(turns, key=gap)
+    rounds = [np.arange(SHIFTS) / SHIFTS if closes else np.zeros(1) for closes in upper.wraps]
+    tries = [
+        ((bool(a), bool(b), bool(c)), (float(u), float(v)))
+        for a, b, c in product((0, 1), repeat=3)
+        for u, v in product(*rounds)
+    ]
+    turn, shift = min(tries, key=lambda one: gap(*one))
+    step = 1 / SHIFTS
+    while step > SAME_SHIFT:  # closer and closer around the best one
+        near = [
+            [(value + k * step) % 1.0 for k in (0, -1, 1)] if closes else [value]
+            for value, closes in zip(shift, upper.wraps, strict=True)
+        ]
+        u, v = min(product(*near), key=lambda one: gap(turn, (one[0], one[1])))
+        shift, step = (float(u), float(v)), step / 2
+    u, v = (0.0 if min(one, 1 - one) < 2 * SAME_SHIFT else one for one in shift)
+    return turn, (u, v)

@@ -135,6 +135,11 @@ def test_the_number_of_cells_fits_the_size_asked_for() -> None:
     assert tall.counts == (2, 2, 2)
 
 
+def test_counts_that_differ_do_not_meet_on_a_sphere() -> None:
+    with pytest.raises(SkeletonError, match=r"3 cells along u and 4 along v do not meet at \[.*mm"):
+        lattice_on(SphereMap(20, 4), "bcc", radius=0.1, counts=(3, 4, 1))
+
+
 def test_a_pipe_stretches_struts_by_the_ratio_of_its_radii() -> None:
     lattice = lattice_on(CylinderMap(9, 30, 6), "sc", radius=0.3, counts=(90, 9, 1))
     assert lattice.largest_stretch == pytest.approx(15 / 12, rel=1e-3)

@@ -1,0 +1,120 @@
+"""Holes in the skin of a filled part, for powder and resin to get out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
+
+from scaffold_cad.base.arguments import as_number
+from scaffold_cad.base.arrays import Points, UnitVectors, as_points
+from scaffold_cad.base.vectors import any_perpendicular, length
+from scaffold_cad.errors import MeshError, OptionError
+from scaffold_cad.mesh.nearest import NearestPlace
+from scaffold_cad.mesh.remeshing import evened, split_to
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.solid import manifolds
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+SIDES = 24
+"""Sides of a hole."""
+
+BEYOND = 0.35
+"""How far beyond the inside of the skin a hole goes, in thicknesses of it."""
+
+ON_WALL = 1.05
+"""Distance from the outside up to which a place is on the inside of the skin, in thicknesses."""
+
+BANDS = ((0.0, 0.35), (0.65, 1.0))
+"""Heights of a void, from 0 to 1, in which its two holes are: what gets out below lets air in."""
+
+
+def drained(
+    part: Manifold,
+    surface: TriangleMesh,
+    skin: float,
+    diameter: float,
+    places: ArrayLike | None = None,
+) -> Manifold:
+    """Return a part with holes through its skin, so that no void is closed.
+
+    Parameters
+    ----------
+    part : whose skin is closed
+    surface : of the body
+    skin : its thickness, mm
+    diameter : of the holes, mm
+    places : on or near the surface, (k, 3), mm; by default two for each void, low and high, where
+        the struts leave most room
+
+    Raises
+    ------
+    OptionError
+        If the diameter is not > 0, or places are no positions.
+    MeshError
+        If a void stays closed; the place is named.
+    """
+    wide = as_number(diameter, "diameter of drain holes")
+    outside = NearestPlace(evened(surface))
+    if places is None:
+        found = [_chosen(void, outside, skin, wide) for void in _voids(part)]
+        points = np.concatenate(found) if found else np.zeros((0, 3))
+    else:
+        points = as_points(places, "places of drain holes", OptionError)
+    feet, normals = outside.with_normals(points) if len(points) else (points, points)
+    for foot, normal in zip(feet, normals, strict=True):
+        part = part - _hole(foot, normal, skin, wide)
+    closed = _voids(part)
+    if closed:
+        place = np.round(closed[0].vertices.mean(axis=0), 3).tolist()
+        raise MeshError(
+            f"{len(closed)} voids stay closed, one around {place} mm; need a hole there "
+            "(more places, or a larger diameter)"
+        )
+    return part
+
+
+def _voids(part: Manifold) -> list[TriangleMesh]:
+    """Return the surfaces of closed voids, largest first."""
+    shells = [shell for shell in part.decompose() if shell.volume() < 0]
+    shells.sort(key=lambda shell: shell.volume())
+    return [manifolds.manifold_triangles(shell) for shell in shells]
+
+
+def _chosen(void: TriangleMesh, outside: NearestPlace, skin: float, diameter: float) -> Points:
+    """Return places for the holes of a void, on the inside of the skin, (k, 3)."""
+    fine = split_to(void, diameter)
+    points = fine.vertices[fine.triangles].mean(axis=1)
+    gaps = length(outside.nearest(points) - points)
+    wall = gaps < ON_WALL * skin
+    if not wall.any():
+        place = np.round(points.mean(axis=0), 3).tolist()
+        raise MeshError(f"the void around {place} mm does not reach the skin; need a place for it")
+    candidates = points[wall]
+    room = np.full(len(candidates), np.inf)
+    if not wall.all():
+        room = np.asarray(cKDTree(points[~wall]).query(candidates)[0])
+    height = candidates[:, 2] - candidates[:, 2].min()
+    share = height / max(float(height.max()), 1e-12)
+    chosen = []
+    for low, high in BANDS:
+        band = np.flatnonzero((share >= low) & (share <= high))
+        chosen.append(int(band[np.argmax(room[band])]))
+    places: Points = candidates[sorted(set(chosen))]
+    return places
+
+
+def _hole(foot: Points, normal: UnitVectors, skin: float, diameter: float) -> Manifold:
+    """Return a cylinder through the skin at a place of the surface."""
+    import manifold3d
+
+    inward = (1 + BEYOND) * skin + diameter / 4
+    outward = skin / 2 + diameter / 2
+    rod = manifold3d.Manifold.cylinder(inward + outward, diameter / 2, circular_segments=SIDES)
+    x = any_perpendicular(normal[None])[0]
+    frame = np.stack([x, np.cross(normal, x), normal, foot - inward * normal], axis=1)  # (3, 4)
+    return rod.transform(frame)

@@ -1,0 +1,66 @@
+"""Skins with drain holes: no void stays closed, and the check of printability agrees."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+from build123d import Box, Cylinder
+
+from scaffold_cad import check_printability, lattice_part, self_intersections
+from scaffold_cad.errors import MeshError, OptionError
+from scaffold_cad.solid.manifolds import manifold_triangles
+
+BOX = trimesh.creation.box((30.0, 24.0, 16.0))
+
+
+@pytest.mark.parametrize(
+    "body", [BOX, trimesh.creation.icosphere(3, 15.0), Box(40, 30, 20) - Cylinder(6, 30)],
+    ids=["box", "ball", "block with a bore"],
+)  # fmt: skip
+def test_drained_parts_have_no_closed_void_and_are_clean(body: object) -> None:
+    closed = lattice_part(body, "bcc", 8.0, 0.7, skin=1.2)  # type: ignore[arg-type]
+    part = lattice_part(body, "bcc", 8.0, 0.7, skin=1.2, drain=2.5)  # type: ignore[arg-type]
+    assert any(shell.volume() < 0 for shell in closed.decompose())
+    assert all(shell.volume() > 0 for shell in part.decompose())
+    assert len(part.decompose()) == 1
+    assert len(self_intersections(manifold_triangles(part))) == 0
+    # What two holes take is about two discs of the skin.
+    lost = closed.volume() - part.volume()
+    assert lost == pytest.approx(2 * np.pi * 1.25**2 * 1.2, rel=0.5)
+
+
+def test_the_check_of_printability_finds_no_pocket() -> None:
+    part = lattice_part(BOX, "bcc", 8.0, 0.7, skin=1.2, drain=4.0)
+    (finding,) = [one for one in check_printability(part).findings if one.name == "drainage"]
+    assert finding.verdict == "ok"
+
+
+def test_holes_are_where_they_are_asked_for() -> None:
+    place = np.array([3.9, -3.7, 8.0])
+    part = lattice_part(BOX, "bcc", 8.0, 0.7, skin=1.2, drain=3.0, drain_places=[place])
+    vertices = manifold_triangles(part).vertices
+    on_top = vertices[np.abs(vertices[:, 2] - 8.0) < 1e-6]
+    rim = np.hypot(on_top[:, 0] - 3.9, on_top[:, 1] + 3.7)
+    assert np.isclose(rim, 1.5, atol=1e-3).sum() >= 12
+    assert all(shell.volume() > 0 for shell in part.decompose())
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"drain": 2.0}, "drain holes are given without a skin"),
+        ({"skin": 1.0, "drain_places": [[0, 0, 8]]}, "given without drain, their diameter"),
+        ({"skin": 1.0, "drain": 0.0}, "diameter of drain holes is 0 mm"),
+        ({"skin": 1.0, "drain": 1.0, "drain_places": [[0, 0]]}, "places of drain holes has shape"),
+    ],
+)
+def test_options_that_contradict_are_refused(options: dict[str, object], message: str) -> None:
+    with pytest.raises(OptionError, match=message):
+        lattice_part(BOX, "bcc", 8.0, 0.7, **options)  # type: ignore[arg-type]
+
+
+def test_a_void_that_no_place_reaches_is_named() -> None:
+    two = trimesh.util.concatenate([BOX, BOX.copy().apply_translation([60.0, 0.0, 0.0])])
+    with pytest.raises(MeshError, match=r"voids? stay closed, one around \[.*\] mm"):
+        lattice_part(two, "bcc", 8.0, 0.7, skin=1.2, drain=3.0, drain_places=[[3.9, -3.7, 8.0]])
