@@ -7,14 +7,15 @@ from pathlib import Path
 from typing import Any, get_args
 
 import pytest
-from scaffold_cad.smooth import Caps
 
 from scaffold_cad.base.regions import Keep
 from scaffold_cad.brep import Kind
 from scaffold_cad.convolution import KernelName
 from scaffold_cad.partition.sphere import METHODS
+from scaffold_cad.products.overlaps import Overlaps
 from scaffold_cad.scaffold import ScaffoldOptions
 from scaffold_cad.scaffold.stars import Fit, Section
+from scaffold_cad.struts import Ends
 
 PAGE = Path(__file__).parents[1] / "docs" / "options.md"
 
@@ -24,7 +25,8 @@ VALUES: dict[str, tuple[Any, ...]] = {
     "collars": (False, True),
     "method": tuple(METHODS),
     "kind": get_args(Kind),
-    "caps": get_args(Caps),
+    "ends": get_args(Ends),
+    "overlaps": get_args(Overlaps),
     "keep": get_args(Keep),
     "kernel": get_args(KernelName),
 }

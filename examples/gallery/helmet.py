@@ -3,7 +3,7 @@
 import build123d as bd
 from manifold3d import Manifold
 
-from scaffold_cad import between_faces, build_scaffold, tile, to_solid, write
+from scaffold_cad import between_faces, round_struts, tile, to_solid, write
 
 STEPS = (-0.95, -0.5, 0.0, 0.5, 0.95)
 
@@ -17,7 +17,7 @@ def dome(a: float, b: float, height: float) -> bd.Face:
 def make() -> Manifold:
     """Return the liner as a solid."""
     cells = between_faces(dome(100.0, 80.0, 60.0), dome(118.0, 95.0, 75.0))
-    return to_solid(build_scaffold(tile("bcc", 20.0, radius=1.2, on=cells), collars=True), sides=8)
+    return to_solid(round_struts(tile("bcc", 20.0, radius=1.2, on=cells)), sides=8)
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 import build123d as bd
 from manifold3d import Manifold
 
-from scaffold_cad import build_scaffold, face_map, tile, to_solid, write
+from scaffold_cad import face_map, round_struts, tile, to_solid, write
 
 
 def make() -> Manifold:
@@ -13,7 +13,7 @@ def make() -> Manifold:
     outside = max(pipe.faces().filter_by(bd.GeomType.CYLINDER), key=lambda face: face.area)
     cells = face_map(outside, thickness=8.0)
     sleeve = tile("bcc", 9.0, radius=1.0, on=cells, dangling=False)
-    return to_solid(build_scaffold(sleeve, collars=True), sides=8)
+    return to_solid(round_struts(sleeve), sides=8)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ import build123d as bd
 import numpy as np
 from manifold3d import Manifold
 
-from scaffold_cad import build_scaffold, face_map, tile, to_solid, write
+from scaffold_cad import face_map, round_struts, tile, to_solid, write
 
 X, Y = range(0, 241, 40), (-32, -10, 10, 32)
 
@@ -15,7 +15,7 @@ def make() -> Manifold:
     sole = bd.Face.make_surface_from_array_of_points(rows)
     cells = face_map(sole, thickness=lambda points: 10 + 6 * np.exp(-points[:, 0] / 80))
     lattice = tile("kelvin", 12.0, radius=lambda points: 0.6 + points[:, 0] / 500, on=cells)
-    return to_solid(build_scaffold(lattice, collars=True), sides=8)
+    return to_solid(round_struts(lattice), sides=8)
 
 
 if __name__ == "__main__":

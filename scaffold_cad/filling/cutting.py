@@ -82,6 +82,13 @@ def snapped(
     ------
     OptionError
         If an argument is out of its range.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton
+    >>> strut = Skeleton([[5, 5, 2], [5, 5, 9.5]], [[0, 1]], 1.0)
+    >>> snapped(strut, [[0, 0, 0], [10, 10, 10]], 1.0).nodes[:, 2].tolist()
+    [2.0, 10.0]
     """
     check_kind(skeleton, Skeleton)
     distance = as_number(reach, "reach")

@@ -15,15 +15,12 @@ from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import UnitCell, density
 from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.tiling import cell_size
-from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import to_solid
+from scaffold_cad.struts import round_struts
 
 Density: TypeAlias = float | Callable[[Points], ArrayLike]
 """One relative density, or a function of positions (n, 3) that returns them (n,)."""
-
-ROUND_SIDES = 8
-"""Sides of the struts that are measured."""
 
 MEASURED = 6
 """Radii at which the density is measured for a field of them."""
@@ -123,7 +120,7 @@ def graded_radius(
 
 def solid_volume(skeleton: Skeleton) -> float:
     """Return the volume of the round struts around a skeleton, nodes included, mm³."""
-    return float(to_solid(build_scaffold(skeleton, collars=True), sides=ROUND_SIDES).volume())
+    return float(to_solid(round_struts(skeleton)).volume())
 
 
 def _densities(relative_density: Density, points: Points) -> Floats:

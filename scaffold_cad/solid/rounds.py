@@ -7,6 +7,8 @@ reach beyond their circles, keep apart. Where one of these does not hold the nod
 
 from __future__ import annotations
 
+import logging
+
 import numpy as np
 
 from scaffold_cad.base.arguments import as_count, check_kind
@@ -26,6 +28,9 @@ SIDES = 16
 
 MARGIN = 1e-9
 """Least sine of the angle at which the triangles of a node are seen from it."""
+
+
+_log = logging.getLogger(__name__)
 
 
 def round_mesh(struts: RoundStruts, sides: int = SIDES) -> TriangleMesh:
@@ -78,6 +83,8 @@ def _seen_from_nodes(struts: RoundStruts, made: Triangulated) -> Bools:
 
 def _field(struts: RoundStruts) -> TriangleMesh:
     """Return the whole of the struts as a field solid."""
+    count = len(struts.skeleton.edges)
+    _log.info("%d struts have too little room for rings of their own: made as a field", count)
     return field_solid(_field_struts(struts)).mesh
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from scaffold_cad import Field, build_scaffold, relative_density, tile, to_solid
+from scaffold_cad import Field, relative_density, round_struts, tile, to_solid
 from scaffold_cad.errors import OptionError
 from scaffold_cad.filling import graded_radius, solve_radius
 from scaffold_cad.lattice.density import measured_density
@@ -14,8 +14,7 @@ from scaffold_cad.lattice.density import measured_density
 def test_a_measured_radius_gives_the_density_of_the_solid() -> None:
     radius = solve_radius("sc", 10.0, 0.15, measured=True)
     volumes = [
-        to_solid(build_scaffold(tile("sc", 10.0, n, radius=radius), collars=True), sides=8).volume()
-        for n in (2, 3, 4, 5)
+        to_solid(round_struts(tile("sc", 10.0, n, radius=radius))).volume() for n in (2, 3, 4, 5)
     ]
     # The third difference of n³ cells' volumes is 6 times that of a cell of the inside.
     inside = np.diff(volumes, 3)[0] / 6
@@ -38,8 +37,7 @@ def test_a_measured_graded_radius_has_the_density_of_the_solid() -> None:
     radius = graded_radius("sc", 10.0, 0.12, measured=True)
 
     def volume(skeleton: object) -> float:
-        scaffold = build_scaffold(skeleton, collars=True)  # type: ignore[arg-type]
-        return float(to_solid(scaffold, sides=8).volume())
+        return float(to_solid(round_struts(skeleton)).volume())  # type: ignore[arg-type]
 
     found = float(radius(np.zeros((1, 3)))[0])
     assert measured_density("sc", 10.0, found, volume) == pytest.approx(0.12, rel=0.02)

@@ -373,7 +373,7 @@ def test_lattices_may_be_turned_and_put_on_maps() -> None:
     pipe = CylinderMap(10, 12, 4)
     around = LatticeFill(bd.Box(60, 60, 24), "bcc", 4.0, 0.3, on=pipe)
     assert around.bounding_box().size.X > 2 * 13.9
-    turned = LatticeBox("bcc", 8.0, 20, 20, 10, 0.5, axes=TURNED, unite=True)
+    turned = LatticeBox("bcc", 8.0, 20, 20, 10, 0.5, axes=TURNED, overlaps="unite")
     along = turned.skeleton.directions @ np.array([0, 0, 1])
     assert np.isclose(np.abs(along), 1 / np.sqrt(3)).mean() > 0.9
 

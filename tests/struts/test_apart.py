@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts import round_struts
-from scaffold_cad.struts.apart import Capsules, crossing_runs, meeting_runs, slicing
+from scaffold_cad.struts.apart import crossing_runs, slicing
 from scaffold_cad.struts.splines import spline
 
 
@@ -41,20 +41,22 @@ def test_cones_are_looked_at_in_pieces() -> None:
 @given(st.integers(0, 2**32 - 1))
 def test_struts_that_meet_are_always_found(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    ends, radius = rng.normal(size=(2, 2, 3)), rng.uniform(0.05, 0.3, 2)
-    capsules = Capsules(
-        ends[:, 0], ends[:, 1], radius, np.array([[0, 1], [2, 3]]), np.array([0, 1])
-    )
-    a, b = nearest_on_segments(*(ends[:1, 0], ends[:1, 1], ends[1:, 0], ends[1:, 1]))
-    meet = np.linalg.norm(a - b) < radius.sum()
-    assert len(meeting_runs(capsules)) == meet
+    ends, radius = rng.normal(size=(4, 3)), rng.uniform(0.05, 0.3, 2)
+    a, b = nearest_on_segments(*ends[:, None])
+    nearest = float(np.linalg.norm(a - b))
+    struts = round_struts(Skeleton(ends, [[0, 1], [2, 3]], np.repeat(radius, 2)))
+    found = len(struts.overlapping) == 2
+    # Flat ends reach less far than capsules do: only where both places are inside do they agree.
+    if min(np.linalg.norm(ends - p, axis=1).min() for p in (*a, *b)) > radius.max():
+        assert found == (nearest < radius.sum())
+    elif nearest > radius.sum():
+        assert not found
 
 
-def test_neighbors_and_pieces_of_one_run_are_not_compared() -> None:
-    start, end = np.zeros((3, 3)), np.eye(3)
-    nodes = np.array([[0, 1], [0, 2], [3, 4]])
-    found = meeting_runs(Capsules(start, end, np.ones(3), nodes, np.array([0, 1, 1])))
-    assert found.tolist() == [[0, 1]]  # the third and the first
+def test_neighbors_are_not_compared() -> None:
+    bent = Skeleton([[0, 0, 0], [10, 0, 0], [10, 10, 0]], [[0, 1], [1, 2]], 1.0)
+    struts = round_struts(bent)
+    assert len(crossing_runs(struts.runs, struts.blended, struts.collar)) == 0
 
 
 def test_slices_together_are_the_curve() -> None:
