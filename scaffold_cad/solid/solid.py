@@ -12,6 +12,7 @@ import numpy as np
 from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
 from scaffold_cad.base.notebook import Shown
+from scaffold_cad.base.positions import equal_positions
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import MeshError, OptionError
@@ -104,8 +105,8 @@ def solidified(what: Scaffold | RoundStruts, *, sides: int | None = None) -> Sol
     Raises
     ------
     MeshError
-        If every union tried of a scaffold's struts crosses itself, or does not stay closed in
-        32-bit coordinates.
+        If every union tried of a scaffold's struts crosses itself, touches itself along an edge, or
+        does not stay closed in 32-bit coordinates.
     OptionError
         If `what` is of another kind, or `sides` does not fit it.
 
@@ -157,7 +158,9 @@ def _clean_union(
     while True:
         filled, voids = manifolds.without_voids(united(WOBBLES[tries]))
         try:
-            return Solidified(manifolds.to_manifold(clean_surface(filled)), edges, voids)
+            mesh = clean_surface(filled)
+            _check_touching(mesh)
+            return Solidified(manifolds.to_manifold(mesh), edges, voids)
         except FaultySurfaceError as fault:
             tries[_nodes_near(fault.places, skeleton, edges)] += 1
             _log.debug("the union of %d struts %s", len(edges), fault)
@@ -166,6 +169,26 @@ def _clean_union(
                     f"the union of {len(edges)} overlapping struts {fault}; need a clean surface "
                     "(try other radii)"
                 ) from None
+
+
+def _check_touching(mesh: TriangleMesh) -> None:
+    """Raise where a closed surface touches itself along edges, in 32-bit coordinates.
+
+    Files without indices, such as STL, have more than two triangles at such an edge.
+
+    Raises
+    ------
+    FaultySurfaceError
+        If it does.
+    """
+    written = mesh.single_precision()
+    place, first = equal_positions(written.vertices)
+    if len(first) == len(written.vertices):
+        return
+    repeated, _ = TriangleMesh(written.vertices[first], place[written.triangles]).faulty_sides()
+    if len(repeated):
+        places = written.vertices[first[repeated[:, 0]]]
+        raise FaultySurfaceError(f"touches itself along {len(repeated)} edges", places)
 
 
 def _nodes_near(places: Points, skeleton: Skeleton, edges: Ints) -> Ints:

@@ -6,11 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from manifold3d import Manifold
 
 from scaffold_cad.errors import MeshError
+from scaffold_cad.io import write
 from scaffold_cad.lattice import tile
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.scaffold import Scaffold, build_scaffold
@@ -59,6 +61,15 @@ def test_two_crossing_bars_have_the_volume_of_their_union() -> None:
     # Square bars of side 2 and length 20, apart by half a millimeter: 2 x 2 x 1.5 in common.
     assert manifold.volume() == pytest.approx(2 * 80 - 6, rel=1e-3)
     assert manifold.genus() == 0
+
+
+def test_bars_that_touch_along_an_edge_do_so_no_longer(tmp_path: Path) -> None:
+    nodes = [[0, 0, 0], [0, 0, 10], [2, 2, 0], [2, 2, 10]]
+    bars = build_scaffold(Skeleton(nodes, [[0, 1], [2, 3]], 1.0))
+    write(bars, tmp_path / "bars.stl")
+    read = trimesh.load_mesh(tmp_path / "bars.stl")  # by the positions alone
+    assert read.is_watertight
+    assert read.volume == pytest.approx(80, rel=0.01)
 
 
 def test_a_ring_too_thick_for_its_hole_is_filled() -> None:
