@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from manifold3d import Manifold
 
 from scaffold_cad.errors import MeshError
-from scaffold_cad.io import write
+from scaffold_cad.io.write import write
 from scaffold_cad.lattice import tile
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.scaffold import Scaffold, build_scaffold
