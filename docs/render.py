@@ -21,6 +21,7 @@ from PIL import Image, ImageDraw
 from scaffold_cad import (
     Partition,
     QuadMesh,
+    RoundStruts,
     Scaffold,
     Skeleton,
     build_scaffold,
@@ -315,6 +316,8 @@ def draw_gallery(name: str) -> None:
     else:
         if name == "lattice_bracket":  # cut, for one to see the lattice
             made = made.trim_by_plane((0.0, 1.0, 0.0), 0.0)
+        if isinstance(made, RoundStruts):
+            made = to_solid(made, sides=48)
         stage.add(_faceted(made), color)
     stage.save(f"gallery/{name}")
 
