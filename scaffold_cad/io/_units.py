@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from scaffold_cad.base.arguments import as_number, check_choice
 
-MILLIMETRES = {
+MILLIMETERS = {
     "nm": 1e-6,
     "um": 1e-3,
     "mm": 1.0,
@@ -53,8 +53,8 @@ def length_of(name: str) -> float | None:
     known = name.strip().lower().replace("metre", "meter")
     for candidate in (known, known.removesuffix("s")):
         short = _NAMES.get(candidate, candidate)
-        if short in MILLIMETRES:
-            return MILLIMETRES[short]
+        if short in MILLIMETERS:
+            return MILLIMETERS[short]
     return None
 
 
@@ -70,6 +70,6 @@ def factor_of(units: str | None, scale: float | None) -> float:
     if units is not None:
         known = length_of(units) if isinstance(units, str) else None
         if known is None:
-            check_choice(units, "units", MILLIMETRES)
+            check_choice(units, "units", MILLIMETERS)
         factor = known or 1.0
     return factor if scale is None else factor * as_number(scale, "scale", unit="")

@@ -52,7 +52,7 @@ def read_dxf(path: Path) -> RawSkeleton:
 
     try:
         document = ezdxf.readfile(path)
-        # Where the header has no unit, ezdxf takes metres.
+        # Where the header has no unit, ezdxf takes meters.
         unit = document.units if b"$INSUNITS" in data else 0
         scale = units.conversion_factor(unit, units.MM) if unit else 1.0
         polylines, left_out = _polylines(document)

@@ -19,7 +19,7 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.manifolds import to_trimesh
 
 _MM = 1000.0
-"""mm in a metre, glTF's unit."""
+"""mm in a meter, glTF's unit."""
 
 _MAGIC = b"glTF"
 _JSON_CHUNK = b"JSON"
@@ -36,7 +36,7 @@ def read_gltf(path: Path) -> RawSkeleton:
 
     Each joint of a skin is a node, and is joined to the nearest joint above it in the hierarchy.
     The pose is that of the file's node transforms, which exporters set to the rest pose;
-    animations, and the meshes that hang on the bones, are left out. glTF measures in metres with
+    animations, and the meshes that hang on the bones, are left out. glTF measures in meters with
     y up: (x, y, z) m becomes (x, -z, y) mm, as `write` turns it the other way for GLB.
     """
     check_size(path, LARGEST_FILE)
@@ -157,6 +157,6 @@ def write_glb_content(content: Content, path: Path) -> None:
 
 
 def write_glb(mesh: TriangleMesh, path: Path) -> None:
-    """Write `mesh` as glTF has it: in metres, y up, so (x, y, z) mm is at (x, z, -y) / 1000."""
+    """Write `mesh` as glTF has it: in meters, y up, so (x, y, z) mm is at (x, z, -y) / 1000."""
     turned = mesh.vertices[:, [0, 2, 1]] / (_MM, _MM, -_MM)
     path.write_bytes(to_trimesh(TriangleMesh(turned, mesh.triangles)).export(file_type="glb"))

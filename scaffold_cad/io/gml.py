@@ -1,4 +1,4 @@
-"""GML, the graph modelling language: nested lists of keys and values."""
+"""GML, the graph modeling language: nested lists of keys and values."""
 
 from __future__ import annotations
 

@@ -13,8 +13,8 @@ from scaffold_cad.io._text import LARGEST_FILE, check_size, is_number
 from scaffold_cad.io._xml import xml_root
 from scaffold_cad.io.register import register_reader
 
-NANOMETRES = 1000.0
-"""nm in the micrometre that is taken as a millimetre."""
+NANOMETERS = 1000.0
+"""nm in the micrometer that is taken as a millimeter."""
 
 
 def _recognises(head: bytes) -> bool:
@@ -41,7 +41,7 @@ def read_nml(path: Path) -> RawSkeleton:
         graph.add_edge(edge.get("source", ""), edge.get("target", ""))
     if not len(graph):
         raise FormatError(f"{path} has no nodes; need things with nodes and edges")
-    return graph.skeleton(1.0 / NANOMETRES, usual_unit="um")
+    return graph.skeleton(1.0 / NANOMETERS, usual_unit="um")
 
 
 def _number(path: Path, element: Element, name: str) -> float:

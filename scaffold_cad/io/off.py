@@ -20,7 +20,7 @@ from scaffold_cad.io._text import (
 from scaffold_cad.io.register import register_reader
 
 _KINDS = ("OFF", "COFF", "NOFF", "STOFF", "CNOFF")
-"""Headers: vertices may have colours, normals and texture after their coordinates."""
+"""Headers: vertices may have colors, normals and texture after their coordinates."""
 
 _COUNTS = "the numbers of vertices, faces and edges"
 _FACE = "a face: N, then its N vertices, 3 or more"

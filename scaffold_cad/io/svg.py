@@ -24,7 +24,7 @@ LARGEST_SVG = 2**26
 """Most bytes of a drawing: svgelements makes an object of each piece of a path."""
 
 PIXELS_PER_INCH = 25.4
-"""So that a pixel is a millimetre: lengths without a unit are taken as mm."""
+"""So that a pixel is a millimeter: lengths without a unit are taken as mm."""
 
 
 def _recognises(head: bytes) -> bool:
@@ -44,7 +44,7 @@ def read_svg(path: Path) -> RawSkeleton:
     data = path.read_bytes()
     # Document types and entities, which svgelements would follow, are refused.
     root = xml_root(path, data)
-    for side in ("width", "height"):  # its millimetres are short by 5e-7
+    for side in ("width", "height"):  # its millimeters are short by 5e-7
         _make_plain(root, side)
     data = tostring(root)
     import svgelements
@@ -67,7 +67,7 @@ def read_svg(path: Path) -> RawSkeleton:
 
 
 def _make_plain(root: Element, name: str) -> None:
-    """Replace a length with a unit by its millimetres."""
+    """Replace a length with a unit by its millimeters."""
     found = re.fullmatch(r"\s*([-+.\deE]+?)\s*([a-zA-Z]+)\s*", root.get(name, ""))
     unit = length_of(found[2]) if found else None
     if found and unit is not None and is_number(found[1]):
@@ -102,7 +102,7 @@ def _points(piece: Any, straight: bool) -> Points:
 
     def curve(parameters: Floats) -> Points:
         places = np.array([(point.x, -point.y, 0.0) for point in map(piece.point, parameters)])
-        # The ends are those of its neighbours, to the last bit.
+        # The ends are those of its neighbors, to the last bit.
         places[0] = piece.start.x, -piece.start.y, 0.0
         places[-1] = piece.end.x, -piece.end.y, 0.0
         return places + 0.0  # no negative zeros

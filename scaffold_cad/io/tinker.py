@@ -17,7 +17,7 @@ from scaffold_cad.io._text import (
 )
 from scaffold_cad.io.register import register_reader
 
-_ATOM = "an atom: number, element, x, y, z, type, numbers of its neighbours"
+_ATOM = "an atom: number, element, x, y, z, type, numbers of its neighbors"
 
 
 def _recognises(head: bytes) -> bool:

@@ -6,7 +6,7 @@
 .stl                    binary, 32-bit coordinates, mm
 .3mf                    one mesh object, 32-bit coordinates, mm; a skeleton as a beam lattice
 .obj .ply               quads stay quads, 64-bit coordinates, mm; OBJ also a skeleton, as lines
-.glb                    metres and y up, as glTF asks
+.glb                    meters and y up, as glTF asks
 .json                   a skeleton, as `read_skeleton` reads it
 .swc                    a skeleton without loops, as `read_skeleton` reads it
 ======================  ====================================================================

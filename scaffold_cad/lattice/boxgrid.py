@@ -49,7 +49,7 @@ class BoxGrid:
         return empty.reshape(self._shape)
 
     def centers(self, cells: Ints) -> Floats:
-        """Return the centres of cells, numbered in the order of `is_empty`, shape (k, d), mm."""
+        """Return the centers of cells, numbered in the order of `is_empty`, shape (k, d), mm."""
         steps = np.stack(np.unravel_index(cells, tuple(self._shape)), axis=1)
         centers: Floats = self._low + (steps + 0.5) * self._pitch
         return centers

@@ -49,8 +49,8 @@ def graph_picture(
         if k < len(BOX):
             style = 'stroke="#c8c8c8" stroke-width="1"'
         else:
-            grey, width = round(150 - 125 * near[k]), 2.5 + 4 * near[k]
-            style = f'stroke="rgb({grey},{grey},{grey + 30})" stroke-width="{width:.1f}"'
+            gray, width = round(150 - 125 * near[k]), 2.5 + 4 * near[k]
+            style = f'stroke="rgb({gray},{gray},{gray + 30})" stroke-width="{width:.1f}"'
         drawn.append(f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" {style}/>')
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{SIZE}" height="{SIZE}" '

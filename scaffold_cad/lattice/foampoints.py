@@ -23,7 +23,7 @@ MOST_POINTS = 10_000_000
 """Most random points: a foam of so many has some 1e8 struts, see `MOST_STRUTS`."""
 
 KELVIN_SPACING = np.sqrt(3) / 2 * np.cbrt(2)
-"""Distance of neighbours in a body-centred cubic lattice of one point a unit of volume."""
+"""Distance of neighbors in a body-centered cubic lattice of one point a unit of volume."""
 
 SAMPLES = 20_000
 """Places at which the share of a box that a region takes is measured, and its cells' sizes."""

@@ -119,7 +119,7 @@ def delaunay_foam(
 ) -> Skeleton:
     """Return the edges of the Delaunay tetrahedra of random points: a random truss.
 
-    Tetrahedra count that have their circumcentre in the region: the others are flat ones at its
+    Tetrahedra count that have their circumcenter in the region: the others are flat ones at its
     surface. Struts that leave the region go. The truss is in one piece: others are left out.
 
     Parameters

@@ -32,13 +32,13 @@ def more_cells() -> list[UnitCell]:
             "fbcc",
             fcc,
             bcc,
-            description="Face- and body-centred cubic together: diagonals of faces and of space.",
+            description="Face- and body-centered cubic together: diagonals of faces and of space.",
         ),
         merged(
             "star",
             bcc,
             spokes,
-            description="From the centre of a cube to its corners and the middles of its faces.",
+            description="From the center of a cube to its corners and the middles of its faces.",
         ),
         _pyrochlore(),
         _weaire_phelan(),
@@ -157,7 +157,7 @@ def _weaire_phelan() -> UnitCell:
     cells: equally far from four sites of A15, in closed form.
     """
     thirds = 5 / 24 * np.array(list(product([-1, 1], repeat=3)))
-    eighths = np.concatenate([thirds, thirds + 0.5])  # (x, x, x) and around the centre
+    eighths = np.concatenate([thirds, thirds + 0.5])  # (x, x, x) and around the center
     flat = (_turned(5 / 32, 5 / 16), _turned(5 / 16, 5 / 32) + 0.5)
     middles = np.array([[0, 1, 2], [0, 3, 2], [2, 0, 1], [2, 0, 3], [1, 2, 0], [3, 2, 0]]) / 4
     sites = np.concatenate([eighths, *flat, middles]) % 1

@@ -1,6 +1,6 @@
 """The unit cells known by name from the start.
 
-Most are nets of nearest neighbours: all sites in the unit cube, struts between those at one
+Most are nets of nearest neighbors: all sites in the unit cube, struts between those at one
 distance.
 """
 
@@ -108,7 +108,7 @@ def named_cells() -> list[UnitCell]:
         CENTER,
         CORNER,
         np.sqrt(3) / 2,
-        "Body-centred cubic: from the centre of a cube to its corners.",
+        "Body-centered cubic: from the center of a cube to its corners.",
     )
     uprights = cell_of(
         "uprights",
@@ -119,20 +119,20 @@ def named_cells() -> list[UnitCell]:
     return [
         sc,
         bcc,
-        merged("bcc_sc", bcc, sc, description="Body-centred and simple cubic together."),
-        merged("bccz", bcc, uprights, description="Body-centred cubic with struts along z."),
+        merged("bcc_sc", bcc, sc, description="Body-centered and simple cubic together."),
+        merged("bccz", bcc, uprights, description="Body-centered cubic with struts along z."),
         two_nets(
             "fcc",
             CORNER,
             FACE_CENTERS,
             np.sqrt(0.5),
-            "Face-centred cubic: the diagonals of a cube's faces.",
+            "Face-centered cubic: the diagonals of a cube's faces.",
         ),
         net(
             "octet",
             CORNER + FACE_CENTERS,
             np.sqrt(0.5),
-            "Octet truss: face-centred cubic with an octahedron inside.",
+            "Octet truss: face-centered cubic with an octahedron inside.",
         ),
         _kelvin(),
         net(

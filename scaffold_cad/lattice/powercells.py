@@ -21,7 +21,7 @@ CORNERS = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
 def cell_edges(points: Points, box: Floats, weights: Floats | None = None) -> Struts:
     """Return the edges of the cells of points, all those that meet the box among them.
 
-    An edge joins the centres of two tetrahedra with a common face. Four more points, too far away
+    An edge joins the centers of two tetrahedra with a common face. Four more points, too far away
     to be the nearest one of any place in the box, close the cells that would be open.
 
     Parameters
@@ -43,7 +43,7 @@ def cell_edges(points: Points, box: Floats, weights: Floats | None = None) -> St
         simplices, neighbors = _regular(everything, powers)
     one, side = np.nonzero(neighbors > np.arange(len(neighbors))[:, None])
     edges: Edges = np.stack([one, neighbors[one, side]], axis=1)
-    # Four points of one plane, as copies of a box have outside it, have no centre.
+    # Four points of one plane, as copies of a box have outside it, have no center.
     nodes = centers(everything[simplices], powers[simplices])
     there: Bools = np.asarray(np.isfinite(nodes).all(axis=1))
     return Struts(np.where(there[:, None], nodes, 0.0), edges[there[edges].all(axis=1)])
@@ -53,7 +53,7 @@ def centers(corners: Floats, weights: Floats | None = None) -> Points:
     """Return the places equally far from the corners of tetrahedra (t, 4, 3), shape (t, 3).
 
     Distances are squared and less the corners' weights (t, 4), if any: without them these are the
-    centres of the spheres through the corners. They are not finite where the corners are in a
+    centers of the spheres through the corners. They are not finite where the corners are in a
     plane.
     """
     u, v, w = (corners[:, k] - corners[:, 0] for k in range(1, 4))
@@ -78,7 +78,7 @@ def repeated_around(points: Points, box: Floats) -> Points:
 
 
 def _regular(points: Points, weights: Floats) -> tuple[Ints, Ints]:
-    """Return the tetrahedra of the regular triangulation (t, 4), and their neighbours, -1 for none.
+    """Return the tetrahedra of the regular triangulation (t, 4), and their neighbors, -1 for none.
 
     It is the underside of the hull of the points lifted to |p|² - weight, in four dimensions
     (Aurenhammer, Power diagrams, SIAM J. Comput. 16, 1987).

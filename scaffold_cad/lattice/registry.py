@@ -62,7 +62,7 @@ def register_cell(cell: UnitCell, *, periodic: bool = True) -> None:
     Parameters
     ----------
     cell : unit cell
-    periodic : whether neighbouring cells must meet on all faces; without it, only that a
+    periodic : whether neighboring cells must meet on all faces; without it, only that a
         lattice of it is a valid skeleton
 
     Raises

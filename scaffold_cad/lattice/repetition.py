@@ -76,7 +76,7 @@ def _strut_keys(motif: Motif, counts: tuple[int, int, int], layers: tuple[int, i
         cell = _cells_with_strut(copies, counts, layers)  # (k,)
         cells.append(cell)
         keys.append((cell[:, None] + moves @ strides) * len(motif.sites) + sites)
-    # Neighbours in space stay neighbours in memory; the runs are sorted already.
+    # Neighbors in space stay neighbors in memory; the runs are sorted already.
     order = np.argsort(np.concatenate(cells), kind="stable")
     return np.concatenate(keys)[order]
 

@@ -36,7 +36,7 @@ LEAST_HEIGHT = 1e-6
 class UnitCell(Frozen):
     """A block of struts in the unit cube, repeated along x, y and z to make a lattice.
 
-    Struts and nodes on the faces are shared with the neighbouring cells. List a strut that lies
+    Struts and nodes on the faces are shared with the neighboring cells. List a strut that lies
     in a face in the opposite face too, as it belongs there: in a lattice it appears once.
 
     Examples
@@ -217,12 +217,12 @@ class UnitCell(Frozen):
 
 
 def check_periodic(cell: UnitCell) -> None:
-    """Raise unless neighbouring cells meet on all of their common faces.
+    """Raise unless neighboring cells meet on all of their common faces.
 
     Raises
     ------
     SkeletonError
-        If a node on a face has no copy on the opposite face, where the neighbour's struts would
+        If a node on a face has no copy on the opposite face, where the neighbor's struts would
         go on, or a strut in a face is not listed in the opposite face.
     """
     if cell.is_net:

@@ -1,8 +1,8 @@
-"""Mechanics: beams, homogenised cells, radii sized by stress, hexahedra."""
+"""Mechanics: beams, homogenized cells, radii sized by stress, hexahedra."""
 
 from scaffold_cad.mechanics.beamfiles import write_beams
 from scaffold_cad.mechanics.beams import BeamModel, BeamSolution, beam_model
-from scaffold_cad.mechanics.cells import CellRow, Homogenised, cell_table, homogenised
+from scaffold_cad.mechanics.cells import CellRow, Homogenized, cell_table, homogenized
 from scaffold_cad.mechanics.hexahedra import Hexahedra, hexahedra
 from scaffold_cad.mechanics.loading import Load, Support
 from scaffold_cad.mechanics.materials import MATERIALS, Material
@@ -10,7 +10,7 @@ from scaffold_cad.mechanics.meshfiles import write_hexahedra
 from scaffold_cad.mechanics.page import write_strength_page
 from scaffold_cad.mechanics.polar import polar_picture, young_polar
 from scaffold_cad.mechanics.sizing import Sized, sized
-from scaffold_cad.mechanics.solidcells import homogenised_solid
+from scaffold_cad.mechanics.solidcells import homogenized_solid
 
 __all__ = [
     "MATERIALS",
@@ -18,7 +18,7 @@ __all__ = [
     "BeamSolution",
     "CellRow",
     "Hexahedra",
-    "Homogenised",
+    "Homogenized",
     "Load",
     "Material",
     "Sized",
@@ -26,8 +26,8 @@ __all__ = [
     "beam_model",
     "cell_table",
     "hexahedra",
-    "homogenised",
-    "homogenised_solid",
+    "homogenized",
+    "homogenized_solid",
     "polar_picture",
     "sized",
     "write_beams",

@@ -1,4 +1,4 @@
-"""Homogenised cells: how stiff an endless lattice is, from the beams of one cell."""
+"""Homogenized cells: how stiff an endless lattice is, from the beams of one cell."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ SOFT = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class Homogenised(Frozen):
+class Homogenized(Frozen):
     """The elastic law of an endless lattice: stress = stiffness · strain, in Voigt's order.
 
     Young's moduli, shear moduli and the like are those of the lattice as a block of material.
@@ -56,7 +56,7 @@ class Homogenised(Frozen):
 
         Examples
         --------
-        >>> octet = homogenised("octet", 0.1, "steel", size=10.0)
+        >>> octet = homogenized("octet", 0.1, "steel", size=10.0)
         >>> softer, stiffer = octet.young([[1, 0, 0], [1, 1, 1]])
         >>> bool(stiffer > softer)
         True
@@ -115,7 +115,7 @@ class Homogenised(Frozen):
         return self.cell.strut_count - 3 * self.cell.site_count - 3
 
 
-def homogenised(
+def homogenized(
     cell: str | UnitCell,
     radius: float,
     material: Material | str,
@@ -123,7 +123,7 @@ def homogenised(
     size: ArrayLike = 1.0,
     hollow: float = 0.0,
     rigid_ends: float = 0.0,
-) -> Homogenised:
+) -> Homogenized:
     """Return the elastic law of an endless lattice of `cell`.
 
     One cell's struts are Timoshenko beams; its sites move alike in all cells, apart from the
@@ -153,7 +153,7 @@ def homogenised(
     --------
     A slender simple cubic lattice has a third of its struts along a pull:
 
-    >>> cubic = homogenised("sc", 0.1, "steel", size=10.0)
+    >>> cubic = homogenized("sc", 0.1, "steel", size=10.0)
     >>> print(f"{cubic.young_axes[0] / (cubic.relative_density * 210e3):.4f}")
     0.3333
     """
@@ -175,7 +175,7 @@ def homogenised(
     blocks = beam_blocks(spans, spans / lengths[:, None], stiffnesses)
     stiffness = _condensed(motif.struts, blocks, spans, cell.site_count) / sizes.prod()
     density = np.pi * radius**2 * (1.0 - ratio**2) * lengths.sum() / sizes.prod()
-    return Homogenised(cell, sizes, radius, law, (stiffness + stiffness.T) / 2.0, float(density))
+    return Homogenized(cell, sizes, radius, law, (stiffness + stiffness.T) / 2.0, float(density))
 
 
 def _condensed(struts: Edges, blocks: Floats, spans: Floats, count: int) -> Floats:
@@ -268,7 +268,7 @@ def cell_table(
     for name in names or tuple(cells()):
         cell = unit_cell(name)
         radius = float(np.sqrt(density / cell.density_coefficient))
-        found = homogenised(cell, radius, law)
+        found = homogenized(cell, radius, law)
         x, y, z = (found.young_axes / density).tolist()
         yz, xz, xy = (found.shear_axes / density).tolist()
         rows.append(

@@ -6,7 +6,7 @@ import numpy as np
 
 from scaffold_cad.base.arguments import as_count, check_choice
 from scaffold_cad.base.arrays import Floats
-from scaffold_cad.mechanics.cells import Homogenised
+from scaffold_cad.mechanics.cells import Homogenized
 
 PLANES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 """Axes of each plane: the first is at angle 0."""
@@ -14,7 +14,7 @@ PLANES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 COLORS = {"xy": "#c0392b", "xz": "#2471a3", "yz": "#239b56"}
 
 
-def young_polar(law: Homogenised, plane: str = "xy", count: int = 180) -> Floats:
+def young_polar(law: Homogenized, plane: str = "xy", count: int = 180) -> Floats:
     """Return Young's modulus around a plane as points of its polar plot, (count, 2), MPa.
 
     Parameters
@@ -29,8 +29,8 @@ def young_polar(law: Homogenised, plane: str = "xy", count: int = 180) -> Floats
 
     Examples
     --------
-    >>> from scaffold_cad.mechanics import homogenised
-    >>> young_polar(homogenised("bcc", 0.05, "steel"), "xz", count=90).shape
+    >>> from scaffold_cad.mechanics import homogenized
+    >>> young_polar(homogenized("bcc", 0.05, "steel"), "xz", count=90).shape
     (90, 2)
     """
     check_choice(plane, "plane", PLANES)
@@ -42,7 +42,7 @@ def young_polar(law: Homogenised, plane: str = "xy", count: int = 180) -> Floats
     return points
 
 
-def polar_picture(law: Homogenised, size: int = 320) -> str:
+def polar_picture(law: Homogenized, size: int = 320) -> str:
     """Return an SVG picture of Young's modulus in the three planes of the axes.
 
     Parameters

@@ -1,4 +1,4 @@
-"""Homogenised cells by hexahedra: right for fat struts too, where beams are too soft."""
+"""Homogenized cells by hexahedra: right for fat struts too, where beams are too soft."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from scaffold_cad.base.arguments import as_count
 from scaffold_cad.base.arrays import Floats, Ints, Points
 from scaffold_cad.errors import MeshError
 from scaffold_cad.lattice import UnitCell, tile
-from scaffold_cad.mechanics.cells import VOIGT_PAIRS, Homogenised, homogenised
+from scaffold_cad.mechanics.cells import VOIGT_PAIRS, Homogenized, homogenized
 from scaffold_cad.mechanics.hexahedra import hexahedra
 from scaffold_cad.mechanics.hexquality import boundary_faces
 from scaffold_cad.mechanics.hexstiffness import elasticity, hexahedron_stiffnesses
@@ -29,7 +29,7 @@ MEETING = 0.02
 """Distance, in radii, within which points of neighboring cells are one."""
 
 
-def homogenised_solid(
+def homogenized_solid(
     cell: str | UnitCell,
     radius: float,
     material: Material | str,
@@ -37,16 +37,16 @@ def homogenised_solid(
     size: ArrayLike = 1.0,
     layers: int = 2,
     along: int = 6,
-) -> Homogenised:
+) -> Homogenized:
     """Return the elastic law of an endless lattice of `cell`, by hexahedra of its struts.
 
     The struts of one cell are cut out of the hexahedra of 3 × 3 × 3 cells; points that are alike
     but for whole cells move alike. Nodes are as stiff as they are, so that the result holds for
-    fat struts; of slender ones `homogenised` says the same in less time.
+    fat struts; of slender ones `homogenized` says the same in less time.
 
     Parameters
     ----------
-    cell, radius, material, size : as those of `homogenised`
+    cell, radius, material, size : as those of `homogenized`
     layers, along : as those of `hexahedra`: more of them, and it is more exact
 
     Raises
@@ -59,12 +59,12 @@ def homogenised_solid(
 
     Examples
     --------
-    >>> solid = homogenised_solid("sc", 0.15, "steel", layers=1, along=2)
-    >>> beams = homogenised("sc", 0.15, "steel")
+    >>> solid = homogenized_solid("sc", 0.15, "steel", layers=1, along=2)
+    >>> beams = homogenized("sc", 0.15, "steel")
     >>> bool(solid.shear_axes[0] > beams.shear_axes[0])  # real nodes are stiffer
     True
     """
-    beams = homogenised(cell, radius, material, size=size)
+    beams = homogenized(cell, radius, material, size=size)
     lattice = tile(beams.cell, beams.size, (3, 3, 3), radius=beams.radius)
     scaffold = build_scaffold(lattice, collars=True)
     struts = _middle_struts(beams, lattice)
@@ -100,7 +100,7 @@ def homogenised_solid(
     return replace(beams, stiffness=stiffness, relative_density=filled)
 
 
-def _middle_struts(law: Homogenised, lattice: Skeleton) -> Ints:
+def _middle_struts(law: Homogenized, lattice: Skeleton) -> Ints:
     """Return the struts of the middle one of 3 × 3 × 3 cells, each of an endless lattice once."""
     motif = law.cell.motif
     ends = (motif.sites[motif.struts] + motif.moves + 1.0) * law.size  # (s, 2, 3)

@@ -61,7 +61,7 @@ def check_balanced(mesh: TriangleMesh) -> None:
 def parted(mesh: TriangleMesh) -> TriangleMesh:
     """Return a balanced mesh with vertices of their own for parts that touch along an edge.
 
-    Of the four or more triangles around such an edge those are neighbours that have material
+    Of the four or more triangles around such an edge those are neighbors that have material
     between them. Vertices at which parts touch are parted too.
     """
     edges, of_side, forward = _edges(mesh.triangles)

@@ -32,7 +32,7 @@ APOTHEM: dict[Section, float] = {
     # the corners and 11 √2/24 at the sides.
     "round": float(np.sqrt(0.5) / ((2 / 3 + 11 * np.sqrt(2) / 24) / 2)),
 }
-"""Distance of a section's sides from its centre, as a multiple of the radius."""
+"""Distance of a section's sides from its center, as a multiple of the radius."""
 
 SHARED_REACH = 0.45
 """Part of an edge that an enlarged sphere may take where both ends are branch points."""

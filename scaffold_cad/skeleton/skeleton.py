@@ -348,7 +348,7 @@ class Skeleton(Frozen, Shown, Editing):
         """Return the skeleton without the joints that its shape does not need.
 
         A joint goes where the branch without it stays within `tolerance` of the old one in
-        (x, y, z, r), or where it stands closer to its neighbour than its radius. Branch points,
+        (x, y, z, r), or where it stands closer to its neighbor than its radius. Branch points,
         extremities, and three joints of each ring stay.
 
         Parameters

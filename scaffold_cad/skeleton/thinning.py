@@ -8,7 +8,7 @@ from scaffold_cad.base.arrays import Bools, Floats, Points
 from scaffold_cad.base.vectors import length
 
 LEAST_SPACING = 1.0
-"""Least distance of two neighbouring joints, as a multiple of the larger of their radii."""
+"""Least distance of two neighboring joints, as a multiple of the larger of their radii."""
 
 
 def kept_samples(
@@ -18,7 +18,7 @@ def kept_samples(
 
     Between kept samples neither the positions nor the radii stray more than `tolerance` (mm)
     from their linear interpolation (Douglas and Peucker's rule in x, y, z, r); of what is kept,
-    a joint closer to its neighbour than `spacing` times its radius goes as well.
+    a joint closer to its neighbor than `spacing` times its radius goes as well.
     """
     samples = np.column_stack([points, radii])  # (k, 4)
     keep = np.zeros(len(samples), dtype=np.bool_)
@@ -54,7 +54,7 @@ def _distance_to_chord(samples: Floats) -> Floats:
 
 
 def _drop_crowded(points: Points, room: Floats, keep: Bools) -> None:
-    """Clear in `keep` the joints that stand closer to their neighbour than their `room`."""
+    """Clear in `keep` the joints that stand closer to their neighbor than their `room`."""
 
     def crowded(a: int, b: int) -> bool:
         return bool(length(points[a] - points[b]) < max(room[a], room[b]))

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
-"""Turn between neighbouring struts, and balls, that keeps their faces out of common planes, rad."""
+"""Turn between neighboring struts, and balls, that keeps their faces out of common planes, rad."""
 
 TURNS = (0.0, 0.1, 0.23, 0.37, 0.71)
 """Turns of all sections about their axes, rad; the first that gives a clean union counts."""

@@ -289,7 +289,7 @@ def _by_meshio(kind: str, suffix: str, **options: Any) -> bytes:
 
 
 def _rhino() -> bytes:
-    """Return the elbow as two curves of Rhino, in centimetres."""
+    """Return the elbow as two curves of Rhino, in centimeters."""
     rhino3dm = import_module("rhino3dm")
     document = rhino3dm.File3dm()
     document.Settings.ModelUnitSystem = rhino3dm.UnitSystem.Centimeters

@@ -175,7 +175,7 @@ def test_triangles_that_rounding_makes_degenerate_are_not_written(tmp_path: Path
         assert len(read.faces) == 4
 
 
-def test_glb_files_are_in_metres_and_y_up(tmp_path: Path) -> None:
+def test_glb_files_are_in_meters_and_y_up(tmp_path: Path) -> None:
     tall = CUBE.moved(CUBE.vertices * [1, 2, 3])
     write(tall, tmp_path / "cube.glb")
     sizes = trimesh.load(tmp_path / "cube.glb", force="mesh").extents

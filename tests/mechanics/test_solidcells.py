@@ -1,4 +1,4 @@
-"""Hexahedra as finite elements, and cells homogenised by them."""
+"""Hexahedra as finite elements, and cells homogenized by them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 from scaffold_cad import Skeleton, build_scaffold
 from scaffold_cad.errors import MeshError
 from scaffold_cad.lattice import tile
-from scaffold_cad.mechanics import Material, hexahedra, homogenised, homogenised_solid
+from scaffold_cad.mechanics import Material, hexahedra, homogenized, homogenized_solid
 from scaffold_cad.mechanics.hexstiffness import elasticity, hexahedron_stiffnesses
 
 STEEL = Material(210e3, 0.3)
@@ -61,15 +61,15 @@ def test_a_round_cantilever_of_hexahedra_bends_as_a_beam() -> None:
 
 
 def test_slender_cells_are_as_stiff_as_their_beams() -> None:
-    solid = homogenised_solid("sc", 0.01, STEEL, layers=1)
-    beams = homogenised("sc", 0.01, STEEL)
+    solid = homogenized_solid("sc", 0.01, STEEL, layers=1)
+    beams = homogenized("sc", 0.01, STEEL)
     assert solid.young_axes == pytest.approx(beams.young_axes, rel=0.01)
     assert solid.relative_density == pytest.approx(beams.relative_density, rel=0.02)
 
 
 def test_beams_of_a_fat_octet_are_too_soft() -> None:
-    solid = homogenised_solid("octet", 0.0887, STEEL, layers=1, along=2)
-    beams = homogenised("octet", 0.0887, STEEL)
+    solid = homogenized_solid("octet", 0.0887, STEEL, layers=1, along=2)
+    beams = homogenized("octet", 0.0887, STEEL)
     assert solid.relative_density == pytest.approx(0.3, abs=0.02)
     assert 0.6 < beams.young_axes[0] / solid.young_axes[0] < 0.8
     # A cubic law: three constants, as the cell's symmetry asks.
@@ -81,4 +81,4 @@ def test_beams_of_a_fat_octet_are_too_soft() -> None:
 
 def test_struts_that_overlap_beyond_their_nodes_are_refused() -> None:
     with pytest.raises(MeshError, match=r"struts of cell .bcc. of radius 0\.3 mm overlap"):
-        homogenised_solid("bcc", 0.3, STEEL, layers=1, along=2)
+        homogenized_solid("bcc", 0.3, STEEL, layers=1, along=2)

@@ -1,10 +1,10 @@
 """Parts of a quad mesh that are alike: the same up to a renumbering of their quads and vertices.
 
-A part is turned into colours of its sides: a side's colour is mixed from its own mark and the
-colours of the side after it and of the side that runs back along it, until no more sides are told
-apart. One side of the least colour in each part is then marked and the colours are mixed again.
+A part is turned into colors of its sides: a side's color is mixed from its own mark and the
+colors of the side after it and of the side that runs back along it, until no more sides
+differ. One side of the least color in each part is then marked and the colors are mixed again.
 Now all sides of a part differ, for walks from the marked side lead to each of them; sorted by
-colour they are in an order that does not depend on their numbers.
+color they are in an order that does not depend on their numbers.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scaffold_cad.base.arrays import Ints
 from scaffold_cad.base.topology import component_labels
 
-Colours = NDArray[np.uint64]
+Colors = NDArray[np.uint64]
 """Hashes of sides, shape (s,)."""
 
 ROOT = np.uint64(0x9E3779B97F4A7C15)
@@ -54,12 +54,12 @@ def alike_parts(quads: Ints, twin: Ints, marks: Ints) -> list[AlikeParts]:
     joined = np.flatnonzero(back >= 0)
     links = np.stack([joined >> 2, back[joined] >> 2], axis=1)
     part = np.repeat(component_labels(links, len(quads)), 4)  # (s,)
-    colours = _stable(_mixed(marks[sides].astype(np.uint64)), after, back)
-    root = np.lexsort((colours, part))[np.searchsorted(np.sort(part), np.arange(part.max() + 1))]
-    colours[root] ^= ROOT
-    colours = _stable(_mixed(colours), after, back)
+    colors = _stable(_mixed(marks[sides].astype(np.uint64)), after, back)
+    root = np.lexsort((colors, part))[np.searchsorted(np.sort(part), np.arange(part.max() + 1))]
+    colors[root] ^= ROOT
+    colors = _stable(_mixed(colors), after, back)
 
-    order = np.lexsort((colours, part))
+    order = np.lexsort((colors, part))
     sizes = np.bincount(part)
     starts = np.cumsum(sizes) - sizes
     # The first side of each quad in this order stands for the quad.
@@ -67,7 +67,7 @@ def alike_parts(quads: Ints, twin: Ints, marks: Ints) -> list[AlikeParts]:
     place[order] = np.arange(len(sides))
     first = np.sort(place.reshape(-1, 4).min(axis=1))
     chosen = sides[order[first]]
-    fingerprint = np.add.reduceat(_mixed(colours[order]), starts)
+    fingerprint = np.add.reduceat(_mixed(colors[order]), starts)
     _, kind = np.unique(
         np.stack([fingerprint, sizes.astype(np.uint64)]), axis=1, return_inverse=True
     )
@@ -78,19 +78,19 @@ def alike_parts(quads: Ints, twin: Ints, marks: Ints) -> list[AlikeParts]:
     ]
 
 
-def _stable(colours: Colours, after: Ints, back: Ints) -> Colours:
-    """Return the colours mixed with those of their neighbours until as many differ as ever will."""
+def _stable(colors: Colors, after: Ints, back: Ints) -> Colors:
+    """Return the colors mixed with those of their neighbors until as many differ as ever will."""
     count = 0
     while True:
-        differing = len(np.unique(colours))
+        differing = len(np.unique(colors))
         if differing == count:
-            return colours
+            return colors
         count = differing
-        across = np.where(back >= 0, colours[back], np.uint64(0))
-        colours = _mixed(_mixed(_mixed(colours) + colours[after]) + across)
+        across = np.where(back >= 0, colors[back], np.uint64(0))
+        colors = _mixed(_mixed(_mixed(colors) + colors[after]) + across)
 
 
-def _mixed(values: Colours) -> Colours:
+def _mixed(values: Colors) -> Colors:
     """Return well-spread hashes of 64-bit numbers: the finalizer of MurmurHash3."""
     values = values ^ (values >> np.uint64(33))
     values = values * np.uint64(0xFF51AFD7ED558CCD)

@@ -83,6 +83,6 @@ def _corners(connectivity: Connectivity, points: Points, inner: Points) -> Point
     corners = connectivity.sum_at_vertices(owners, inner) / valence
     creased = connectivity.crease_valence > 0
     if creased.any():
-        along = (4 * points + connectivity.sum_of_crease_neighbours(points)) / 6
+        along = (4 * points + connectivity.sum_of_crease_neighbors(points)) / 6
         corners[creased] = along[creased]
     return corners

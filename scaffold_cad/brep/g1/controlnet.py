@@ -1,7 +1,7 @@
 """The control net of a patched surface: which control points the patches of a quad mesh share.
 
 Control points are numbered through: one a vertex, then d − 1 an edge from its first vertex on,
-then (d − 1)² a quad. Neighbouring patches meet because they have these in common.
+then (d − 1)² a quad. Neighboring patches meet because they have these in common.
 """
 
 from __future__ import annotations

@@ -56,7 +56,7 @@ class Patches(Frozen):
     def turned(self) -> Ints:
         """Patches that are folded or inside out; none if all is well.
 
-        Those whose normals at two neighbouring points are more than a right angle apart, or whose
+        Those whose normals at two neighboring points are more than a right angle apart, or whose
         normal in the middle points into the limit surface.
         """
         _, normals = self.sampled(TURN_SAMPLES)
@@ -67,8 +67,8 @@ class Patches(Frozen):
         fine = catmull_clark(self.control.mesh, 1, self.control.creases)
         middles = len(fine.mesh.vertices) - len(self.is_flat)
         outward = limit(fine.mesh, fine.creases).normals[middles:]
-        centre = normals[:, TURN_SAMPLES // 2, TURN_SAMPLES // 2]
-        return np.flatnonzero(~self.is_flat & ((least <= 0) | (dot(centre, outward) <= 0)))
+        center = normals[:, TURN_SAMPLES // 2, TURN_SAMPLES // 2]
+        return np.flatnonzero(~self.is_flat & ((least <= 0) | (dot(center, outward) <= 0)))
 
     def sampled(self, count: int) -> tuple[Floats, UnitVectors]:
         """Return points (f, count, count, 3), mm, of an even grid on each patch, and normals there.

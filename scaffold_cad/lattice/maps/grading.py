@@ -45,7 +45,7 @@ class Grading(Frozen):
 def graded(mapping: CellMap, size: Callable[[Points], ArrayLike]) -> Grading:
     """Return the grading under which cells on a map are as large as a function asks.
 
-    Neighbouring places of a grid are joined by springs that are as soft as cells are to be large
+    Neighboring places of a grid are joined by springs that are as soft as cells are to be large
     there; each coordinate is at rest on its own. Along one axis that is exact; where sizes vary
     along several, it is a compromise, as cells must go on as cells.
 
@@ -109,7 +109,7 @@ def sizes_at(size: Callable[[Points], ArrayLike], points: Points) -> Floats:
 
 
 def _grid_edges() -> tuple[Edges, Ints]:
-    """Return the neighbours in the grid (e, 2), and the axis along which each pair lies (e,)."""
+    """Return the neighbors in the grid (e, 2), and the axis along which each pair lies (e,)."""
     number = np.arange(GRID**3).reshape(GRID, GRID, GRID)
     pairs = [
         np.stack([np.delete(number, -1, axis).ravel(), np.delete(number, 0, axis).ravel()], axis=1)

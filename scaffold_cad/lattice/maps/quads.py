@@ -93,7 +93,7 @@ def vertex_normals(mesh: QuadMesh) -> UnitVectors:
 
 
 def _turned_alike(quads: Quads) -> Quads:
-    """Return the quads with their first corner chosen so that neighbours' directions agree."""
+    """Return the quads with their first corner chosen so that neighbors' directions agree."""
     partner = _partners(quads)
     turn = np.full(len(quads), -1)
     for seed in range(len(quads)):

@@ -144,7 +144,7 @@ class SphereMap(Frozen, CellMap):
     thickness: float
     """Of the wall, mm."""
     origin: Points
-    """Centre, shape (3,), mm."""
+    """Center, shape (3,), mm."""
     axes: Frames
     """Unit vectors towards u = 0, a quarter turn on, and the north pole, rows, shape (3, 3)."""
     latitudes: Floats | None

@@ -85,7 +85,7 @@ class Connectivity(Frozen):
 
     @cached_property
     def twin(self) -> Ints:
-        """Side on which the neighbouring quad runs back along each side, shape (4 f,)."""
+        """Side on which the neighboring quad runs back along each side, shape (4 f,)."""
         twin = np.empty(self.quads.size, dtype=np.intp)
         twin[self.sides_of_edge[:, 0]] = self.sides_of_edge[:, 1]
         twin[self.sides_of_edge[:, 1]] = self.sides_of_edge[:, 0]
@@ -128,7 +128,7 @@ class Connectivity(Frozen):
         )
         return np.asarray(scatter @ values)
 
-    def sum_of_crease_neighbours(self, points: Points) -> Points:
+    def sum_of_crease_neighbors(self, points: Points) -> Points:
         """Return the sum of the other ends of the creases at each vertex, shape (v, 3)."""
         ends = self.edges[self.is_crease]
         sums = self.sum_at_vertices(ends, points[ends[:, 0]] + points[ends[:, 1]])

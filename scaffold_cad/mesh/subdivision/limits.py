@@ -65,7 +65,7 @@ def limit_points(connectivity: Connectivity, points: Points) -> Points:
     limits: Points = ((valence - 3) * points + around / valence) / (valence + 5)
     if connectivity.is_crease.any():
         creases = connectivity.crease_valence[:, None]
-        along = (4 * points + connectivity.sum_of_crease_neighbours(points)) / 6
+        along = (4 * points + connectivity.sum_of_crease_neighbors(points)) / 6
         limits = np.where(creases == 2, along, limits)
         limits = np.where(creases > 2, points, limits)
     return limits

@@ -90,7 +90,7 @@ def subdivided_points(connectivity: Connectivity, points: Points) -> Points:
     creases = connectivity.crease_valence[:, None]
     if connectivity.is_crease.any():
         at_edges[connectivity.is_crease] = ends[connectivity.is_crease] / 2
-        along = (6 * points + connectivity.sum_of_crease_neighbours(points)) / 8
+        along = (6 * points + connectivity.sum_of_crease_neighbors(points)) / 8
         at_vertices = np.where(creases == 2, along, at_vertices)
         at_vertices = np.where(creases > 2, points, at_vertices)
     return np.concatenate([at_vertices, at_edges, middles])
