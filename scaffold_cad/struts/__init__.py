@@ -4,13 +4,12 @@ from scaffold_cad.struts.blend import Blends, Solved, Stars
 from scaffold_cad.struts.builder import round_struts
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.nodes import blends
-from scaffold_cad.struts.options import Ends, Nodes, StrutOptions
+from scaffold_cad.struts.options import Ends, StrutOptions
 from scaffold_cad.struts.sampling import Samples, sampled
 
 __all__ = [
     "Blends",
     "Ends",
-    "Nodes",
     "RoundStruts",
     "Samples",
     "Solved",

@@ -20,7 +20,7 @@ from scaffold_cad.struts.collars import LEAST_BLEND, collar_distances
 from scaffold_cad.struts.distances import Union
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.nodes import blends
-from scaffold_cad.struts.options import BLEND, Ends, Nodes, StrutOptions
+from scaffold_cad.struts.options import BLEND, Ends, StrutOptions
 from scaffold_cad.struts.recipes import RECIPES, WHOLE, Recipe
 from scaffold_cad.struts.room import allotted
 from scaffold_cad.struts.runs import Runs, straight_runs
@@ -35,7 +35,6 @@ def round_struts(
     *,
     blend: float | None = None,
     ends: Ends = "flat",
-    nodes: Nodes = "blend",
     wall: float | None = None,
     like: RoundStruts | None = None,
 ) -> RoundStruts:
@@ -43,11 +42,11 @@ def round_struts(
 
     Parameters
     ----------
-    skeleton : as `check_skeleton` asks; its edge radii are those of the struts
+    skeleton : as `check_skeleton` asks; its edge radii are those of the struts. A node whose own
+        radius is larger than those is a ball, blended with its struts
     blend : fillet radius at the nodes, mm; by default half the radius of a node's thinnest strut.
         Where there is no room for it it shrinks, to a tenth of the struts' radii at least
     ends : how struts end: "flat" at their node, "round" beyond it, or "open" with a wall
-    nodes : "blend", or "ball" for spheres of the nodes' radii
     wall : thickness of hollow struts, mm
     like : struts of the same skeleton with its nodes elsewhere: partitions and triangles stay, for
         animation and optimization
@@ -71,7 +70,7 @@ def round_struts(
     ([True, True, True], 0.4)
     """
     check_skeleton(skeleton)
-    options = StrutOptions(blend, ends, nodes, wall)
+    options = StrutOptions(blend, ends, wall)
     if like is not None:
         _check_like(skeleton, options, like)
     outer = _built(skeleton, options, None, like)

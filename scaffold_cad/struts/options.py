@@ -11,9 +11,6 @@ from scaffold_cad.errors import OptionError
 Ends: TypeAlias = Literal["flat", "round", "open"]
 """How struts end at extremities: a plane disc, a hemisphere, or, with a wall, a plane ring."""
 
-Nodes: TypeAlias = Literal["blend", "ball"]
-"""What stands at branch points: a fillet between the struts, or a sphere of the node's radius."""
-
 BLEND = 0.5
 """Fillet radius when none is given, in radii of the thinnest strut of the node."""
 
@@ -26,8 +23,6 @@ class StrutOptions:
     """Fillet radius of the nodes, mm; None for half the radius of each node's thinnest strut."""
     ends: Ends = "flat"
     """How struts end."""
-    nodes: Nodes = "blend"
-    """What stands at branch points."""
     wall: float | None = None
     """Thickness of the wall of hollow struts, mm; None for solid ones."""
 
@@ -35,7 +30,6 @@ class StrutOptions:
         if self.blend is not None:
             as_number(self.blend, "blend")
         check_choice(self.ends, "ends", ("flat", "round", "open"))
-        check_choice(self.nodes, "nodes", ("blend", "ball"))
         if self.wall is not None:
             as_number(self.wall, "wall")
         elif self.ends == "open":
