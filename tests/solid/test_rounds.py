@@ -74,6 +74,19 @@ def test_loops_become_handles() -> None:
         check_solid_of(skeleton, solid.manifold)
 
 
+def test_a_node_larger_than_its_struts_is_a_ball() -> None:
+    tips = 8 / np.sqrt(3) * np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    star = [[0, tip] for tip in range(1, 5)]
+    sticks = Skeleton(
+        np.vstack([np.zeros(3), tips]), star, [1.6, 0.5, 0.5, 0.5, 0.5], edge_radii=0.5
+    )
+    solid = to_solid(round_struts(sticks, blend=0.05), sides=32)
+    reach = np.sqrt(1.6**2 - 0.5**2)
+    cap = np.pi * (1.6 - reach) ** 2 * (3.2 + reach) / 3
+    volume = 4 / 3 * np.pi * 1.6**3 + 4 * (np.pi / 4 * (8 - reach) - cap)
+    assert solid.volume() == pytest.approx(volume, rel=3e-3)
+
+
 def test_struts_that_overlap_become_one_field_solid() -> None:
     solid = solidified(round_struts(CLOSE))
     assert solid.united_edges.tolist() == [0, 1]
