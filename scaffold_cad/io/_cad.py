@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,15 +13,27 @@ from scaffold_cad.io._curves import SAGITTA
 from scaffold_cad.io._raw import RawSkeleton, joined_polylines
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
+HEAD = 2**12
+"""Bytes from which a CAD format is recognized."""
 
-def read_cad_wires(path: Path) -> RawSkeleton:
+
+def read_cad_wires(path: Path, recognises: Callable[[bytes], bool]) -> RawSkeleton:
     """Return the edges of a CAD file that bound no face, joined where they have equal points.
+
+    Parameters
+    ----------
+    recognises : tells from the first bytes of a file whether it holds the format
 
     Raises
     ------
     FormatError
         If it cannot be read, or has no such edges.
     """
+    with path.open("rb") as stream:
+        if not recognises(stream.read(HEAD)):
+            raise FormatError(
+                f"{path} does not begin as {path.suffix[1:].upper()}; need such a file"
+            )
     wires = brep.read_wires(path, SAGITTA)
     if not wires.lines:
         raise FormatError(

@@ -41,7 +41,7 @@ def read_brep_wires(path: Path) -> RawSkeleton:
     Curves become edges within 1/1000 of their size, and join where they have equal points.
     """
     _refuse_cut(path)
-    return read_cad_wires(path)
+    return read_cad_wires(path, _recognises)
 
 
 def _refuse_cut(path: Path) -> None:

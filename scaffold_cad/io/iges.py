@@ -27,7 +27,7 @@ def read_iges_wires(path: Path) -> RawSkeleton:
     Curves become edges within 1/1000 of their size, and join where they have equal points. Lengths
     are in the unit of the file.
     """
-    return read_cad_wires(path)
+    return read_cad_wires(path, _recognises)
 
 
 @register_mesh_reader("IGES", ".iges", ".igs", names_unit=True)

@@ -50,7 +50,7 @@ def read_step_wires(path: Path) -> RawSkeleton:
 
     Curves become edges within 1/1000 of their size, and join where they have equal points.
     """
-    return read_cad_wires(path)
+    return read_cad_wires(path, _recognises)
 
 
 __all__ = ["STEP_SUFFIXES", "write_analytic", "write_step"]
