@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Ints, UnitVectors
+from scaffold_cad.base.arrays import Edges, Floats, Ints, Points, UnitVectors
 
 
 def dot(a: Floats, b: Floats) -> Floats:
@@ -23,6 +23,12 @@ def normalize(vectors: Floats) -> UnitVectors:
     """Return `vectors` (..., 3) scaled to length 1; a zero vector stays zero."""
     lengths = length(vectors)[..., None]
     return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0)
+
+
+def both_directions(nodes: Points, edges: Edges) -> UnitVectors:
+    """Return the unit vectors in which edges (m, 2) leave their first and last node, (2 m, 3)."""
+    ahead = normalize(nodes[edges[:, 1]] - nodes[edges[:, 0]])
+    return np.stack([ahead, -ahead], axis=1).reshape(-1, 3)
 
 
 def triple(a: Floats, b: Floats, c: Floats) -> Floats:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_number, check_kind
+from scaffold_cad.base.arguments import as_number, check_kind, checks_keywords
 from scaffold_cad.base.arrays import (
     Edges,
     Floats,
@@ -37,7 +37,7 @@ from scaffold_cad.base.topology import (
     incidence,
     valencies,
 )
-from scaffold_cad.base.vectors import length
+from scaffold_cad.base.vectors import both_directions, length
 from scaffold_cad.errors import SkeletonError
 from scaffold_cad.skeleton.editing import Editing
 from scaffold_cad.skeleton.joining import joined_graph
@@ -217,9 +217,7 @@ class Skeleton(Frozen, Shown, Editing):
     @cached_property
     def directions(self) -> UnitVectors:
         """Unit direction in which each half-edge leaves its node, shape (2 m, 3)."""
-        spans = self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]]
-        ahead = spans / self.lengths[:, None]
-        return np.stack([ahead, -ahead], axis=1).reshape(-1, 3)
+        return both_directions(self.nodes, self.edges)
 
     @cached_property
     def incidence(self) -> Incidence:
@@ -436,6 +434,7 @@ class Cleaning:
     repairs: Repairs
 
 
+@checks_keywords()
 def check_skeleton(skeleton: Skeleton) -> None:
     """Raise unless `skeleton` can be scaffolded.
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.base.topology import Incidence, component_labels, incidence, valencies
-from scaffold_cad.base.vectors import dot, length
+from scaffold_cad.base.vectors import both_directions, dot, length
 from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton
 
@@ -46,9 +46,7 @@ class Runs(Frozen):
     @cached_property
     def directions(self) -> UnitVectors:
         """Direction in which each half-run leaves its node, shape (2 k, 3)."""
-        spans = self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]]
-        ahead = spans / self.lengths[:, None]
-        return np.stack([ahead, -ahead], axis=1).reshape(-1, 3)
+        return both_directions(self.nodes, self.edges)
 
     @cached_property
     def slopes(self) -> Floats:
