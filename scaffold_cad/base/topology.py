@@ -100,7 +100,7 @@ def chains(edges: Edges, count: int) -> Chains:
 
 
 def _previous(tails: Ints, valency: Ints) -> Ints:
-    """Return the half-edge walked before each one through a joint; itself where there is none."""
+    """Return the half-edge walked before each one through a joint; itself at other nodes."""
     before = np.arange(len(tails))
     at_joint = np.flatnonzero(valency[tails] == 2)
     pairs = at_joint[np.argsort(tails[at_joint], kind="stable")].reshape(-1, 2)

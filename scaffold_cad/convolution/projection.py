@@ -218,7 +218,7 @@ def _onto(start: Points, field: ConvolutionField, longest: Floats) -> Placed:
 
 
 def _shortest_edges(mesh: QuadMesh) -> Floats:
-    """Return the length of the shortest edge at each vertex, (v,), mm; 0 where there is none."""
+    """Return the length of the shortest edge at each vertex, (v,), mm; 0 without edges."""
     ends = mesh.vertices[mesh.edges]
     lengths = length(ends[:, 1] - ends[:, 0])
     shortest = np.full(len(mesh.vertices), np.inf)

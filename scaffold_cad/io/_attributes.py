@@ -19,7 +19,7 @@ _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 
 
 def position_in(values: Mapping[str, Any]) -> list[float] | None:
-    """Return the position among attributes, 2 or 3 numbers, or None if there is none.
+    """Return the position among attributes, 2 or 3 numbers, or None without one.
 
     It may be three attributes, one with a list, or one with a text such as ``(0, 1.5, 2)``.
     """
@@ -36,7 +36,7 @@ def position_in(values: Mapping[str, Any]) -> list[float] | None:
 
 
 def radius_in(values: Mapping[str, Any]) -> float:
-    """Return the radius among attributes, from a diameter or an area too; NaN if there is none."""
+    """Return the radius among attributes, from a diameter or an area too; NaN without one."""
     plain = {name.strip().lower(): value for name, value in values.items()}
     for names, power, factor in ((RADII, 1, 1.0), (DIAMETERS, 1, 0.5), (AREAS, 2, 1.0)):
         for name in names:

@@ -43,8 +43,8 @@ class RawSkeleton(Frozen):
     unit: str | None
     """Unit that the file names, whose lengths are mm here; None if it names none."""
     usual_unit: str | None
-    """Unit that files of the format have by custom, whose numbers are taken as mm; None if the
-    custom is mm, or there is none."""
+    """Unit that files of the format have by custom, whose numbers are taken as mm; None for
+    formats in mm and for those without a custom."""
 
     def __init__(
         self,

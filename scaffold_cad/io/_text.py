@@ -136,7 +136,7 @@ def as_indices(path: Path, values: Floats) -> Ints:
     Raises
     ------
     FormatError
-        If one is no whole number that a float64 holds exactly.
+        If one is not a whole number that a float64 holds exactly.
     """
     whole = (np.abs(values) < LARGEST_WHOLE) & (values == np.round(values))
     bad = np.flatnonzero(~whole)

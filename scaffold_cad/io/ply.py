@@ -111,7 +111,7 @@ def _tables(path: Path) -> dict[str, _Table]:
 
 
 def _points(path: Path, tables: dict[str, _Table]) -> tuple[Floats, _Table]:
-    """Return the positions of the vertices, shape (v, 3), and all that is said of them."""
+    """Return the positions of the vertices, shape (v, 3), and their table of all properties."""
     vertex = _table(path, tables, "vertex", ("x", "y", "z"))
     return np.stack([vertex.columns[axis] for axis in "xyz"], axis=1), vertex
 

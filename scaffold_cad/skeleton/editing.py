@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import Any, Protocol, TypeAlias, TypeVar, get_args, runtime_checkable
 
@@ -40,7 +41,7 @@ CutRegion: TypeAlias = "Region | HasDistance | Callable[[Points], ArrayLike]"
 """A region, a function that is negative inside, or an object with such a one."""
 
 
-class Editing:
+class Editing(ABC):
     """Methods that return a new skeleton; what they are called on stays as it is."""
 
     nodes: Points
@@ -48,11 +49,11 @@ class Editing:
     radii: Radii
     edge_radii: Floats
 
+    @abstractmethod
     def _like(
         self: _Edited, nodes: ArrayLike, edges: ArrayLike, radii: ArrayLike, edge_radii: ArrayLike
     ) -> _Edited:
         """Return a skeleton of these arrays."""
-        raise NotImplementedError
 
     def __add__(self: _Edited, other: Any) -> _Edited:
         """Return both as one; nodes at the same place are welded, edges that both have are one.

@@ -159,7 +159,7 @@ class _Package:
     def add_balls(self, body: Any, balls: np.ndarray) -> None:
         """Add balls at vertices of an object where beams end."""
         lattice = body.BeamLattice()
-        # The radius of balls that have none of their own: there are none.
+        # lib3mf asks for a default radius; each ball here has its own.
         lattice.SetBallOptions(self._lib3mf.BeamLatticeBallMode.Mixed, float(balls["radius"][0]))
         self._call(lattice, "beamlattice_setballs", (self._lib3mf.Ball, balls))
 
