@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
-from scaffold_cad.base.arguments import as_number, check_kind
+from scaffold_cad.base.arguments import as_number, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.base.regions import BoxRegion, ImplicitRegion, Keep
 from scaffold_cad.errors import OptionError
@@ -21,6 +21,7 @@ NEWTON_STEPS = 8
 """Steps towards the surface where a function is 0."""
 
 
+@checks_keywords()
 def cut(
     skeleton: Skeleton,
     region: FillRegion,
@@ -64,6 +65,7 @@ def cut(
     return skeleton.cut(as_region(region, bounds), keep=keep, shortest=shortest)
 
 
+@checks_keywords()
 def snapped(
     skeleton: Skeleton, target: FillRegion | Skeleton, reach: float, *, ends: bool = True
 ) -> Skeleton:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
 
-from scaffold_cad.base.arguments import as_flag, as_number
+from scaffold_cad.base.arguments import as_flag, as_number, checks_keywords
 from scaffold_cad.base.arrays import Floats, Points, as_floats
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import UnitCell, density
@@ -29,6 +29,7 @@ RANGE = (0.02, 0.95)
 """Least and greatest radius measured, in that at which the formula gives 1."""
 
 
+@checks_keywords()
 def solve_radius(
     cell: str | UnitCell,
     size: ArrayLike,
@@ -68,6 +69,7 @@ def solve_radius(
     )
 
 
+@checks_keywords()
 def graded_radius(
     cell: str | UnitCell, size: ArrayLike, relative_density: Density, *, measured: bool = False
 ) -> Callable[[Points], Floats]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from scaffold_cad.base.arguments import as_number
+from scaffold_cad.base.arguments import as_number, checks_keywords
 from scaffold_cad.base.backends import need
 from scaffold_cad.filling.fill import HasTriangles
 from scaffold_cad.lattice.maps import BetweenMap, QuadMap, SurfaceMap
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from build123d import Face, Shape
 
 
+@checks_keywords()
 def face_map(face: Face, thickness: Height, offset: Height = 0.0) -> SurfaceMap:
     """Return the map of cells on a build123d face: u and v along it, w along its normal.
 
@@ -56,6 +57,7 @@ def face_map(face: Face, thickness: Height, offset: Height = 0.0) -> SurfaceMap:
     return SurfaceMap(FaceSurface.of(face), thickness, offset)
 
 
+@checks_keywords()
 def between_faces(lower: Face, upper: Face) -> BetweenMap:
     """Return the map of cells between two build123d faces: w runs straight from one to the other.
 
@@ -85,6 +87,7 @@ def between_faces(lower: Face, upper: Face) -> BetweenMap:
     return BetweenMap(FaceSurface.of(lower), FaceSurface.of(upper))
 
 
+@checks_keywords()
 def mesh_map(
     mesh: QuadMesh | TriangleMesh | HasTriangles | Shape,
     thickness: Height,

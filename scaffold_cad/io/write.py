@@ -18,7 +18,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from scaffold_cad.base.arguments import as_path
+from scaffold_cad.base.arguments import as_path, checks_keywords
 from scaffold_cad.base.builders import built
 from scaffold_cad.base.files import check_target, replacing
 from scaffold_cad.errors import OptionError
@@ -32,6 +32,7 @@ from scaffold_cad.solid.rounds import SIDES, check_sides
 from scaffold_cad.struts import RoundStruts
 
 
+@checks_keywords()
 def write(
     what: Any,
     path: str | PathLike[str],

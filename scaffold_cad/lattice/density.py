@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_number, as_real
+from scaffold_cad.base.arguments import as_number, as_real, checks_keywords
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.tiling import cell_size, tile
@@ -25,6 +25,7 @@ LARGEST_STEPS = 30
 """Densities measured before the search for a radius is given up."""
 
 
+@checks_keywords()
 def relative_density(cell: str | UnitCell, size: ArrayLike, radius: float) -> float:
     """Return the volume of thin round struts over that of the space they fill: first order.
 

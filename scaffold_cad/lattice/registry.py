@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from difflib import get_close_matches
 
-from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice.morecells import more_cells
 from scaffold_cad.lattice.namedcells import named_cells
@@ -56,6 +56,7 @@ def unit_cell(name: str) -> UnitCell:
     return _CELLS[key]
 
 
+@checks_keywords()
 def register_cell(cell: UnitCell, *, periodic: bool = True) -> None:
     """Make `cell` known by its name.
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Points, as_floats
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.errors import OptionError
@@ -20,6 +20,7 @@ from scaffold_cad.lattice.unitcell import UnitCell, as_three
 from scaffold_cad.skeleton import Skeleton
 
 
+@checks_keywords()
 def tile(
     cell: str | UnitCell,
     size: CellSize | None = None,
@@ -71,6 +72,7 @@ def tile(
     return struts.skeleton(radius)
 
 
+@checks_keywords()
 def mapped(
     skeleton: Skeleton, mapping: Callable[[Points], ArrayLike], *, weld: bool = True
 ) -> Skeleton:

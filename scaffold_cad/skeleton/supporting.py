@@ -7,7 +7,7 @@ import logging
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_number, as_real, check_kind
+from scaffold_cad.base.arguments import as_number, as_real, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, as_floats
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.skeleton.skeleton import Skeleton
@@ -18,6 +18,7 @@ PLATE = 1e-6
 _log = logging.getLogger(__name__)
 
 
+@checks_keywords()
 def self_supporting(
     skeleton: Skeleton,
     angle: float = np.pi / 4,

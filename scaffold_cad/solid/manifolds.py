@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.base.arrays import Points
 from scaffold_cad.base.backends import is_instance, need
 from scaffold_cad.errors import FormatError, MeshError
@@ -97,6 +97,7 @@ def manifold_triangles(manifold: Manifold) -> TriangleMesh:
     return TriangleMesh(mesh.vert_properties[:, :3], same[mesh.tri_verts.astype(np.intp)])
 
 
+@checks_keywords()
 def to_trimesh(what: QuadMesh | TriangleMesh | Manifold) -> Trimesh:
     """Return the triangles of `what` as a trimesh object, every vertex as it is.
 

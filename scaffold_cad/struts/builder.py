@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors
 from scaffold_cad.base.vectors import any_perpendicular
 from scaffold_cad.errors import OptionError
@@ -30,6 +30,7 @@ MOST_IN_PIECES = 4
 """Most struts of a node whose patches may be cut into polynomial pieces."""
 
 
+@checks_keywords()
 def round_struts(
     skeleton: Skeleton,
     *,

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from scaffold_cad.base.arguments import as_count, check_kind
+from scaffold_cad.base.arguments import as_count, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.base.vectors import dot, normalize
 from scaffold_cad.brep.bernstein import bernstein, elevation
@@ -87,6 +87,7 @@ class Patches(Frozen):
         return surface(value, value), normalize(normals)
 
 
+@checks_keywords()
 def smooth_patches(surface: QuadMesh, degree: int = 5, split: int | None = None) -> Patches:
     """Return a quad mesh as smooth Bézier patches: one a quad, all joins G1.
 

@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, as_floats
 from scaffold_cad.base.radii import Radius, radii_at
 from scaffold_cad.base.regions import BoxRegion
@@ -68,6 +68,7 @@ class MappedLattice(Frozen):
         return float(self.stretch.min())
 
 
+@checks_keywords()
 def lattice_on(
     mapping: CellMap,
     cell: str | UnitCell,
