@@ -132,7 +132,7 @@ def write_obj_content(content: Content, path: Path) -> None:
 
 def write_obj(mesh: QuadMesh | TriangleMesh, path: Path, unit: str = "mm") -> None:
     """Write the vertices, exact to the last bit, and the faces of `mesh`."""
-    faces = mesh.quads if isinstance(mesh, QuadMesh) else mesh.triangles
+    faces = mesh.fans if isinstance(mesh, QuadMesh) else mesh.triangles
     with path.open("w", encoding="ascii", newline="\n") as file:
         file.write(f"# scaffold_cad\n# unit: {unit}\n")
         _write_rows(file, "v %r %r %r\n", mesh.vertices)

@@ -312,7 +312,7 @@ def write_ply(mesh: QuadMesh | TriangleMesh, path: Path, unit: str = "mm") -> No
         If it has more vertices than PLY indices can tell apart.
     """
     _check_count(len(mesh.vertices))
-    faces = mesh.quads if isinstance(mesh, QuadMesh) else mesh.triangles
+    faces = mesh.fans if isinstance(mesh, QuadMesh) else mesh.triangles
     with path.open("wb") as file:
         _write_header(file, len(mesh.vertices), len(faces), unit)
         file.write(mesh.vertices.astype("<f8").tobytes())

@@ -103,16 +103,22 @@ class QuadMesh(Frozen, Shown):
         in a quad with a corner that points inwards, that one is taken. At a tie it is the first:
         the same mesh always gives the same triangles.
         """
+        return self.fans[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
+
+    @cached_property
+    def fans(self) -> Quads:
+        """The quads, each from a corner of the diagonal that `triangles` splits it along, (f, 4).
+
+        A reader that cuts each face of a file into a fan from its first corner, as most do, has
+        the same triangles.
+        """
         a, b, c, d = (self.vertices[self.quads[:, k]] for k in range(4))
         along, across = c - a, d - b
         shorter = dot(along, along) <= dot(across, across) * (1 + 1e-9)
         flat_along = dot(np.cross(b - a, along), np.cross(along, d - a)) >= 0
         flat_across = dot(np.cross(c - b, across), np.cross(across, a - b)) >= 0
         first = np.where(flat_along == flat_across, shorter, flat_along)
-        q = self.quads
-        split_ac = np.stack([q[:, [0, 1, 2]], q[:, [0, 2, 3]]], axis=1)
-        split_bd = np.stack([q[:, [0, 1, 3]], q[:, [1, 2, 3]]], axis=1)
-        return np.where(first[:, None, None], split_ac, split_bd).reshape(-1, 3)
+        return np.where(first[:, None], self.quads, np.roll(self.quads, 1, axis=1))
 
     @property
     def signed_volume(self) -> float:

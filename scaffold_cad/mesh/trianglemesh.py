@@ -64,7 +64,7 @@ class TriangleMesh(Frozen, Shown):
         rounded = self.vertices.astype(np.float32)
         corners = rounded[self.triangles]  # (t, 3, 3)
         if not (corners == np.roll(corners, 1, axis=1)).all(axis=2).any():
-            return self
+            return TriangleMesh(rounded.astype(np.float64), self.triangles)
         places, place = np.unique(rounded + np.float32(0), axis=0, return_inverse=True)
         triangles = place.reshape(-1)[self.triangles]
         proper = triangles[have_distinct_corners(triangles)]

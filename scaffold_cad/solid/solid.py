@@ -217,27 +217,28 @@ class FaultySurfaceError(MeshError):
 
 
 def clean_surface(manifold: Manifold) -> TriangleMesh:
-    """Return the surface of a union without the edges that 32-bit coordinates cannot hold.
+    """Return the surface of a union in 32-bit coordinates, as files hold it.
 
-    They would be written with two ends at one place.
+    Edges and slivers that these cannot hold, which would be written with two ends at one place or
+    turned over, are drawn together before.
 
     Raises
     ------
     FaultySurfaceError
         If it crosses itself, or does not stay closed in 32-bit coordinates.
     """
-    mesh = manifolds.manifold_triangles(manifold)
-    extent = float(np.abs(mesh.vertices).max(initial=0.0))
-    mesh = without_short_edges(mesh, SINGLE_PRECISION * extent)
-    crossings = self_intersections(mesh)
-    if len(crossings):
-        places = mesh.vertices[mesh.triangles[crossings[:, 0]]].mean(axis=1)
-        raise FaultySurfaceError(f"crosses itself in {len(crossings)} places", places)
-    written = mesh.single_precision()
+    low, high = np.reshape(manifold.bounding_box(), (2, 3))
+    least = SINGLE_PRECISION * float(np.abs([low, high]).max())
+    mesh = manifolds.manifold_triangles(manifold.simplify(least))
+    written = without_short_edges(mesh, least).single_precision()
     try:
         written.check_closed()
     except MeshError as error:
         places = written.vertices[np.concatenate(written.faulty_sides())[:, 0]]
         message = f"does not stay closed in 32-bit coordinates: {error}"
         raise FaultySurfaceError(message, places) from None
-    return mesh
+    crossings = self_intersections(written)
+    if len(crossings):
+        places = written.vertices[written.triangles[crossings[:, 0]]].mean(axis=1)
+        raise FaultySurfaceError(f"crosses itself in {len(crossings)} places", places)
+    return written

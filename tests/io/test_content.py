@@ -120,7 +120,7 @@ def test_obj_and_ply_keep_quads_and_every_bit(tmp_path_factory, seed: int) -> No
     vertices = [line.split()[1:] for line in lines if line.startswith("v ")]
     faces = [line.split()[1:] for line in lines if line.startswith("f ")]
     np.testing.assert_array_equal(np.array(vertices, dtype=float), mesh.vertices)
-    np.testing.assert_array_equal(np.array(faces, dtype=int) - 1, mesh.quads)
+    np.testing.assert_array_equal(np.array(faces, dtype=int) - 1, mesh.fans)
 
     write(mesh, folder / "torus.ply")
     body = (folder / "torus.ply").read_bytes().partition(b"end_header\n")[2]
@@ -130,7 +130,7 @@ def test_obj_and_ply_keep_quads_and_every_bit(tmp_path_factory, seed: int) -> No
     )
     rows = np.frombuffer(body[size:], dtype=[("count", "u1"), ("corners", "<i4", 4)])
     assert set(rows["count"]) == {4}
-    np.testing.assert_array_equal(rows["corners"], mesh.quads)
+    np.testing.assert_array_equal(rows["corners"], mesh.fans)
 
 
 @pytest.mark.parametrize(("suffix", "line"), [(".obj", "# unit: mm"), (".ply", "comment unit: mm")])

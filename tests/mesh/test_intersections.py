@@ -18,6 +18,7 @@ from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from tests.crossings import INSTALLED, faults_by_cgal
 
 # ---------------------------------------------------------------------------------------------
 # The oracle: every corner of an intersection is a corner of a triangle, or lies where an edge
@@ -488,15 +489,14 @@ def test_an_edge_that_a_union_splits_in_two_is_no_crossing() -> None:
     assert len(self_intersections(union, weld=False)) > 0
 
 
-def test_pymeshlab_finds_the_same_triangles() -> None:
-    pymeshlab = pytest.importorskip("pymeshlab")
+@pytest.mark.skipif(not INSTALLED, reason="CGAL has no wheel here")
+def test_cgal_finds_a_crossing_where_one_is_found() -> None:
     bars = side_by_side([as_mesh(bar) for bar in crossed_bars()])
-    for mesh in (tube(figure_of_eight(48, 0.5), radius=1.0), bars):
-        meshes = pymeshlab.MeshSet()
-        meshes.add_mesh(pymeshlab.Mesh(mesh.vertices, mesh.triangles))
-        meshes.compute_selection_by_self_intersections_per_face()
-        theirs = np.flatnonzero(meshes.current_mesh().face_selection_array())
-        assert np.unique(self_intersections(mesh)).tolist() == theirs.tolist()
+    crossing = tube(figure_of_eight(48, 0.5), radius=1.0)
+    for mesh in (bars, crossing, as_mesh(Manifold.cube([1.0, 1.0, 1.0]))):
+        found = faults_by_cgal(mesh.vertices, mesh.triangles) == "crosses itself"
+        assert found == (len(self_intersections(mesh)) > 0)
+    assert faults_by_cgal(crossing.vertices, crossing.triangles[1:]) == "not closed"
 
 
 def test_only_pairs_within_a_part_are_found_if_parts_are_given() -> None:

@@ -116,7 +116,7 @@ def test_bad_arrays_are_refused() -> None:
 
 def test_triangles_split_each_quad_along_its_shorter_diagonal() -> None:
     rhombus = np.array([[0, 0, 0], [3, -1, 0], [6, 0, 0], [3, 1, 0]], dtype=float)
-    assert QuadMesh(rhombus, [[0, 1, 2, 3]]).triangles.tolist() == [[0, 1, 3], [1, 2, 3]]
+    assert QuadMesh(rhombus, [[0, 1, 2, 3]]).triangles.tolist() == [[3, 0, 1], [3, 1, 2]]
     assert QuadMesh(rhombus, [[1, 2, 3, 0]]).triangles.tolist() == [[1, 2, 3], [1, 3, 0]]
 
 

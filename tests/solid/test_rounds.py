@@ -9,25 +9,15 @@ import pytest
 
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import tile
-from scaffold_cad.mesh.intersections import self_intersections
-from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import solidified, thicken, to_solid
 from scaffold_cad.solid.rounds import coarse_union, round_mesh
 from scaffold_cad.struts import round_struts
+from tests.crossings import check_as_written
 from tests.skeletons import CUBE, K4, NAMED, STICK_FIGURE, STRUT, TAPER, TRIPOD
-from tests.solids import check_solid_of, check_watertight
+from tests.solids import check_solid_of
 
 CLOSE = Skeleton([[0, 0, 0], [20, 0, 0], [10, -8, 0.5], [10, 8, 0.5]], [[0, 1], [2, 3]], 1.0)
-
-
-def check_as_written(mesh: TriangleMesh) -> None:
-    """Assert that the mesh is a solid in 32-bit coordinates, vertices at one place welded."""
-    points, number = np.unique(mesh.vertices.astype(np.float32), axis=0, return_inverse=True)
-    assert len(points) == len(mesh.vertices)
-    written = TriangleMesh(points.astype(np.float64), number.reshape(-1)[mesh.triangles])
-    check_watertight(written)
-    assert len(self_intersections(written)) == 0
 
 
 @pytest.mark.parametrize("sides", [4, 8, 16, 32])

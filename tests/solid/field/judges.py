@@ -5,35 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.field import FieldStruts
+from tests.crossings import check_as_written
 
 
-def check_as_written(mesh: TriangleMesh) -> None:
-    """Assert that the mesh is closed and free of crossings in 32 bits, equal places welded."""
+def check_exact(mesh: TriangleMesh) -> None:
+    """Assert that 32 bits hold a surface as it is, whole, with no two vertices at one place."""
     places = mesh.vertices.astype(np.float32)
     assert (places == mesh.vertices).all()
     assert len(np.unique(places, axis=0)) == len(places)
-    mesh.check_closed()
-    assert crossing_faces(mesh) == 0
-
-
-def crossing_faces(mesh: TriangleMesh) -> int:
-    """Return how many faces cross others, by MeshLab; 0 where it is not installed.
-
-    MeshLab's test has a tolerance, and takes some small triangles of a flat end, side by side in
-    one plane, for crossing. What it finds is looked at again in exact arithmetic.
-    """
-    try:
-        import pymeshlab
-    except ImportError:
-        return 0
-    judge = pymeshlab.MeshSet()
-    judge.add_mesh(pymeshlab.Mesh(mesh.vertices, mesh.triangles.astype(np.int32)))
-    judge.compute_selection_by_self_intersections_per_face()
-    found = int(judge.current_mesh().selected_face_number())
-    return len(self_intersections(mesh)) if found else 0
+    check_as_written(mesh)
 
 
 def manifold_vertices(mesh: TriangleMesh) -> bool:

@@ -5,7 +5,7 @@ import pytest
 
 from scaffold_cad.errors import OptionError
 from scaffold_cad.solid.field import cells, field_solid, field_struts
-from tests.solid.field.judges import check_as_written, manifold_vertices, sampled_volume
+from tests.solid.field.judges import check_exact, manifold_vertices, sampled_volume
 
 TRIPOD = np.array([[[0, 0, 0], [30, 0, 0]], [[0, 0, 0], [0, 30, 0]], [[0, 0, 0], [9, 9, 30.0]]])
 """Three struts from one node, mm."""
@@ -35,14 +35,14 @@ def test_a_cylinder_has_its_volume(radius: float) -> None:
     solid = field_solid(field_struts(ends, radius, flat=True), cell=radius / 6)
     exact = np.pi * radius**2 * np.linalg.norm(ends[0, 1] - ends[0, 0])
     assert solid.mesh.signed_volume == pytest.approx(exact, rel=1e-3)
-    check_as_written(solid.mesh)
+    check_exact(solid.mesh)
 
 
 @pytest.mark.parametrize(("cell", "error"), [(None, 5e-3), (1 / 6, 1e-3)])
 def test_a_ball_has_its_volume(cell: float | None, error: float) -> None:
     solid = field_solid(field_struts([], [], balls=[[0.1, 0.2, 0.3]], ball_radii=1.0), cell=cell)
     assert solid.mesh.signed_volume == pytest.approx(4 / 3 * np.pi, rel=error)
-    check_as_written(solid.mesh)
+    check_exact(solid.mesh)
 
 
 def test_a_cone_has_its_volume() -> None:
@@ -68,7 +68,7 @@ def test_volume_of_overlapping_struts_is_that_of_their_union() -> None:
     solid = field_solid(struts)
     volume, deviation = sampled_volume(struts)
     assert abs(solid.mesh.signed_volume - volume) < 0.005 * volume + 4 * deviation
-    check_as_written(solid.mesh)
+    check_exact(solid.mesh)
 
 
 def test_fillets_add_what_a_rolling_ball_leaves() -> None:
@@ -88,7 +88,7 @@ def test_the_same_part_twice_is_the_part_once(shift: float) -> None:
     once = field_solid(field_struts(TRIPOD, 2.0))
     twice = field_solid(field_struts(np.concatenate([TRIPOD, TRIPOD + shift]), 2.0))
     assert twice.mesh.signed_volume == pytest.approx(once.mesh.signed_volume, rel=1e-4)
-    check_as_written(twice.mesh)
+    check_exact(twice.mesh)
 
 
 def test_a_straight_chain_is_one_cylinder() -> None:
@@ -124,7 +124,7 @@ HARD = {
 @pytest.mark.parametrize("name", HARD)
 def test_what_is_written_is_closed_and_free_of_crossings(name: str) -> None:
     solid = field_solid(HARD[name])
-    check_as_written(solid.mesh)
+    check_exact(solid.mesh)
     assert solid.components == 1
     assert solid.mesh.signed_volume > 0
 
@@ -134,7 +134,7 @@ def test_random_struts_of_several_cell_sizes_are_closed_and_free_of_crossings(se
     ends, radii, flat = random_struts(seed, spread=3.0 if seed % 2 else 10.0)
     solid = field_solid(field_struts(ends, radii, flat=flat))
     assert solid.cells[1] > solid.cells[0]
-    check_as_written(solid.mesh)
+    check_exact(solid.mesh)
 
 
 def test_triangles_around_each_vertex_are_one_fan() -> None:
@@ -164,7 +164,7 @@ def test_struts_apart_are_components_and_a_shell_has_a_cavity() -> None:
 def test_a_strut_thinner_than_32_bit_numbers_can_tell_is_thickened_and_said() -> None:
     far = field_solid(field_struts(TRIPOD + np.array([76e6, 0, 0]), [1.0, 500.0, 500.0]))
     assert far.thickened.tolist() == [0]
-    check_as_written(far.mesh)
+    check_exact(far.mesh)
     assert field_solid(field_struts(TRIPOD, 1.0)).thickened.tolist() == []
 
 

@@ -1,0 +1,209 @@
+"""Files of real skeletons, as read back by programs that had no part in making them.
+
+``python -m tests.validation.files [NAME …] [--seconds 120]`` writes every skeleton of
+../shared/data and ../shared/data/reported at 1, 2 and 4 times its radii: square, round, and the
+frame of the square one, in every format of meshes and as STEP. trimesh, lib3mf and OCCT read them,
+CGAL looks for crossings in exact arithmetic, and the volume of round struts is held against a count
+of random points in the struts.
+"""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import multiprocessing
+import resource
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Iterator
+from multiprocessing.connection import Connection
+from pathlib import Path
+
+import numpy as np
+import trimesh
+
+from scaffold_cad import (
+    RoundStruts,
+    Scaffold,
+    Skeleton,
+    build_scaffold,
+    read_skeleton,
+    round_struts,
+    write,
+)
+from scaffold_cad.base.arrays import Ints, Points, Triangles
+from scaffold_cad.errors import ScaffoldCadError
+from scaffold_cad.solid.thicken import frame_scaffold
+from tests.crossings import faults_by_cgal
+from tests.real_files import RADII
+from tests.validation.struts import union_volume
+
+DATA = Path(__file__).parents[2] / ".." / "shared" / "data"
+RADIUS = {
+    "test_mocapbank.bvh": 1.5,
+    "C60-buckminsterfullerene.cjson": 0.2,
+    "Leica_Disto_S910.dxf": 0.02,
+    "dxf_T.dxf": 1.0,
+    "dxf_X.dxf": 1.0,
+    **RADII,
+}
+FACTORS = (1, 2, 4)
+KINDS = ("square", "round", "frame")
+FORMATS = (".stl", ".3mf", ".obj", ".ply", ".glb")
+FRAME = 0.15
+"""Radius of a frame, in median radii."""
+FILLETS = 1.25
+"""Largest volume of round struts over that of their union: it has fillets."""
+MOST_FACES = 4000
+"""Struts of a skeleton whose STEP file is made: one of facets has 32 faces a strut."""
+
+
+def skeletons() -> Iterator[Path]:
+    """Yield the files, those of nobody's skeletons left out."""
+    for folder in (DATA, DATA / "reported"):
+        yield from sorted(
+            path for path in folder.glob("*.*") if path.is_file() and path.suffix != ".md"
+        )
+
+
+def read_back(path: Path) -> tuple[Points, Triangles]:
+    """Return the vertices (v, 3) and triangles (t, 3) of a written file."""
+    if path.suffix == ".3mf":  # lib3mf itself, without this package
+        import lib3mf
+
+        model = lib3mf.get_wrapper().CreateModel()
+        model.QueryReader("3mf").ReadFromFile(str(path))
+        meshes = model.GetMeshObjects()
+        points, corners, count = [], [], 0
+        while meshes.MoveNext():
+            mesh = meshes.GetCurrentMeshObject()
+            points.append(np.array([vertex.Coordinates[:] for vertex in mesh.GetVertices()]))
+            corners.append(np.array([tri.Indices[:] for tri in mesh.GetTriangleIndices()]) + count)
+            count += len(points[-1])
+        return np.concatenate(points), np.concatenate(corners)
+    mesh = trimesh.load_mesh(path, process=False)
+    scale = 1000.0 if path.suffix == ".glb" else 1.0  # glTF has meters
+    return scale * np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces)
+
+
+def faults(path: Path, parts: int) -> tuple[str, float]:
+    """Return what is wrong with a written file, "" for nothing, and its volume."""
+    if path.suffix == ".step":  # facets of square struts are bilinear
+        from build123d import import_step
+
+        shape = import_step(path)
+        return "" if shape.is_valid and len(shape.solids()) <= parts else "invalid", shape.volume
+    vertices, triangles = read_back(path)
+    mesh = trimesh.Trimesh(vertices, triangles)
+    found = faults_by_cgal(vertices, triangles)
+    if not mesh.is_watertight:
+        found = found or "not watertight"
+    if mesh.body_count > parts:
+        found = found or f"{mesh.body_count} bodies for {parts}"
+    return found, float(mesh.volume)
+
+
+def check(path: Path, factor: float, kind: str) -> Iterator[str]:
+    """Yield what is wrong with the files of one skeleton, one line a fault."""
+    skeleton = read_skeleton(path, RADIUS.get(path.name))
+    skeleton = skeleton.with_edge_radii(factor * skeleton.edge_radii)
+    made = made_of(skeleton, kind)
+    volumes = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for suffix in (*FORMATS, *((".step",) if len(skeleton.edges) < MOST_FACES else ())):
+            if suffix == ".step" and len(crowded(made)):
+                continue  # refused by name
+            file = Path(folder) / f"written{suffix}"
+            write(made, file)
+            found, volumes[suffix] = faults(file, skeleton.component_count)
+            if found:
+                yield f"{suffix}: {found}"
+    for suffix, volume in volumes.items():
+        if suffix != ".step" and abs(volume / volumes[".stl"] - 1) > 1e-5:
+            yield f"{suffix}: volume {volume:g} beside {volumes['.stl']:g} of .stl"
+    if kind == "round":
+        union, error = union_volume(skeleton, np.random.default_rng(0))
+        ratio = volumes[".stl"] / union
+        if not 0.99 - 3 * error / union < ratio < FILLETS:
+            yield f"volume is {ratio:.3f} of the struts' union"
+
+
+def made_of(skeleton: Skeleton, kind: str) -> Scaffold | RoundStruts:
+    """Return what is written of a skeleton."""
+    if kind == "round":
+        return round_struts(skeleton)
+    square = build_scaffold(skeleton)
+    if kind == "square":
+        return square
+    return frame_scaffold(square, FRAME * float(np.median(skeleton.radii)))
+
+
+def crowded(made: Scaffold | RoundStruts) -> Ints:
+    """Return the struts that overlap others, which STEP refuses."""
+    return made.overlapping if isinstance(made, RoundStruts) else made.embedding().left_out
+
+
+def run(path: Path, factor: float, kind: str, told: Connection) -> None:
+    """Check one skeleton in a process of its own."""
+    logging.disable(logging.WARNING)
+    try:
+        for line in check(path, factor, kind):
+            told.send(line)
+    except ScaffoldCadError as error:
+        told.send(f"refused: {str(error)[:150]}")
+    except BaseException as error:  # what no user should see
+        told.send(f"{type(error).__name__}: {str(error)[:150]}")
+    told.send(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6)
+
+
+def outcome(path: Path, factor: float, kind: str, seconds: float) -> tuple[list[str], float, float]:
+    """Return the faults of one skeleton, the seconds, and the greatest memory in GB."""
+    context = multiprocessing.get_context("spawn")
+    ours, told = context.Pipe(duplex=False)
+    began = time.perf_counter()
+    process = context.Process(target=run, args=(path, factor, kind, told))
+    process.start()
+    told.close()
+    found, memory = [], 0.0
+    try:
+        while ours.poll(max(seconds - (time.perf_counter() - began), 0.0)):
+            line = ours.recv()
+            if isinstance(line, float):
+                memory = line
+                break
+            found.append(line)
+        else:
+            found.append(f"not done in {seconds:.0f} s")
+    except EOFError:
+        found.append(f"ended with code {process.exitcode}")
+    process.kill()
+    process.join()
+    return found, time.perf_counter() - began, memory
+
+
+def main() -> int:
+    """Print one line a skeleton and kind; return how many had a fault, 1 at most."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("names", nargs="*", help="files, all by default")
+    parser.add_argument("--seconds", type=float, default=120.0, help="for one of them, at most")
+    parser.add_argument("--factors", type=float, nargs="*", default=FACTORS)
+    parser.add_argument("--kinds", nargs="*", choices=KINDS, default=KINDS)
+    options = parser.parse_args()
+    done: Counter[str] = Counter()
+    for path in skeletons():
+        if options.names and path.name not in options.names:
+            continue
+        for factor in options.factors:
+            for kind in options.kinds:
+                found, seconds, memory = outcome(path, factor, kind, options.seconds)
+                done["with a fault" if found else "good"] += 1
+                what = f"{path.name[:40]:<40} x{factor:<3g} {kind:<6}"
+                print(f"{what} {seconds:6.1f} s {memory:5.2f} GB  {'; '.join(found)}", flush=True)
+    print(", ".join(f"{count} {what}" for what, count in sorted(done.items())))
+    return int(done["with a fault"] > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
