@@ -58,14 +58,14 @@ def solid_pieces(scaffold: Scaffold, embedded: Embedding, wobble: Floats) -> Pie
 
     Parameters
     ----------
-    wobble : (n,) float64; relative perturbation of the prisms of struts left out at
-        each node, as a fraction of their radius: faces that lie in one plane, or edges in one
-        line, are hard to unite
+    wobble : (n,) float64; relative perturbation of the prisms of struts left out, and of what
+        is at their nodes, as a fraction of their radius: faces that lie in one plane, or
+        edges in one line, are hard to unite
     """
     struts = _struts_left_out(scaffold, embedded.kept, wobble)
     return Pieces(
         _kept_surface(scaffold, embedded),
-        _spheres(scaffold, np.flatnonzero(~embedded.kept_nodes)),
+        _spheres(scaffold, np.flatnonzero(~embedded.kept_nodes), wobble),
         [*_prisms(scaffold, struts), *_hubs(scaffold, struts, embedded.kept)],
     )
 
@@ -120,11 +120,15 @@ def _fans(rings: Ints, first_apex: int) -> Triangles:
     return np.stack([rings, np.roll(rings, -1, axis=1), apex], axis=2).reshape(-1, 3)
 
 
-def _spheres(scaffold: Scaffold, nodes: Ints) -> list[TriangleMesh]:
-    """Return the closed surface of the quads around each of the branch points `nodes`."""
+def _spheres(scaffold: Scaffold, nodes: Ints, wobble: Floats) -> list[TriangleMesh]:
+    """Return the closed surface of the quads around each of the branch points `nodes`.
+
+    They grow with the wobble (n,), each by another part of it: two nodes may be at one place.
+    """
     stars, incidence = scaffold.stars, scaffold.skeleton.incidence
     spheres = []
-    for node in nodes.tolist():
+    sizes = 1.0 + np.abs(wobble[nodes]) * (0.5 + spread(len(nodes), 1))
+    for node, size in zip(nodes.tolist(), sizes.tolist(), strict=True):
         half_edges = incidence.half_edges[incidence.offsets[node] : incidence.offsets[node + 1]]
         # The vertices of a star follow each other, which come first in the mesh.
         own = slice(*stars.offsets[[node, node + 1]].tolist())
@@ -132,7 +136,9 @@ def _spheres(scaffold: Scaffold, nodes: Ints) -> list[TriangleMesh]:
         rings = stars.corners[half_edges] - own.start
         apexes = stub_apexes(scaffold, half_edges)
         triangles = _fans(rings, len(vertices))
-        spheres.append(TriangleMesh(np.concatenate([vertices, apexes]), triangles))
+        center = scaffold.skeleton.nodes[node]
+        points = center + size * (np.concatenate([vertices, apexes]) - center)
+        spheres.append(TriangleMesh(points, triangles))
     return spheres
 
 

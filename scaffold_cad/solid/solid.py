@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 WOBBLES = np.array([0.0, 1e-3, -1e-3, 3e-3, -3e-3, 0.01, -0.01, 0.02, -0.02, 0.03, -0.03])
-"""Relative changes of radius that the prisms of overlapping square struts are given, in turn, where
-their union crosses itself. The first that works is taken."""
+"""Relative changes of radius that overlapping square struts and their nodes are given, in turn,
+where their union crosses itself. The first that works is taken."""
 
 NEAR_FAULT = 3.0
 """How far from a fault of a union struts are changed, in their radii."""

@@ -90,7 +90,9 @@ class Union(Frozen):
         blends = self.blends[:, None]
         # Far from all struts f is the distance to the nearest one.
         reach = np.maximum(blends, distances.min(axis=0) + 1e-6 * blends)
-        needs = reach - distances
+        needs = np.maximum(
+            reach - distances, 0.0
+        )  # a node without a ball is infinitely far from it
         by_point = np.stack([part[1] for part in parts])
         by_axis = np.stack(
             [np.zeros_like(square) if part[2] is None else part[2] for part in parts]

@@ -19,8 +19,11 @@ from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.scaffold.embedding import Embedding
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import solid, solidified, to_solid
+from scaffold_cad.solid.manifolds import manifold_triangles
 from scaffold_cad.solid.pieces import Pieces, solid_pieces
+from scaffold_cad.struts import round_struts
 from tests import skeletons as named
+from tests.crossings import check_as_written
 from tests.meshes import CUBE
 from tests.real_files import RADII, real_skeleton
 from tests.scaffold.test_embedding import CROSSING, DOUBLED_BACK, NARROW, OVERLAPPING_SPHERES
@@ -128,3 +131,15 @@ def test_a_fault_that_stays_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(solid, "clean_surface", faulty)
     with pytest.raises(MeshError, match="the union of 2 overlapping struts has a fault; need"):
         solid.solidified(build_scaffold(CROSSING))
+
+
+@pytest.mark.parametrize("shift", [2.5e-6, 1e-3])
+def test_a_part_beside_itself_is_one_solid_as_written(shift: float) -> None:
+    arms = np.array([[0.0, 0, 0], [-1.9, -2.8, -0.7], [13, 4, 5], [-8, 11, 4], [3, -6, 12]])
+    star = [[0, 1], [0, 2], [0, 3], [0, 4]]
+    moved = arms + shift * np.array([0.6, 0.0, 0.8])
+    twice = Skeleton(np.concatenate([arms, moved]), [*star, *(np.array(star) + 5).tolist()], 1.0)
+    for made in (build_scaffold(twice), round_struts(twice)):
+        solids = to_solid(made).decompose()
+        assert len(solids) == 1
+        check_as_written(manifold_triangles(solids[0]))

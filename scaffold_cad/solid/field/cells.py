@@ -93,7 +93,21 @@ def levels_of(
         total += len(level.groups)
         _check_size(total + len(groups) * GROWTH ** (size - 1))
         found.append(level)
-    return balanced(found[::-1])
+    return balanced(_with_leaves(found[::-1]))
+
+
+def _with_leaves(levels: list[Level]) -> list[Level]:
+    """Return the levels with those refined cells as leaves of which nothing finer was kept.
+
+    The surface passes none of them, but a coarser leaf beside them has to find what is there.
+    """
+    result = []
+    held = np.zeros(0, dtype=np.int64)  # cells that hold a group of a finer level
+    for level in levels:
+        cells = packed(2 * level.groups[:, None] + CHILDREN)  # (g, 8)
+        result.append(Level(level.groups, level.lists, level.leaf | ~np.isin(cells, held)))
+        held = np.union1d(packed(level.groups), np.unique(packed(unpacked(held) >> 1)))
+    return result
 
 
 def _check_size(groups: float) -> None:

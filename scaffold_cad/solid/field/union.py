@@ -58,8 +58,16 @@ class FilletedUnion(Frozen):
         """Return the distance of each point (k, 3) to its strut, and the place on its axis.
 
         The distance is that to the balls along the strut's axis that touch its side: exact for
-        round ends, and for flat ends the larger of that and the distance to the end's plane.
+        round ends, and for flat ends too, where the rim is nearest to what is beyond both.
         """
+        side, beyond, place = self._parts(x, struts)
+        if beyond is None:
+            return side, place
+        off_rim = np.hypot(np.maximum(side, 0.0), np.maximum(beyond, 0.0))
+        return np.where(off_rim > 0, off_rim, np.maximum(side, beyond)), place
+
+    def _parts(self, x: Points, struts: Ints) -> tuple[Floats, Floats | None, Floats]:
+        """Return the distance from a strut's side, from its ends' planes, and the place, (k,)."""
         px, py, pz, ax, ay, az, low, high, radius, sine, slope = (row[struts] for row in self.rows)
         px, py, pz = x[:, 0] - px, x[:, 1] - py, x[:, 2] - pz
         along = px * ax + py * ay + pz * az
@@ -72,23 +80,26 @@ class FilletedUnion(Frozen):
         distance = np.sqrt(np.maximum(square, 0.0)) - radius
         if self.tapered:
             distance -= place * sine
-        if self.capped:
-            before, behind = (row[struts] for row in self.caps)
-            distance = np.maximum(distance, np.maximum(before - along, along + behind))
-        return distance, place
+        if not self.capped:
+            return distance, None, place
+        before, behind = (row[struts] for row in self.caps)
+        return distance, np.maximum(before - along, along + behind), place
 
     def gradients(self, x: Points, struts: Ints) -> UnitVectors:
         """Return the direction in which each distance grows, shape (k, 3)."""
-        distance, place = self.distances(x, struts)
+        side, beyond, place = self._parts(x, struts)
         axis = self.rows[3:6, struts].T
         way = x - self.rows[:3, struts].T
         gradient = normalize(way - place[:, None] * axis)
-        if self.capped:
-            along = dot(way, axis)
-            before, behind = self.caps[:, struts]
-            gradient = np.where((distance == before - along)[:, None], -axis, gradient)
-            gradient = np.where((distance == along + behind)[:, None], axis, gradient)
-        return gradient
+        if beyond is None:
+            return gradient
+        along = dot(way, axis)
+        before, behind = self.caps[:, struts]
+        outward = np.where((before - along > along + behind)[:, None], -axis, axis)
+        inside = (side <= 0) & (beyond <= 0)
+        share = np.where(inside, side >= beyond, np.maximum(side, 0.0))
+        other = np.where(inside, side < beyond, np.maximum(beyond, 0.0))
+        return normalize(share[:, None] * gradient + other[:, None] * outward)
 
     def local_radii(self, place: Floats, struts: Ints, within: float) -> Floats:
         """Return the least section radius of a strut within a distance of a place on its axis."""
