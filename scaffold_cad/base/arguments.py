@@ -88,6 +88,9 @@ def checks_keywords(
 ) -> Callable[[Callable[_Given, _Result]], Callable[_Given, _Result]]:
     """Return a decorator: a wrong keyword raises a `KeywordError` with the nearest known one.
 
+    It takes functions and classes. Of a class only `__init__` is replaced: the class stays the
+    object that it was, so that pickles, subclasses and annotations know it.
+
     Parameters
     ----------
     further : functions that get the `**options` of the decorated one: their keyword-only
@@ -104,33 +107,45 @@ def checks_keywords(
     scaffold_cad.errors.KeywordError: box() has no parameter 'lenght'; did you mean 'length'?
     """
 
-    def decorated(function: Callable[_Given, _Result]) -> Callable[_Given, _Result]:
-        own = [
-            one.name
-            for one in signature(function).parameters.values()
-            if one.kind in (Parameter.POSITIONAL_OR_KEYWORD, Parameter.KEYWORD_ONLY)
-        ]
-        passed_on = [
-            one.name
-            for other in further
-            for one in signature(other).parameters.values()
-            if one.kind is Parameter.KEYWORD_ONLY
-        ]
-        known = dict.fromkeys(name for name in own + passed_on if name != "self")
-        # A class is called by its own name, not by that of its `__init__`.
-        called = function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
-
-        @wraps(function)
-        def checked(*args: _Given.args, **kwargs: _Given.kwargs) -> _Result:
-            for name in kwargs:
-                if name not in known:
-                    hint = did_you_mean(name, known) or f"; need one of {', '.join(known)}"
-                    raise KeywordError(f"{called}() has no parameter {name!r}{hint}")
-            return function(*args, **kwargs)
-
-        return checked
+    def decorated(called: Callable[_Given, _Result]) -> Callable[_Given, _Result]:
+        if not isinstance(called, type):
+            # A class is called by its own name, not by that of its `__init__`.
+            name = called.__qualname__.removesuffix(".__init__").rpartition(".")[2]
+            return _checked(called, name, further)
+        whole: Any = called
+        whole.__init__ = _checked(whole.__init__, called.__name__, further)
+        return called
 
     return decorated
+
+
+def _checked(
+    function: Callable[..., Any], called: str, further: tuple[Callable[..., Any], ...]
+) -> Callable[..., Any]:
+    """Return `function`, which users know as `called`, with a check of its keywords."""
+    own = [
+        one.name
+        for one in signature(function).parameters.values()
+        if one.kind in (Parameter.POSITIONAL_OR_KEYWORD, Parameter.KEYWORD_ONLY)
+    ]
+    passed_on = [
+        one.name
+        for other in further
+        for one in signature(other).parameters.values()
+        if one.kind is Parameter.KEYWORD_ONLY
+    ]
+    known = dict.fromkeys(name for name in own + passed_on if name != "self")
+    listed = f"one of {', '.join(known)}" if known else "no arguments"
+
+    @wraps(function)
+    def checked(*args: Any, **kwargs: Any) -> Any:
+        for name in kwargs:
+            if name not in known:
+                hint = did_you_mean(name, known) or f"; need {listed}"
+                raise KeywordError(f"{called}() has no parameter {name!r}{hint}")
+        return function(*args, **kwargs)
+
+    return checked
 
 
 def as_path(value: Any, name: str = "path") -> Path:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import LinearNDInterpolator, RegularGridInterpolator
 from scipy.spatial import QhullError, cKDTree
 
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Points, as_floats, as_points
 from scaffold_cad.errors import OptionError
 
@@ -70,6 +71,7 @@ class Field(Frozen):
         return RegularGridInterpolator(steps, np.squeeze(self.values))
 
 
+@checks_keywords()
 class PointField:
     """Numbers at scattered points, such as a result of finite elements.
 

@@ -10,7 +10,7 @@ from typing import Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_real, check_choice
+from scaffold_cad.base.arguments import as_real, check_choice, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, UnitVectors, as_points
 from scaffold_cad.base.vectors import dot
 from scaffold_cad.convolution.kernels import Cauchy, CompactCubic, Kernel, Pairs, tip_reach
@@ -61,6 +61,7 @@ class Axes(Frozen):
         return self.starts + self.lengths[:, None] * self.directions
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class ConvolutionField:
     """The convolution field of a skeleton: the sum over its edges of a kernel's integrals.

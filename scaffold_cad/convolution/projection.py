@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, Quads, Radii
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.base.vectors import dot, length, normalize
@@ -49,6 +49,7 @@ RINGS = 2
 _log = logging.getLogger(__name__)
 
 
+@checks_keywords()
 def project(mesh: QuadMesh, field: ConvolutionField) -> QuadMesh:
     """Return `mesh` with its vertices moved onto the convolution surface, its quads kept.
 

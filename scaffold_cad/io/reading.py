@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from scaffold_cad.base.arguments import as_count, as_number, as_path
+from scaffold_cad.base.arguments import as_count, as_number, as_path, checks_keywords
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.errors import FormatError, OptionError, SkeletonError
 from scaffold_cad.io._raw import RawSkeleton
@@ -23,6 +23,7 @@ BYTES_PER_EDGE = 9000
 _log = logging.getLogger("scaffold_cad.io")
 
 
+@checks_keywords()
 def read_skeleton(
     path: str | PathLike[str],
     radius: float | None = None,

@@ -27,6 +27,7 @@ ALSO_CALLED = {
 """Other names of cells."""
 
 
+@checks_keywords()
 def cells() -> dict[str, UnitCell]:
     """Return all known unit cells by name; `print` one to see what it is.
 

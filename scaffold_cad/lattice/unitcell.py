@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import (
     Edges,
     Floats,
@@ -32,6 +33,7 @@ LEAST_HEIGHT = 1e-6
 """Least square of the height of a slanted cell whose sides are 1 long."""
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class UnitCell(Frozen):
     """A block of struts in the unit cube, repeated along x, y and z to make a lattice.

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from scaffold_cad.base.arguments import as_path, check_kind
+from scaffold_cad.base.arguments import as_path, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Ints
 from scaffold_cad.base.files import replacing
 from scaffold_cad.errors import FormatError
@@ -24,6 +24,7 @@ STEEP = 0.9
 """Part of a strut's direction along z above which its section is oriented by x."""
 
 
+@checks_keywords()
 def write_beams(model: BeamModel | BeamSolution, path: str | Path) -> None:
     """Write a beam model, with what holds and loads it, for another program.
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
 
-from scaffold_cad.base.arguments import as_number, as_real, check_kind
+from scaffold_cad.base.arguments import as_number, as_real, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Points, as_edge_radii, as_floats
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mechanics.elements import (
@@ -253,6 +253,7 @@ class BeamSolution(Frozen):
         )
 
 
+@checks_keywords()
 def beam_model(
     skeleton: Skeleton,
     material: Material | str,

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_number
+from scaffold_cad.base.arguments import as_number, checks_keywords
 from scaffold_cad.base.arrays import Edges, Floats, Frozen, as_floats
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import UnitCell, cells, unit_cell
@@ -115,6 +115,7 @@ class Homogenized(Frozen):
         return self.cell.strut_count - 3 * self.cell.site_count - 3
 
 
+@checks_keywords()
 def homogenized(
     cell: str | UnitCell,
     radius: float,
@@ -238,6 +239,7 @@ class CellRow:
     """Struts − 3 nodes − 3; below 0 the cell bends in some direction."""
 
 
+@checks_keywords()
 def cell_table(
     relative_density: float = 0.05, *, poisson: float = 0.3, names: tuple[str, ...] = ()
 ) -> list[CellRow]:

@@ -18,7 +18,7 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from scaffold_cad.base.arguments import as_count, as_number, check_kind
+from scaffold_cad.base.arguments import as_count, as_number, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Quads
 from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.mechanics.hexplacement import Sides, section_sides, surface_points
@@ -77,6 +77,7 @@ class Hexahedra(Frozen):
         return np.flatnonzero(self.quality <= 0)
 
 
+@checks_keywords()
 def hexahedra(
     scaffold: Scaffold, *, layers: int = 0, along: int = 1, relax: float = 0.2
 ) -> Hexahedra:

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_flag, check_kind
+from scaffold_cad.base.arguments import as_flag, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, as_chosen, as_floats, read_only
 from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton
@@ -26,6 +26,7 @@ RANK_TOLERANCE = 1e-9
 """Least singular value of a body's supports over the largest; no unit."""
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class Support:
     """Nodes whose freedoms are held, or moved by a given amount.
@@ -45,6 +46,7 @@ class Support:
     """Where they are moved to, mm and rad: one number, or one a freedom in `fixed`."""
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class Load:
     """A force and a moment on nodes.

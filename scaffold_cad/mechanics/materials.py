@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arguments import as_number, as_real, check_kind
+from scaffold_cad.base.arguments import as_number, as_real, check_kind, checks_keywords
 from scaffold_cad.errors import OptionError
 
 
+@checks_keywords()
 @dataclass(frozen=True)
 class Material:
     """An isotropic linear elastic material.

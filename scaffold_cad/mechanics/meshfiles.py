@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from scaffold_cad.base.arguments import as_path, check_kind
+from scaffold_cad.base.arguments import as_path, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Ints, Points
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.files import replacing
@@ -22,6 +22,7 @@ ENDINGS = {".inp": "abaqus", ".msh": "gmsh22", ".vtu": "vtu"}
 _log = logging.getLogger(__name__)
 
 
+@checks_keywords()
 def write_hexahedra(mesh: Hexahedra, path: str | Path) -> None:
     """Write hexahedra for an analysis, with what each of them belongs to.
 

@@ -6,7 +6,7 @@ from os import PathLike
 
 import numpy as np
 
-from scaffold_cad.base.arguments import as_path, check_kind
+from scaffold_cad.base.arguments import as_path, check_kind, checks_keywords
 from scaffold_cad.base.files import check_page, replacing
 from scaffold_cad.mechanics.beams import BeamSolution
 from scaffold_cad.webpage.layers import GRAY, ShownLayer
@@ -28,6 +28,7 @@ BEND = 0.1
 """Largest displacement that is drawn, in diagonals of the skeleton."""
 
 
+@checks_keywords()
 def write_strength_page(solution: BeamSolution, path: str | PathLike[str]) -> None:
     """Write a page, .html, that shows the struts colored by utilization.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.base.arguments import as_count, check_choice
+from scaffold_cad.base.arguments import as_count, check_choice, checks_keywords
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.mechanics.cells import Homogenized
 
@@ -14,6 +14,7 @@ PLANES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 COLORS = {"xy": "#c0392b", "xz": "#2471a3", "yz": "#239b56"}
 
 
+@checks_keywords()
 def young_polar(law: Homogenized, plane: str = "xy", count: int = 180) -> Floats:
     """Return Young's modulus around a plane as points of its polar plot, (count, 2), MPa.
 
@@ -42,6 +43,7 @@ def young_polar(law: Homogenized, plane: str = "xy", count: int = 180) -> Floats
     return points
 
 
+@checks_keywords()
 def polar_picture(law: Homogenized, size: int = 320) -> str:
     """Return an SVG picture of Young's modulus in the three planes of the axes.
 

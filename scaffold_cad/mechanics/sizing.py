@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_count, as_flag, as_number, check_kind
+from scaffold_cad.base.arguments import as_count, as_flag, as_number, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, as_indices
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mechanics.beams import BeamModel, BeamSolution
@@ -59,6 +59,7 @@ class Sized(Frozen):
         return self.solution.model.skeleton.with_edge_radii(self.radii)
 
 
+@checks_keywords()
 def sized(
     model: BeamModel,
     *,

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from scipy import sparse
 from scipy.spatial import KDTree
 
-from scaffold_cad.base.arguments import as_count
+from scaffold_cad.base.arguments import as_count, checks_keywords
 from scaffold_cad.base.arrays import Floats, Ints, Points
 from scaffold_cad.errors import MeshError
 from scaffold_cad.lattice import UnitCell, tile
@@ -29,6 +29,7 @@ MEETING = 0.02
 """Distance, in radii, within which points of neighboring cells are one."""
 
 
+@checks_keywords()
 def homogenized_solid(
     cell: str | UnitCell,
     radius: float,

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import (
     Bools,
     Edges,
@@ -26,6 +27,7 @@ from scaffold_cad.base.vectors import dot
 from scaffold_cad.errors import MeshError
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class QuadMesh(Frozen, Shown):
     """A mesh of quads, each counter-clockwise seen from outside.

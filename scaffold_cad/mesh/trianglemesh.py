@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import (
     Bools,
     Edges,
@@ -23,6 +24,7 @@ from scaffold_cad.base.vectors import triple
 from scaffold_cad.errors import MeshError
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class TriangleMesh(Frozen, Shown):
     """A mesh of triangles, each counter-clockwise seen from outside.

@@ -8,10 +8,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.partition.star import nearest_angles
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class Partition(Frozen):
     """A sphere cut into N quads, each star-shaped around one of N directions: certified.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scaffold_cad.base.arguments import check_choice
+from scaffold_cad.base.arguments import check_choice, checks_keywords
 from scaffold_cad.base.arrays import Floats, Ints, UnitVectors, as_floats
 from scaffold_cad.base.blocks import blocks
 from scaffold_cad.errors import OptionError, PartitionError
@@ -45,6 +45,7 @@ METHODS: dict[str, Callable[[UnitVectors], tuple[UnitVectors, Ints]]] = {
 """Vertices (M, N + 2, 3) and quads (M, N, 4), certified or not, of stars (M, N, 3)."""
 
 
+@checks_keywords()
 def partition_sphere(
     directions: ArrayLike, method: str = "dual", *, neighbors: ArrayLike | None = None
 ) -> Partition:
@@ -90,6 +91,7 @@ def partition_sphere(
     return Partition(star[0], vertices, quads, clearance[0], method)
 
 
+@checks_keywords()
 def partition_spheres(
     directions: ArrayLike,
     method: str = "dual",

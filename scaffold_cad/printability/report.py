@@ -9,6 +9,7 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Frozen, Points, UnitVectors
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.printability.processes import Process
@@ -50,6 +51,7 @@ class Finding(Frozen):
     """Where it is, shape (k, 3), mm; not all places of a kind need be there."""
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class Report(Frozen):
     """Everything that a check found, in order.

@@ -24,6 +24,7 @@ from typing import Protocol
 
 import numpy as np
 
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points
 from scaffold_cad.base.blocks import cut
 from scaffold_cad.base.boxes import overlapping_boxes
@@ -82,6 +83,7 @@ PAIR_CHUNK = 10_000
 """Pairs of bodies looked at together; bounds the memory needed."""
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class Embedding(Frozen):
     """Which struts of a scaffold keep to their own room.

@@ -16,6 +16,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Floats, Frames, Ints, UnitVectors, as_floats, as_points
 from scaffold_cad.base.vectors import any_perpendicular, dot, length, normalize
 from scaffold_cad.errors import OptionError
@@ -102,6 +103,7 @@ def bisectors(before: UnitVectors, after: UnitVectors) -> UnitVectors:
     return normalize(sums)
 
 
+@checks_keywords()
 def rotation_minimizing_frames(points: ArrayLike, first_x: ArrayLike | None = None) -> Frames:
     """Return a frame at each point of an open polyline that turns about its tangent least.
 

@@ -60,6 +60,7 @@ class ScaffoldOptions:
         return APOTHEM[self.section] * math.sqrt(2.0)
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class Scaffold(Frozen, Shown):
     """The coarsest all-quad mesh with quadrilateral sections around a skeleton.

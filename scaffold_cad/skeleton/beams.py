@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import check_choice, check_kind
+from scaffold_cad.base.arguments import check_choice, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, as_floats, check_believable
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.skeleton.skeleton import Skeleton
@@ -22,6 +22,7 @@ Clipping = Literal["inside", "outside"]
 """Which part of the beams stays: what is inside of the mesh that cuts them, or outside."""
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class BeamLattice(Frozen):
     """Beams along the edges of a skeleton, for `write` to a 3MF file, and as such files hold them.

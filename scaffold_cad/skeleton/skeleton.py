@@ -58,6 +58,7 @@ if TYPE_CHECKING:
     from scaffold_cad.brep.wires import Curves
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class Skeleton(Frozen, Shown, Editing):
     """A skeleton (G, p, r): nodes joined by straight edges, with radii of nodes and of struts.

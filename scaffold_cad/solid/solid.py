@@ -43,6 +43,7 @@ SINGLE_PRECISION = 2.0**-22
 _log = logging.getLogger(__name__)
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class Solidified(Frozen, Shown):
     """A watertight solid that does not cross itself, and how it was made."""

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.base.notebook import Shown
 from scaffold_cad.skeleton import Skeleton
@@ -33,6 +34,7 @@ class BlendedNodes(Frozen):
     """The blends: patches between the collars, relative to the nodes."""
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class RoundStruts(Frozen, Shown):
     """A skeleton's struts as exact cylinders and cones, with blends at its nodes.

@@ -9,6 +9,7 @@ from importlib.util import find_spec
 from types import FrameType
 from typing import Any, TypeAlias
 
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.errors import MissingBackendError, OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -27,6 +28,7 @@ Display: TypeAlias = Callable[[Any, str], None]
 """Shows an object under a name."""
 
 
+@checks_keywords()
 def show(what: Any, name: str | None = None) -> None:
     """Show `what` in CQ-editor, in a notebook, or in an OCP CAD Viewer that is open.
 
@@ -51,7 +53,7 @@ def show(what: Any, name: str | None = None) -> None:
     >>> from scaffold_cad import show, tile
     >>> show(tile("bcc", 8.0, 2, radius=1.0))  # doctest: +SKIP
     """
-    caller = sys._getframe(1)
+    caller = _caller()
     display = _in_cq_editor(caller) or _in_loaded_ocp_viewer() or _in_notebook() or _in_ocp_viewer()
     if display is None:
         raise MissingBackendError(
@@ -60,6 +62,14 @@ def show(what: Any, name: str | None = None) -> None:
             "need one of them, or a file of write() for another program"
         )
     display(what, _name_of(what, caller) if name is None else name)
+
+
+def _caller() -> FrameType:
+    """Return the frame that called the package: the first one that runs none of its modules."""
+    frame = sys._getframe(1)
+    while str(frame.f_globals.get("__name__")).startswith("scaffold_cad.") and frame.f_back:
+        frame = frame.f_back
+    return frame
 
 
 def _in_cq_editor(caller: FrameType) -> Display | None:

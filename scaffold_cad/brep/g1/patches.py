@@ -35,6 +35,7 @@ SAMPLE_LEVELS = 3
 """Subdivisions after which the limit surface is sampled: 9 × 9 points a patch."""
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class Patches(Frozen):
     """A closed surface of Bézier patches that join with one tangent plane."""

@@ -46,6 +46,7 @@ Counts: TypeAlias = "int | tuple[int, int, int]"
 """Cells along u, v and w, or one number for all three."""
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class MappedLattice(Frozen):
     """A lattice on a map, and how much its struts are stretched."""

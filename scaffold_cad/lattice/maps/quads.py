@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, Quads, UnitVectors
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.errors import MeshError
@@ -61,6 +61,7 @@ class QuadSurface(Frozen):
         return points, normalize((weights * self.normals[corners]).sum(axis=0))
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class QuadMap(SurfaceMap):
     """Cells on the quads of a mesh, as many in each: w runs along the vertices' normals.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_number
+from scaffold_cad.base.arguments import as_number, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frames, Frozen, Ints, Points, UnitVectors, as_floats
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.errors import OptionError
@@ -22,6 +22,7 @@ NEAREST_POLE = np.pi / 2 - 1e-3
 """Greatest latitude of a band, rad."""
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class BoxMap(Frozen, CellMap):
     """A box, turned and placed as one likes.
@@ -66,6 +67,7 @@ class BoxMap(Frozen, CellMap):
         return moved
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class CylinderMap(Frozen, CellMap):
     """The wall of a tube: u runs around, v along the axis, w outwards.
@@ -124,6 +126,7 @@ class CylinderMap(Frozen, CellMap):
         return moved
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class SphereMap(Frozen, CellMap):
     """A spherical wall, w outwards: whole, or a band of it.
@@ -193,6 +196,7 @@ class SphereMap(Frozen, CellMap):
         return moved
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class FunctionMap(Frozen, CellMap):
     """Any function of coordinates that returns positions.

@@ -11,7 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
-from scaffold_cad.base.arguments import as_count, as_number, check_kind
+from scaffold_cad.base.arguments import as_count, as_number, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Bools, Edges, Ints, Points, Triangles
 from scaffold_cad.base.boxes import order_in_space, overlapping_neighbors
 from scaffold_cad.base.threads import in_order
@@ -43,6 +43,7 @@ class Triangulated(Protocol):
         """Vertex indices of each triangle, shape (t, 3)."""
 
 
+@checks_keywords()
 def self_intersections(
     mesh: Triangulated,
     *,

@@ -12,12 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_count, check_kind
+from scaffold_cad.base.arguments import as_count, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Edges, Frozen, Ints, Points
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.subdivision.connectivity import NO_CREASES, Connectivity
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class Subdivision(Frozen):
     """A subdivided mesh, and where its quads come from."""
@@ -31,6 +32,7 @@ class Subdivision(Frozen):
     """Quad of the mesh before that each quad is a part of, shape (f,)."""
 
 
+@checks_keywords()
 def catmull_clark(mesh: QuadMesh, levels: int = 1, creases: ArrayLike = NO_CREASES) -> Subdivision:
     """Return `mesh` subdivided `levels` times.
 
