@@ -80,8 +80,8 @@ __all__ = [
     "Reals",
 ]
 
-CHUNK = 4096
-"""Patches whose numbers are Python objects at a time: bounds the memory they take."""
+OBJECT_BYTES = 40
+"""What a number takes as a Python object in a list."""
 
 
 def make_shape(
@@ -190,7 +190,7 @@ def _surfaces(patches: BezierMesh) -> Iterator[tuple[Geom_Surface, bool]]:
     places = [(i, j) for i in range(1, count + 1) for j in range(1, count + 1)]
     points = patches.control_points.reshape(-1, count**2, 3)
     normals = patches.plane_normals
-    for chunk in blocks(len(points), 1, CHUNK):
+    for chunk in blocks(len(points), 3 * len(places) * OBJECT_BYTES):
         for poles, normal in zip(points[chunk].tolist(), normals[chunk].tolist(), strict=True):
             if any(normal):
                 yield _plane(poles[0], poles[2], normal), False

@@ -9,12 +9,13 @@ from OCP.gp import gp_Pnt, gp_Vec
 from scipy.interpolate import BSpline
 
 from scaffold_cad.base.arrays import Floats, Points
+from scaffold_cad.base.blocks import blocks
 
 MOST_POLES = 4096
 """Most poles of a spline surface that is evaluated in arrays."""
 
-BLOCK = 2**15
-"""Parameters that are looked at at once: bounds the memory."""
+PARAMETER_BYTES = 2048
+"""What a parameter takes where it is looked at."""
 
 
 def values_of(surface: BRepAdaptor_Surface, parameters: Floats) -> tuple[Points, Floats, Floats]:
@@ -61,8 +62,7 @@ def _of_spline(surface: BRepAdaptor_Surface, parameters: Floats) -> tuple[Points
     u_basis = BSpline(u_knots, np.eye(rows), spline.UDegree())
     v_basis = BSpline(v_knots, np.eye(columns), spline.VDegree())
     found = np.empty((3, len(parameters), 4))
-    for first in range(0, len(parameters), BLOCK):
-        block = slice(first, first + BLOCK)
+    for block in blocks(len(parameters), PARAMETER_BYTES):
         u, v = parameters[block].T
         in_u, in_v = u_basis(u), v_basis(v)  # (b, rows), (b, columns)
         for k, (a, b) in enumerate(((in_u, in_v), (u_basis(u, 1), in_v), (in_u, v_basis(v, 1)))):

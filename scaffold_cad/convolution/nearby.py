@@ -7,15 +7,15 @@ from collections.abc import Iterator
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints, Points
-from scaffold_cad.base.blocks import blocks
+from scaffold_cad.base.blocks import CACHE, blocks
 from scaffold_cad.base.boxes import order_in_space, overlapping_boxes
 from scaffold_cad.base.vectors import dot, length
 
 BLOCK = 32
 """Points looked for together."""
 
-PAIRS_AT_ONCE = 1 << 15
-"""Pairs of a point and an edge handed out together: few enough to stay in the cache."""
+PAIR_BYTES = 64
+"""What a pair of a point and an edge takes where it is worked on."""
 
 
 def nearby_pairs(
@@ -51,7 +51,7 @@ def nearby_pairs(
     full = len(points) // BLOCK
     of_block = order[: full * BLOCK].reshape(full, BLOCK)
     in_full = np.flatnonzero(block < full)
-    for some in blocks(len(in_full), BLOCK, PAIRS_AT_ONCE):
+    for some in blocks(len(in_full), BLOCK * PAIR_BYTES, CACHE):
         part = in_full[some]
         yield of_block[block[part]], edge[part, None]
     yield order[None, full * BLOCK :], edge[block == full, None]
@@ -60,7 +60,7 @@ def nearby_pairs(
 def all_pairs(point_count: int, edge_count: int) -> Iterator[tuple[Ints, Ints]]:
     """Yield all pairs of a point and an edge, as `nearby_pairs` does."""
     edges = np.arange(edge_count)[None]
-    for some in blocks(point_count, edge_count, PAIRS_AT_ONCE):
+    for some in blocks(point_count, edge_count * PAIR_BYTES, CACHE):
         yield np.arange(some.start, some.stop)[:, None], edges
 
 

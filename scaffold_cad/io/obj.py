@@ -8,6 +8,7 @@ from typing import TextIO
 
 import numpy as np
 
+from scaffold_cad.base.blocks import cut
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._mesh import joined_meshes
 from scaffold_cad.io._raw import RawSkeleton
@@ -117,8 +118,8 @@ def _vertices(path: Path, line: int, words: list[str], seen: int, total: int) ->
     return [number - 1 if number > 0 else seen + number for number in numbers]
 
 
-CHUNK = 1 << 15
-"""Rows that are formatted at once: bounds the memory that their texts take."""
+ROW_BYTES = 2048
+"""What a row takes where it is formatted: its text and its numbers as Python's objects."""
 
 
 @register_writer(".obj", name="OBJ")
@@ -148,6 +149,5 @@ def write_obj_lines(skeleton: Skeleton, path: Path, unit: str = "mm") -> None:
 
 
 def _write_rows(file: TextIO, template: str, rows: np.ndarray) -> None:
-    for start in range(0, len(rows), CHUNK):
-        chunk = rows[start : start + CHUNK]
-        file.write(template * len(chunk) % tuple(chunk.reshape(-1).tolist()))
+    for some in cut(rows, ROW_BYTES):
+        file.write(template * len(some) % tuple(some.reshape(-1).tolist()))

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from scaffold_cad.base.arrays import Points
+from scaffold_cad.base.blocks import CACHE, cut
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._binary import as_doubles
 from scaffold_cad.io._mesh import Faces, skeleton_of_mesh
@@ -95,9 +96,8 @@ def _of_text(path: Path, data: bytes) -> Points:
 
 HEADER = "scaffold_cad binary STL, unit: {}"  # a header that starts with "solid" means text
 
-CHUNK = 1 << 16
-"""Triangles at a time: what is worked on stays in the processor's cache."""
-
+TRIANGLE_BYTES = 36
+"""What a triangle takes where it is worked on."""
 
 MOST_TRIANGLES = 2**32 - 1
 """Triangles that the 32-bit number in the header can count."""
@@ -146,8 +146,8 @@ def _write(blocks: Iterable[np.ndarray], path: Path, unit: str = "mm") -> None:
 
 def _chunks(mesh: TriangleMesh) -> Iterator[np.ndarray]:
     vertices = mesh.vertices.astype("<f4")
-    for start in range(0, len(mesh.triangles), CHUNK):
-        yield vertices[mesh.triangles[start : start + CHUNK]]
+    for triangles in cut(mesh.triangles, TRIANGLE_BYTES, CACHE):
+        yield vertices[triangles]
 
 
 def _normals(corners: np.ndarray) -> np.ndarray:

@@ -7,15 +7,16 @@ from collections.abc import Iterator
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
+from scaffold_cad.base.blocks import blocks, uneven_blocks
 
 CELLS_ACROSS = (32, 128)
 """Least and most cells along the longest side of a grid."""
 
-QUERIES = 2**18
-"""How many query boxes are looked at at once."""
+QUERY_BYTES = 256
+"""What a query box takes where it is looked at."""
 
-PAIRS = 2**21
-"""How many pairs of a query box and a triangle are found at once, about."""
+PAIR_BYTES = 32
+"""What a pair of a query box and a triangle takes."""
 
 
 class BoxGrid:
@@ -73,13 +74,11 @@ class BoxGrid:
         ----------
         low, high : (q, d) float64, corners of the query boxes, mm
         """
-        for start in range(0, len(low), QUERIES):
-            rows = slice(start, start + QUERIES)
+        for rows in blocks(len(low), QUERY_BYTES):
             query, cell = self._cells(low[rows], high[rows])
-            query += start
+            query += rows.start
             found = self._offsets[cell + 1] - self._offsets[cell]
-            blocks = np.cumsum(found) // PAIRS
-            for part in np.split(np.arange(len(cell)), np.flatnonzero(np.diff(blocks)) + 1):
+            for part in uneven_blocks(found, PAIR_BYTES):
                 first, count = self._offsets[cell[part]], found[part]
                 yield np.repeat(query[part], count), self._triangles[ranges(first, count)]
 

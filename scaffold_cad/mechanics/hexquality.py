@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints, Points
+from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.vectors import dot, length, triple
 
 NEIGHBORS = np.array(
@@ -17,8 +18,8 @@ FACES = np.array(
 )
 """Corners of the six faces, counter-clockwise seen from outside."""
 
-CHUNK = 100_000
-"""Hexahedra measured at once."""
+HEXAHEDRON_BYTES = 640
+"""What a hexahedron takes where it is measured."""
 
 
 def scaled_jacobians(points: Points, hexahedra: Ints) -> Floats:
@@ -31,14 +32,14 @@ def scaled_jacobians(points: Points, hexahedra: Ints) -> Floats:
     Knupp, Algebraic mesh quality metrics, SIAM J. Sci. Comput. 23, 2001.
     """
     least = np.empty(len(hexahedra))
-    for first in range(0, len(hexahedra), CHUNK):
-        corners = points[hexahedra[first : first + CHUNK]]  # (c, 8, 3)
+    for block in blocks(len(hexahedra), HEXAHEDRON_BYTES):
+        corners = points[hexahedra[block]]  # (c, 8, 3)
         worst = np.full(len(corners), np.inf)
         for corner, (a, b, c) in enumerate(NEIGHBORS.tolist()):
             sides = corners[:, [a, b, c]] - corners[:, corner, None]  # (c, 3, 3)
             sizes = np.maximum(length(sides).prod(axis=1), 1e-300)
             np.minimum(worst, triple(*np.moveaxis(sides, 1, 0)) / sizes, out=worst)
-        least[first : first + CHUNK] = worst
+        least[block] = worst
     return least
 
 
@@ -50,12 +51,12 @@ def hexahedron_volumes(points: Points, hexahedra: Ints) -> Floats:
     Grandy, Efficient computation of volume of hexahedral cells, LLNL UCRL-ID-128886, 1997.
     """
     volumes = np.empty(len(hexahedra))
-    for first in range(0, len(hexahedra), CHUNK):
-        x = np.moveaxis(points[hexahedra[first : first + CHUNK]], 1, 0)  # (8, c, 3)
+    for block in blocks(len(hexahedra), HEXAHEDRON_BYTES):
+        x = np.moveaxis(points[hexahedra[block]], 1, 0)  # (8, c, 3)
         total = triple(x[6] - x[1] + x[7] - x[0], x[6] - x[3], x[2] - x[0])
         total += triple(x[7] - x[0], x[6] - x[3] + x[5] - x[0], x[6] - x[4])
         total += triple(x[6] - x[1], x[5] - x[0], x[6] - x[4] + x[2] - x[0])
-        volumes[first : first + CHUNK] = total / 12.0
+        volumes[block] = total / 12.0
     return volumes
 
 

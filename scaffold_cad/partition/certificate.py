@@ -24,8 +24,8 @@ SHORTEST_ARC = 1e-6
 """Least sine of an arc's length: the normal of a shorter one is off by more than 1e-10 rad."""
 AREA_TOLERANCE = 1e-6
 """Largest error of the sum of the triangles' areas, steradian: it can only jump by 4 π."""
-BLOCK = 200_000
-"""Quads treated at once, which bounds the memory taken."""
+QUAD_BYTES = 320
+"""What a quad takes where it is certified."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +52,7 @@ def certify(directions: UnitVectors, vertices: UnitVectors, quads: Ints) -> Cert
     """
     clearance = np.empty(directions.shape[:2])
     valid = np.empty(len(directions), dtype=np.bool_)
-    for block in blocks(len(directions), directions.shape[1], BLOCK):
+    for block in blocks(len(directions), directions.shape[1] * QUAD_BYTES):
         apexes, corners = directions[block], corners_of(vertices[block], quads[block])
         clearance[block] = clearances(apexes, arc_normals(corners))
         areas = triangle_areas(apexes, corners).sum(axis=(1, 2))

@@ -26,8 +26,8 @@ three directions 0.01° apart cut off (1e-9). A coplanar star becomes a flat hul
 """
 FEW = 32
 """Up to so many directions, all triples of them are tried as facets."""
-BLOCK = 2_000_000
-"""Heights of directions above planes calculated at once, which bounds the memory taken."""
+HEIGHT_BYTES = 32
+"""What the height of a direction above a plane takes where it is calculated."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +93,7 @@ def _facets_of_few(points: Floats) -> tuple[Ints, Ints]:
     valency = points.shape[1]
     chosen = _triples(valency)
     found: list[tuple[Ints, Ints]] = []
-    for part in blocks(len(points), len(chosen) * valency, BLOCK):
+    for part in blocks(len(points), len(chosen) * valency * HEIGHT_BYTES):
         above, below = _supports(points[part], chosen)
         complete = np.flatnonzero((above | below).sum(axis=1) == 2 * valency - 4)
         facets = np.nonzero((above | below)[complete])[1].reshape(-1, 2 * valency - 4)

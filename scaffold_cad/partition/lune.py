@@ -17,8 +17,8 @@ from scaffold_cad.partition.star import nearest_angles
 
 AXES = 96
 """Axes tried for each star, spread evenly over half the sphere."""
-BLOCK = 500_000
-"""Longitudes treated at once, which bounds the memory taken."""
+LONGITUDE_BYTES = 128
+"""What a longitude takes where it is looked at."""
 
 
 def lune_partitions(stars: UnitVectors) -> tuple[UnitVectors, Ints]:
@@ -33,7 +33,7 @@ def lune_partitions(stars: UnitVectors) -> tuple[UnitVectors, Ints]:
     reach = nearest_angles(stars) / 2
     vertices = np.empty((len(stars), stars.shape[1] + 2, 3))
     quads = np.empty((*stars.shape[:2], 4), dtype=np.intp)
-    for block in blocks(len(stars), AXES * stars.shape[1], BLOCK):
+    for block in blocks(len(stars), AXES * stars.shape[1] * LONGITUDE_BYTES):
         axes = _best_axes(stars[block], reach[block])
         vertices[block], quads[block] = lunes_about(axes, stars[block], reach[block])
     return vertices, quads

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints, UnitVectors
-from scaffold_cad.base.blocks import blocks
+from scaffold_cad.base.blocks import CACHE, blocks
 from scaffold_cad.base.vectors import any_perpendicular
 from scaffold_cad.partition.arcs import arcs_of
 
@@ -23,8 +23,8 @@ SHORT_ARC = 0.4
 """An arc shorter than this part of the reach beside it counts as a shortfall."""
 SHORT_ARC_RATIO = 0.8
 """What an arc of length 0 counts: keeping arcs long may cost clearance only above this."""
-BLOCK = 8192
-"""Arcs treated at once: their arrays stay in the processor's cache."""
+ARC_BYTES = 256
+"""What an arc takes where it is relaxed."""
 TINY = 1e-24
 """Added to squares that are divided by: vertices may coincide in a first guess."""
 
@@ -105,7 +105,7 @@ def relaxed(
     sharpness : of the soft minimum at the first and the last Newton step
     """
     moved, lowest = np.empty_like(vertices), np.empty(len(quads))
-    for block in blocks(len(quads), 2 * quads.shape[1], BLOCK):
+    for block in blocks(len(quads), 2 * quads.shape[1] * ARC_BYTES, CACHE):
         problem = _problem(directions[block], reach[block], quads[block])
         flat = np.ascontiguousarray(np.moveaxis(vertices[block], 2, 0)).reshape(3, -1)
         if flow:

@@ -35,8 +35,8 @@ from scaffold_cad.partition.star import (
     ordered_stars,
 )
 
-COPIES = 20_000
-"""Quads of repeated stars treated at once, which bounds the memory taken."""
+COPY_BYTES = 3200
+"""What a quad of a repeated star takes where its clearance is measured."""
 METHODS: dict[str, Callable[[UnitVectors], tuple[UnitVectors, Ints]]] = {
     "dual": dual_partitions,
     "insertion": insertion_partitions,
@@ -232,7 +232,7 @@ def _clearances_of_copies(
     """
     normals = arc_normals(corners_of(vertices, quads))  # (U, N, 4, 3)
     clearance = np.empty(stars.shape[:2])
-    for block in blocks(len(stars), stars.shape[1], COPIES):
+    for block in blocks(len(stars), stars.shape[1] * COPY_BYTES):
         own = normals[group[block, None], ranks[block]]
         clearance[block] = clearances(stars[block], own)
     return clearance

@@ -18,8 +18,8 @@ from scaffold_cad.skeleton.repair import LEAST_ANGLE
 
 MIN_VALENCY = 3
 """A partition needs a branch point: two directions bound no quad."""
-BLOCK = 100_000
-"""Pairs of directions treated at once, which bounds the memory taken."""
+PAIR_BYTES = 640
+"""What a pair of directions takes where its angle is calculated."""
 KEY_STEPS = 1_000_000
 """Directions that agree when rounded to 1/KEY_STEPS belong to one distinct star.
 
@@ -67,7 +67,7 @@ def pairwise_angles(stars: UnitVectors) -> Floats:
 def nearest_angles(stars: UnitVectors) -> Floats:
     """Return the angle from each direction to its nearest neighbor in the star, rad, (M, N)."""
     nearest = np.empty(stars.shape[:2])
-    for block in blocks(len(stars), stars.shape[1] ** 2, BLOCK):
+    for block in blocks(len(stars), stars.shape[1] ** 2 * PAIR_BYTES):
         nearest[block] = pairwise_angles(stars[block]).min(axis=2)
     return nearest
 

@@ -12,7 +12,8 @@ from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.visibility import seen
 from scaffold_cad.printability.triangletopology import TriangleTopology
 
-TRIANGLES_AT_ONCE = 1 << 16
+TRIANGLE_BYTES = 1024
+"""What a triangle takes where it is seen from a point."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +64,7 @@ def nesting(surface: TriangleTopology) -> Nesting:
 def winding_numbers(points: Points, corners: Floats) -> Floats:
     """Return how often triangles (t, 3, 3) go around each of `points` (k, 3), shape (k,)."""
     total = np.zeros(len(points))
-    for part in blocks(len(corners), len(points), TRIANGLES_AT_ONCE):
+    for part in blocks(len(corners), len(points) * TRIANGLE_BYTES):
         spokes = corners[None, part] - points[:, None, None]  # (k, t', 3, 3)
         a, b, c = np.moveaxis(spokes, 2, 0)
         _, solid_angles = seen(a, b, c, rounding=0.0)

@@ -17,6 +17,7 @@ from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, Radii, UnitVectors
+from scaffold_cad.base.blocks import uneven_blocks
 from scaffold_cad.base.positions import equal_positions
 from scaffold_cad.base.topology import component_labels, incidence
 from scaffold_cad.base.vectors import dot, length, normalize
@@ -39,8 +40,8 @@ Here the chord of the angle is compared with it, which is a little shorter than 
 CROWD = 64
 """Valency above which a node's directions are compared through a tree, not each with each."""
 
-CONTACT_BATCH = 2**20
-"""How many pairs of an edge and a node near it are held at once."""
+CONTACT_BYTES = 64
+"""What a pair of an edge and a node near it takes, as Python's number."""
 
 
 @dataclass(frozen=True)
@@ -297,14 +298,14 @@ def _interpolated(nodes: Points, edges: Edges, sizes: Floats, edge: Ints, node: 
 
 
 def _nodes_near_edges(nodes: Points, edges: Edges, distance: float) -> Iterator[tuple[Ints, Ints]]:
-    """Yield batches of edges and nodes no farther from an edge's middle than its ends are."""
+    """Yield blocks of edges and nodes no farther from an edge's middle than its ends are."""
     used = np.unique(edges)
     tree = cKDTree(nodes[used])
     start, end = nodes[edges[:, 0]], nodes[edges[:, 1]]
     middle, reach = (start + end) / 2, length(end - start) / 2 + distance
     number = np.asarray(tree.query_ball_point(middle, reach, return_length=True))  # (m,)
-    batch = np.cumsum(number) // CONTACT_BATCH
-    for rows in np.split(np.arange(len(edges)), np.flatnonzero(np.diff(batch)) + 1):
+    for block in uneven_blocks(number, CONTACT_BYTES):
+        rows = np.arange(block.start, block.stop)
         near = chain.from_iterable(tree.query_ball_point(middle[rows], reach[rows]))
         total = int(number[rows].sum())
         yield np.repeat(rows, number[rows]), used[np.fromiter(near, dtype=np.intp, count=total)]

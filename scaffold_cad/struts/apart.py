@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points
+from scaffold_cad.base.blocks import CACHE, blocks
 from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import dot, length, normalize
@@ -33,8 +34,8 @@ SLICES = 4
 ROUNDS = 40
 """Steps in which a direction is looked for that parts two pieces."""
 
-PAIRS_AT_ONCE = 4096
-"""Pairs of pieces looked at together."""
+PAIR_BYTES = 512
+"""What a pair of pieces takes where it is looked at."""
 
 LEAST_GAP = 1e-9
 """Gap between pieces that is more than rounding, in their radii."""
@@ -114,8 +115,8 @@ def crossing_runs(
         a, b = nearest_on_segments(pieces.start[i], pieces.end[i], pieces.start[j], pieces.end[j])
         near = length(a - b) < pieces.radius[i] + pieces.radius[j]
         i, j = i[near], j[near]
-        for at in range(0, len(i), PAIRS_AT_ONCE):
-            one, other = i[at : at + PAIRS_AT_ONCE], j[at : at + PAIRS_AT_ONCE]
+        for block in blocks(len(i), PAIR_BYTES, CACHE):
+            one, other = i[block], j[block]
             meets = ~_apart(pieces, one, other, slack)
             found.append(np.stack([pieces.run[one[meets]], pieces.run[other[meets]]], axis=1))
     pairs = np.concatenate(found) if found else np.empty((0, 2), dtype=np.intp)

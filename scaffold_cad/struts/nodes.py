@@ -12,6 +12,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from scaffold_cad.base.arrays import Ints, UnitVectors
+from scaffold_cad.base.blocks import CACHE, blocks, cut
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.partition.arcs import side_twins
 from scaffold_cad.struts.blend import Blends, Solved, Stars
@@ -20,10 +21,10 @@ from scaffold_cad.struts.fitting import solve
 from scaffold_cad.struts.joins import types_of
 from scaffold_cad.struts.recipes import MOST_DEPTH, RECIPES, Recipe
 
-BLOCK = 16384
-"""Samples treated at once: their arrays stay in the processor's cache."""
-EVENED = 1024
-"""Partitions whose vertices are moved at once."""
+SAMPLE_BYTES = 128
+"""What a sample of a blend takes where it is treated."""
+STAR_BYTES = 2048
+"""What a partition takes where its vertices are moved."""
 UNPROVED = 1e3
 """What not to be proved counts when the best recipe is chosen, as a depth."""
 SAME = 1e-9
@@ -105,12 +106,12 @@ def _solved(own: Stars, recipe: Recipe) -> Solved:
     """Return the blends that a recipe gives."""
     vertices = _evened(own, recipe.openness)
     kinds = types_of(own.quads)
-    room = max(1, BLOCK // (4 * own.directions.shape[1] * len(recipe.layout.weights)))
+    samples = 4 * own.directions.shape[1] * len(recipe.layout.weights)  # of a star
     members = [np.flatnonzero(kinds.type_of == kind) for kind in range(len(kinds.twins))]
     pieces = [
-        (kind, part[at : at + room])
+        (kind, some)
         for kind, part in enumerate(members)
-        for at in range(0, len(part), room)
+        for some in cut(part, samples * SAMPLE_BYTES, CACHE)
     ]
 
     def work(piece: tuple[int, Ints]) -> Solved:
@@ -123,12 +124,11 @@ def _solved(own: Stars, recipe: Recipe) -> Solved:
 
 def _evened(own: Stars, openness: float) -> UnitVectors:
     """Return the moved vertices of the partitions, (U, N + 2, 3)."""
-    cuts = [slice(at, at + EVENED) for at in range(0, len(own), EVENED)]
 
-    def work(cut: slice) -> UnitVectors:
-        return even(own.directions[cut], own.vertices[cut], own.quads[cut], openness)
+    def work(some: slice) -> UnitVectors:
+        return even(own.directions[some], own.vertices[some], own.quads[some], openness)
 
-    return np.concatenate(list(in_order(work, cuts)))
+    return np.concatenate(list(in_order(work, blocks(len(own), STAR_BYTES, CACHE))))
 
 
 def _distinct(stars: Stars) -> tuple[Ints, Ints]:

@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen
+from scaffold_cad.base.blocks import CACHE, blocks
 from scaffold_cad.base.vectors import dot
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.struts.quarter import DEGREE
@@ -32,8 +33,8 @@ DEPTH = 6
 """How often patches are halved before no is said."""
 ROUNDING = 15 * np.finfo(np.float64).eps
 """Relative error of a point from its control points, and of a triple product."""
-BLOCK = 512
-"""Patches looked at at once: their arrays stay in the processor's cache."""
+PATCH_BYTES = 4096
+"""What a patch takes where it is looked at."""
 
 _AT = (1 - np.cos((np.arange(TOP + 1) + 0.5) * np.pi / (TOP + 1))) / 2
 _VALUES, _SLOPES = bernstein(DEGREE, _AT), bernstein(DEGREE, _AT, 1)
@@ -72,8 +73,7 @@ def prove(control: Floats, collar_distances: Floats, collar_radii: Floats) -> Pr
     patches = control.reshape(-1, *control.shape[2:])
     positive = np.empty(len(patches), dtype=np.bool_)
     angle, cosine = np.empty(len(patches)), np.empty(len(patches))
-    for start in range(0, len(patches), BLOCK):
-        block = slice(start, start + BLOCK)
+    for block in blocks(len(patches), PATCH_BYTES, CACHE):
         positive[block], angle[block], cosine[block] = _patches(patches[block])
     slant = np.hypot(collar_distances, collar_radii)
     discs = 2 * np.pi * (1 - collar_distances / slant)

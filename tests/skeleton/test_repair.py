@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaffold_cad.base.arrays import Edges, Floats, Points
+from scaffold_cad.base.blocks import MEMORY
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.skeleton import Skeleton, check_skeleton, repair
 from scaffold_cad.skeleton.repair import (
@@ -250,13 +251,13 @@ def test_parts_of_a_split_edge_that_were_there_are_repeats() -> None:
     assert whole.repairs == Repairs(contacts_split=1, duplicate_edges=1)
 
 
-def test_batches_of_contacts_give_what_one_batch_gives(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_blocks_of_contacts_give_what_one_block_gives(monkeypatch: pytest.MonkeyPatch) -> None:
     rng = np.random.default_rng(7)
     nodes = rng.integers(0, 5, (40, 3)) * [1, 1, 0]
     edges = rng.integers(0, 40, (60, 2))
     whole = mended(nodes, edges, split_contacts=True)
     assert whole.repairs.contacts_split > 10
-    monkeypatch.setattr(repair, "CONTACT_BATCH", 5)
+    monkeypatch.setattr(repair, "CONTACT_BYTES", MEMORY // 5)
     parts = mended(nodes, edges, split_contacts=True)
     np.testing.assert_array_equal(parts.edges, whole.edges)
     assert parts.repairs == whole.repairs

@@ -10,9 +10,10 @@ from typing import TextIO, TypeAlias
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints
+from scaffold_cad.base.blocks import blocks
 
-CHUNK = 8192
-"""Rows of a table that are formatted at once: bounds the memory that their texts take."""
+CELL_BYTES = 1024
+"""What a cell of a table takes where it is formatted: its text, as Python's object and in a row."""
 
 REFERENCES_PER_LINE = 16
 """References on a line of a long list."""
@@ -69,12 +70,11 @@ class Tables:
         """Write an entity for each row of `columns`, (n,) each; return their numbers, (n,)."""
         numbers = np.arange(len(columns[0])) + self.count + 1
         width = len(columns) + 1
-        for start in range(0, len(numbers), CHUNK):
-            chunk = slice(start, start + CHUNK)
-            rows = len(numbers[chunk])
+        for block in blocks(len(numbers), CELL_BYTES * width):
+            rows = len(numbers[block])
             cells: list[object] = [None] * (rows * width)
             for i, column in enumerate((numbers, *columns)):
-                cells[i::width] = _cells(column[chunk])
+                cells[i::width] = _cells(column[block])
             self.file.write(f"#%d={template};\n" * rows % tuple(cells))
         self.count += len(numbers)
         return numbers

@@ -8,10 +8,14 @@ import numpy as np
 from scipy.ndimage import label
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points
+from scaffold_cad.base.blocks import blocks
 from scaffold_cad.lattice.boxgrid import BoxGrid
 
 TOLERANCE = 1e-9
 """Distance within which a point is on the border, in greatest coordinates."""
+
+SIDE_BYTES = 16
+"""What a pair of a point and a side takes where a ray is followed."""
 
 ENDLESS = 1e30
 """How far the region goes along w."""
@@ -78,13 +82,12 @@ class PolygonRegion:
     def _is_inside(self, points: Floats) -> Bools:
         """Return whether a ray from each of `points` (n, 2) meets an odd number of sides, (n,)."""
         inside = np.zeros(len(points), dtype=np.bool_)
-        block = max(1, 2**22 // len(self._starts))
         (ax, ay), (bx, by) = self._starts.T, self._ends.T
-        for first in range(0, len(points), block):
-            x, y = points[first : first + block, :, None].transpose(1, 0, 2)  # (b, 1)
+        for block in blocks(len(points), SIDE_BYTES * len(self._starts)):
+            x, y = points[block, :, None].transpose(1, 0, 2)  # (b, 1)
             spans = (ay > y) != (by > y)
             side = (bx - ax) * (y - ay) - (by - ay) * (x - ax)
-            inside[first : first + block] = (spans & ((side > 0) == (by > ay))).sum(axis=1) % 2 == 1
+            inside[block] = (spans & ((side > 0) == (by > ay))).sum(axis=1) % 2 == 1
         return inside
 
     def _is_on_border(self, points: Floats) -> Bools:

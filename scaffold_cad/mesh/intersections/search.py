@@ -13,6 +13,7 @@ import numpy as np
 
 from scaffold_cad.base.arguments import as_count, as_number, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Bools, Edges, Ints, Points, Triangles
+from scaffold_cad.base.blocks import cut
 from scaffold_cad.base.boxes import order_in_space, overlapping_neighbors
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.errors import MeshError
@@ -138,8 +139,7 @@ def _meeting_pairs(faces: Faces, part: Ints, tolerance: float | None) -> Iterato
     for pairs, sure in (in_order if several else map)(sieved, blocks):
         yield pairs[sure]
         unsure = pairs[~sure]
-        for start in range(0, len(unsure), EXACT_PAIRS_AT_ONCE):
-            some = unsure[start : start + EXACT_PAIRS_AT_ONCE]
+        for some in cut(unsure, row=1, within=EXACT_PAIRS_AT_ONCE):
             meets = [meet_exactly(faces, i, j) for i, j in some.tolist()]
             yield some[np.array(meets)]
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints
+from scaffold_cad.base.blocks import CACHE, uneven_blocks
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.errors import OptionError
 from scaffold_cad.solid.field.lattice import Lattice, least_cells
@@ -25,8 +26,8 @@ from scaffold_cad.solid.field.union import (
     least_values,
 )
 
-PAIRS_AT_ONCE = 1 << 14
-"""Pairs of group and strut refined together."""
+PAIR_BYTES = 128
+"""What a pair of group and strut takes where it is refined."""
 
 SAFETY = 1.0 + 1e-9
 """Factor on radii of balls around cells, for rounding."""
@@ -133,7 +134,7 @@ def _refined(
             lambda some: _refine_some(
                 union, lattice, wanted, size, groups[some], _sub(lists, some)
             ),
-            _blocks(lists),
+            uneven_blocks(np.diff(lists.starts), PAIR_BYTES, CACHE),
         )
     )
     kept = [part[0] for part in parts]
@@ -252,10 +253,3 @@ def _sub(lists: Lists, rows: Ints | slice) -> Lists:
     owners = np.arange(len(lists))[rows]
     _, struts, starts = lists.of(owners)
     return Lists(np.append(starts, len(struts)), struts)
-
-
-def _blocks(lists: Lists) -> list[slice]:
-    """Return blocks of lists of some `PAIRS_AT_ONCE` struts together."""
-    marks = np.searchsorted(lists.starts, np.arange(0, lists.starts[-1], PAIRS_AT_ONCE))
-    bounds = np.unique(np.append(marks, len(lists)))
-    return [slice(a, b) for a, b in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True)]

@@ -17,14 +17,15 @@ from functools import partial
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Ints
+from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.solid.field.cells import CHILDREN, packed
 from scaffold_cad.solid.field.grid import Grid, rim_corners, rim_of
 from scaffold_cad.solid.field.marching import Polygons, cut
 from scaffold_cad.solid.field.slots import Slots
 
-FACES_AT_ONCE = 1 << 17
-"""Faces looked at together."""
+FACE_BYTES = 512
+"""What a face takes where it is looked at."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,8 +58,8 @@ class Faces:
     def jobs(self) -> Iterator[partial[Polygons]]:
         """Yield what is to be done, in pieces that do not depend on each other."""
         for k, level in enumerate(self.grid.levels):
-            for begin in range(0, len(level.groups), FACES_AT_ONCE):
-                groups = np.arange(begin, min(begin + FACES_AT_ONCE, len(level.groups)))
+            for block in blocks(len(level.groups), FACE_BYTES):
+                groups = np.arange(block.start, block.stop)
                 for axis in range(3):
                     yield from self._along(k, groups, axis)
 

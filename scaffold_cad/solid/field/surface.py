@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints
+from scaffold_cad.base.blocks import cut
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.solid.field.faces import polygons_of
 from scaffold_cad.solid.field.grid import Grid
@@ -16,8 +17,8 @@ from scaffold_cad.solid.field.union import FilletedUnion, values
 NEAR_ENOUGH = 0.05
 """|F| from which one more round leads to the root."""
 
-EDGES_AT_ONCE = 1 << 18
-"""Grid edges looked at together."""
+EDGE_BYTES = 256
+"""What a grid edge takes where it is looked at."""
 
 
 def surface_of(union: FilletedUnion, grid: Grid, rounds: int) -> tuple[Floats, Ints]:
@@ -30,8 +31,8 @@ def surface_of(union: FilletedUnion, grid: Grid, rounds: int) -> tuple[Floats, I
     slots = Slots(grid)
     parts = polygons_of(grid, slots)
     used = _used(parts, slots)
-    blocks = (used[i : i + EDGES_AT_ONCE] for i in range(0, len(used), EDGES_AT_ONCE))
-    found = in_order(lambda block: _vertices(union, grid, slots, block, rounds), blocks)
+    edges = cut(used, EDGE_BYTES)
+    found = in_order(lambda some: _vertices(union, grid, slots, some, rounds), edges)
     vertices = np.concatenate([np.zeros((0, 3)), *found])
     rank = Ranks(used, slots)
     triangles = []

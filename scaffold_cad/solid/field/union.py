@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, UnitVectors
+from scaffold_cad.base.blocks import CACHE, blocks
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.solid.field.struts import FieldStruts
@@ -31,8 +32,8 @@ NO_LENGTH = 1e-12
 ALONG = 1.0 - 1e-9
 """Largest cosine between directions that are not the same."""
 
-POINTS_AT_ONCE = 1 << 14
-"""Points looked at together: their arrays stay in the processor's cache."""
+POINT_BYTES = 128
+"""What a point takes where it is looked at."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,8 +169,7 @@ def values(union: FilletedUnion, points: Points, owners: Ints, lists: Lists) -> 
     """Return F at `points` (k, 3), each seen by the struts on its owner's list, shape (k,)."""
     result = np.empty(len(points))
 
-    def some(begin: int) -> None:
-        block = slice(begin, begin + POINTS_AT_ONCE)
+    def some(block: slice) -> None:
         which, struts, starts = lists.of(owners[block])
         x = points[block][which]
         distance, _ = union.distances(x, struts)
@@ -185,7 +185,7 @@ def values(union: FilletedUnion, points: Points, owners: Ints, lists: Lists) -> 
             least[filleted] = np.minimum(least[filleted], 1.0 - height)
         result[block] = least
 
-    for _ in in_order(some, range(0, len(points), POINTS_AT_ONCE)):
+    for _ in in_order(some, blocks(len(points), POINT_BYTES, CACHE)):
         pass
     return result
 
