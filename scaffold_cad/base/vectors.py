@@ -63,22 +63,23 @@ def four_around(x: Floats, y: Floats) -> Floats:
 
 
 def sums_by_row(values: Floats, rows: Ints, count: int) -> Floats:
-    """Return the sum of the `values` of each of `count` rows, shape (count, ...).
+    """Return the sum of the `values` of each of `count` rows, shape (count, *s).
 
     Parameters
     ----------
-    values : (k, ...) float64
-    rows : (k,) intp, in 0..count-1: the row that each value is added to
+    values : (..., *s) float64
+    rows : (...) intp, in 0..count-1: the row that each value is added to
 
     Examples
     --------
     >>> sums_by_row(np.array([[1.0, 0.0], [2.0, 1.0], [5.0, 5.0]]), np.array([0, 0, 2]), 3).tolist()
     [[3.0, 1.0], [0.0, 0.0], [5.0, 5.0]]
     """
-    columns = values.reshape(len(values), -1).T
-    sums = [np.bincount(rows, weights=column, minlength=count) for column in columns]
+    each, flat = values.shape[rows.ndim :], rows.reshape(-1)
+    columns = values.reshape(len(flat), int(np.prod(each))).T
+    sums = [np.bincount(flat, weights=column, minlength=count) for column in columns]
     table: Floats = np.stack(sums, axis=-1).astype(np.float64, copy=False)
-    return table.reshape(count, *values.shape[1:])
+    return table.reshape(count, *each)
 
 
 def rotate(vectors: Floats, axes: UnitVectors, angles: Floats) -> Floats:

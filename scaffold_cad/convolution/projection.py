@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, Quads, Radii
 from scaffold_cad.base.topology import component_labels
-from scaffold_cad.base.vectors import dot, length, normalize
+from scaffold_cad.base.vectors import dot, length, normalize, sums_by_row
 from scaffold_cad.convolution.field import ConvolutionField, FieldSamples
 from scaffold_cad.convolution.nearby import nearby_pairs
 from scaffold_cad.errors import MeshError
@@ -194,10 +194,9 @@ def _spreading(points: Points, quads: Quads, gradients: Floats) -> Points:
     ----------
     quads : all those at each vertex whose step matters
     """
-    here, there = quads.reshape(-1), np.roll(quads, -1, axis=1).reshape(-1)
-    spans = (points[there] - points[here]).T
-    sums = np.stack([np.bincount(here, column, len(points)) for column in spans], axis=1)
-    steps = sums / np.maximum(np.bincount(here, minlength=len(points)), 1)[:, None]
+    spans = points[np.roll(quads, -1, axis=1)] - points[quads]  # (f, 4, 3)
+    uses = np.bincount(quads.reshape(-1), minlength=len(points))
+    steps = sums_by_row(spans, quads, len(points)) / np.maximum(uses, 1)[:, None]
     normals = normalize(gradients)
     return np.asarray(steps - dot(steps, normals)[:, None] * normals)
 

@@ -11,6 +11,7 @@ import numpy as np
 from scaffold_cad.base.arguments import as_path, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Ints
 from scaffold_cad.base.files import replacing
+from scaffold_cad.base.vectors import sums_by_row
 from scaffold_cad.errors import FormatError
 from scaffold_cad.mechanics.beams import BeamModel, BeamSolution
 from scaffold_cad.mechanics.meshfiles import write_meshio
@@ -191,10 +192,10 @@ def _opensees(model: BeamModel) -> Iterator[str]:
 
 def _weight_at_nodes(model: BeamModel) -> Floats:
     """Return half of each strut's weight at both of its ends, (n, 6)."""
-    out = np.zeros_like(model.forces)
-    half = model.masses[:, None, None] / 2.0 * model.gravity
-    np.add.at(out[:, :3], model.skeleton.edges, np.broadcast_to(half, (len(half), 2, 3)))
-    return out
+    half = model.masses[:, None] / 2.0 * model.gravity  # (m, 3)
+    both = np.repeat(half[:, None], 2, axis=1)
+    weight = sums_by_row(both, model.skeleton.edges, len(model.forces))
+    return np.concatenate([weight, np.zeros_like(weight)], axis=1)
 
 
 def _vtu(model: BeamModel | BeamSolution, path: Path) -> None:

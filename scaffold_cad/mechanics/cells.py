@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_number, checks_keywords
 from scaffold_cad.base.arrays import Edges, Floats, Frozen, as_floats
+from scaffold_cad.base.vectors import sums_by_row
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import UnitCell, cells, unit_cell
 from scaffold_cad.mechanics.elements import beam_blocks
@@ -189,10 +190,9 @@ def _condensed(struts: Edges, blocks: Floats, spans: Floats, count: int) -> Floa
             gaps[:, j, k] += spans[:, i] * 0.5
     pulls = blocks[:, :, 1] @ gaps[:, None]  # (s, 2, 6, 6)
     direct = np.einsum("sik,sij->kj", gaps, pulls[:, 1])
-    matrix = np.zeros((count, count, 6, 6))
-    np.add.at(matrix, (struts[:, :, None], struts[:, None, :]), blocks)
-    coupling = np.zeros((count, 6, 6))
-    np.add.at(coupling, struts, pulls)
+    pairs = struts[:, :, None] * count + struts[:, None, :]  # (s, 2, 2)
+    matrix = sums_by_row(blocks, pairs, count**2).reshape(count, count, 6, 6)
+    coupling = sums_by_row(pulls, struts, count)
     # Rotations in units of displacement over a strut's length, so that all entries compare.
     scale = np.tile(np.repeat([1.0, 1.0 / np.linalg.norm(spans, axis=1).mean()], 3), count)
     square = matrix.transpose(0, 2, 1, 3).reshape(6 * count, 6 * count) * np.outer(scale, scale)

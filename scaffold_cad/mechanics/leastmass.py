@@ -6,6 +6,7 @@ import numpy as np
 from scipy.optimize import linprog
 
 from scaffold_cad.base.arrays import Floats, Ints
+from scaffold_cad.base.vectors import sums_by_row
 from scaffold_cad.mechanics.beams import BeamModel, BeamSolution
 from scaffold_cad.mechanics.elements import first_by_second, second_end
 from scaffold_cad.mechanics.solvers import factor, with_identity
@@ -97,8 +98,9 @@ def utilization_slopes(solution: BeamSolution, group: Ints) -> Floats:
     thicker, thinner = (_scaled(model, sign * STEP) for sign in (1.0, -1.0))
     own = (thicker.end_forces(freedoms) - thinner.end_forces(freedoms)) / (2.0 * STEP)  # (m, 2, 6)
     rows = (6 * edges[:, :, None] + np.arange(6)).reshape(len(edges), 12)
-    push = np.zeros((6 * len(model.skeleton.nodes), count))
-    np.add.at(push, (rows, group[:, None]), -own.reshape(-1, 12))
+    size = 6 * len(model.skeleton.nodes)
+    push = sums_by_row(-own.reshape(-1, 12), rows * count + group[:, None], size * count)
+    push = push.reshape(size, count)
     push[model.fixed.reshape(-1)] = 0.0
     moves = factor(with_identity(model.stiffness_matrix(), model.fixed)).solve(push)  # (6 n, g)
 

@@ -11,6 +11,7 @@ from scipy.spatial import KDTree
 
 from scaffold_cad.base.arguments import as_count, checks_keywords
 from scaffold_cad.base.arrays import Floats, Ints, Points
+from scaffold_cad.base.vectors import sums_by_row
 from scaffold_cad.errors import MeshError
 from scaffold_cad.lattice import UnitCell, tile
 from scaffold_cad.mechanics.cells import VOIGT_PAIRS, Homogenized, homogenized
@@ -148,8 +149,7 @@ def _condensed(points: Points, cells: Ints, freedom: Ints, law: Floats) -> Float
         ),
         shape=(3 * count, 3 * count),
     ).tocsc()
-    right = np.zeros((3 * count, 6))
-    np.add.at(right, rows.reshape(-1), pulls.reshape(-1, 6))
+    right = sums_by_row(pulls, rows, 3 * count)
     # The first point is held: the lattice as a whole may not move.
     moves = np.zeros((3 * count, 6))
     moves[3:] = factor(matrix[3:, 3:]).solve(-right[3:])

@@ -50,9 +50,9 @@ def _steps(mesh: TriangleMesh, corners: Points, normals: Floats) -> Floats:
     ahead = normalize(np.roll(corners, -1, axis=1) - corners)
     angles = np.pi - angle_between(ahead, np.roll(ahead, 1, axis=1))  # (t, 3), at each corner
     planes = normals[:, None, :, None] * normals[:, None, None, :]  # (t, 1, 3, 3)
-    count, corner = len(mesh.vertices), mesh.triangles.reshape(-1)
-    matrices = sums_by_row((angles[:, :, None, None] * planes).reshape(-1, 3, 3), corner, count)
-    sums = sums_by_row((angles[:, :, None] * normals[:, None]).reshape(-1, 3), corner, count)
+    count = len(mesh.vertices)
+    matrices = sums_by_row(angles[:, :, None, None] * planes, mesh.triangles, count)
+    sums = sums_by_row(angles[:, :, None] * normals[:, None], mesh.triangles, count)
     inverses = np.linalg.pinv(matrices, rcond=FLAT, hermitian=True)
     steps: Floats = -np.einsum("vij,vj->vi", inverses, sums)
     return steps

@@ -15,7 +15,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from scaffold_cad.base.arrays import Bools, Ints, UnitVectors
-from scaffold_cad.base.vectors import normalize
+from scaffold_cad.base.vectors import normalize, sums_by_row
 from scaffold_cad.partition.arcs import is_closed
 from scaffold_cad.partition.delaunay import Triangulations
 
@@ -137,11 +137,8 @@ def _vertices(
     """
     rows, triangles = faces.shape
     count = triangles // 2 + 4
-    sums = np.zeros((rows * count, 3))
-    flat = (faces + count * np.arange(rows)[:, None]).reshape(-1)
-    for axis in range(3):
-        column = triangulations.centers[..., axis].reshape(-1)
-        sums[:, axis] = np.bincount(flat, column, minlength=rows * count)
+    vertex = faces + count * np.arange(rows)[:, None]
+    sums = sums_by_row(triangulations.centers, vertex, rows * count)
     row, half_edge = np.nonzero(doubled)
     tail, head = triangulations.tails[row, half_edge], triangulations.heads[row, half_edge]
     left = triangulations.centers[row, half_edge // 3]

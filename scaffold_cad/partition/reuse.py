@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors, as_floats, as_indices
-from scaffold_cad.base.vectors import normalize
+from scaffold_cad.base.vectors import normalize, sums_by_row
 from scaffold_cad.errors import PartitionError
 from scaffold_cad.partition.arcs import arc_counts, is_closed, side_twins, sides
 from scaffold_cad.partition.certificate import certify
@@ -168,9 +168,6 @@ def _summed(values: Floats, quads: Ints) -> Floats:
     """Return the sums at each vertex of values (M, 4 N, 3) at the corners, (M, N + 2, 3)."""
     count = quads.shape[1] + 2
     starts, _ = sides(quads)
-    flat = (starts + count * np.arange(len(quads))[:, None]).reshape(-1)
-    sums = np.empty((count * len(quads), 3))
-    for axis in range(3):
-        column = values[..., axis].reshape(-1)
-        sums[:, axis] = np.bincount(flat, column, minlength=count * len(quads))
+    rows = starts + count * np.arange(len(quads))[:, None]
+    sums = sums_by_row(values, rows, count * len(quads))
     return sums.reshape(len(quads), count, 3)

@@ -9,7 +9,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points
 from scaffold_cad.base.regions import Region
 from scaffold_cad.base.topology import component_labels
-from scaffold_cad.base.vectors import length
+from scaffold_cad.base.vectors import length, sums_by_row
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,8 +100,7 @@ def drawn_together(nodes: Points, edges: Edges, short: Bools, fixed: Bools) -> t
     has_fixed = np.bincount(label, weights=fixed) > 0
     weight = np.where(has_fixed[label], fixed, True).astype(np.float64)
     total = np.bincount(label, weights=weight)
-    moved = [np.bincount(label, weights=weight * x) / total for x in nodes.T]
-    return np.stack(moved, axis=1), label
+    return sums_by_row(weight[:, None] * nodes, label, len(total)) / total[:, None], label
 
 
 def _ordered(edge: Ints, along: Floats, spans: Floats, tolerance: float) -> tuple[Ints, Floats]:

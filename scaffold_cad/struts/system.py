@@ -24,6 +24,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve, qr, solve_triangular
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints
+from scaffold_cad.base.vectors import sums_by_row
 from scaffold_cad.brep.bernstein import bernstein, elevation, product
 from scaffold_cad.struts.joins import shared_numbers, valences
 from scaffold_cad.struts.quarter import DEGREE
@@ -198,10 +199,9 @@ def _conditions(
         slope = product(part, DEGREE - 1) @ difference @ extraction  # (c, D + 2, n)
         raised = np.broadcast_to(elevation(DEGREE, DEGREE + 1) @ extraction / across, slope.shape)
         values = np.concatenate([raised, raised, -2 * raised - slope], axis=2)
-        matrix = np.zeros((*slope.shape[:2], count))
-        place = np.arange(len(curve))[:, None, None], np.arange(DEGREE + 2)[None, :, None]
-        np.add.at(matrix, (*place, columns), values)
-        parts.append(matrix.reshape(-1, count))
+        size = len(curve) * (DEGREE + 2)
+        entries = np.arange(size).reshape(len(curve), -1, 1) * count + columns
+        parts.append(sums_by_row(values, entries, size * count).reshape(size, count))
     return np.concatenate(parts)
 
 
@@ -283,10 +283,9 @@ def _sampled(points: Floats, net: Net, layout: Layout) -> Floats:
 def _energy(system: System) -> Floats:
     """Return the gradient of half the thin-plate energy for each free number, (k, count)."""
     net, plate = system.net, _thin_plate(system.layout)
-    energy = np.zeros_like(system.points_of_free)
-    for numbers in net.number.reshape(len(net.number), -1):
-        np.add.at(energy.T, numbers, plate @ system.points_of_free[:, numbers].T)
-    return energy
+    numbers = net.number.reshape(len(net.number), -1)  # (4 N, n)
+    pulls = plate @ np.moveaxis(system.points_of_free[:, numbers], 0, 2)  # (4 N, n, k)
+    return sums_by_row(pulls, numbers, system.points_of_free.shape[1]).T
 
 
 def _thin_plate(layout: Layout) -> Floats:

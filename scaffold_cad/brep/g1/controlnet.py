@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints, Points
+from scaffold_cad.base.vectors import sums_by_row
 from scaffold_cad.brep.beziermesh import side_indices
 from scaffold_cad.mesh.subdivision.connectivity import Connectivity
 
@@ -78,9 +79,8 @@ class ControlNet:
 
     def gathered(self, patches: Floats) -> Points:
         """Return the mean of what `patches` (f, (d + 1)², 3) have at each control point."""
-        owners = self.of_patch.reshape(-1)
-        uses = np.bincount(owners, minlength=self.count)
-        values = patches.reshape(-1, 3)
-        sums = [np.bincount(owners, values[:, k], minlength=self.count) for k in range(3)]
-        means: Points = np.stack(sums, axis=1) / np.maximum(uses, 1)[:, None]
+        uses = np.bincount(self.of_patch.reshape(-1), minlength=self.count)
+        values = patches.reshape(*self.of_patch.shape, 3)
+        means: Points = sums_by_row(values, self.of_patch, self.count)
+        means /= np.maximum(uses, 1)[:, None]
         return means

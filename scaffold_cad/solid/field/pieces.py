@@ -9,6 +9,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
+from scaffold_cad.base.vectors import sums_by_row
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted, cone_volumes
 
 
@@ -29,11 +30,11 @@ def pieces_of(mesh: TriangleMesh) -> Pieces:
     count = len(mesh.vertices)
     marks = np.ones(len(ends), dtype=np.int8)
     graph = coo_array((marks, (ends[:, 0], ends[:, 1])), shape=(count, count)).tocsr()
-    pieces, labels = connected_components(graph, directed=False)
+    pieces, marked = connected_components(graph, directed=False)
+    labels = marked.astype(np.intp)  # (v,)
     cones = cone_volumes(mesh.vertices, mesh.triangles)
-    volumes: Floats = np.zeros(pieces)
-    np.add.at(volumes, labels[corners[:, 0]], cones)
-    return Pieces(labels.astype(np.intp), volumes)
+    volumes = sums_by_row(cones, labels[corners[:, 0]], pieces)
+    return Pieces(labels, volumes)
 
 
 def without_small_cavities(mesh: TriangleMesh, pieces: Pieces, volume: float) -> TriangleMesh:
