@@ -14,7 +14,7 @@ from scaffold_cad.base.arrays import Floats, Ints, UnitVectors, as_floats
 from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.vectors import angle_between, length
 from scaffold_cad.errors import PartitionError
-from scaffold_cad.skeleton.repair import LEAST_ANGLE
+from scaffold_cad.skeleton.overlaps import LEAST_ANGLE
 
 MIN_VALENCY = 3
 """A partition needs a branch point: two directions bound no quad."""

@@ -8,7 +8,8 @@ from scaffold_cad.base.arrays import Edges, Floats, Ints, Points, Radii
 from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import length
-from scaffold_cad.skeleton.repair import RepairedGraph, repaired, split_at
+from scaffold_cad.skeleton.repair import RepairedGraph, repaired
+from scaffold_cad.skeleton.splitting import split_at
 
 
 def joined_graph(

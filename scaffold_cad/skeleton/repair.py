@@ -6,9 +6,7 @@ radii of zero. `repaired` turns them into what a `Skeleton` needs, or says why i
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, fields
-from itertools import chain
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -16,12 +14,13 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arguments import as_number
-from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, Radii, UnitVectors
-from scaffold_cad.base.blocks import uneven_blocks
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, Radii
 from scaffold_cad.base.positions import equal_positions
-from scaffold_cad.base.topology import component_labels, incidence
-from scaffold_cad.base.vectors import dot, length, normalize
+from scaffold_cad.base.topology import component_labels
+from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import SkeletonError
+from scaffold_cad.skeleton.overlaps import without_overlaps
+from scaffold_cad.skeleton.splitting import distinct_edges, split_at_contacts
 
 LEAST_RADIUS = 1e-9
 """Least radius, in largest coordinates: a solid is made of differences of these."""
@@ -31,17 +30,6 @@ WELD_FRACTION = 1e-7
 
 LEAST_LENGTH = 1e-100
 """Distance within which nodes are always welded, mm: the square of a shorter one may be 0."""
-
-LEAST_ANGLE = float(np.radians(0.01))
-"""Least angle between two edges at a node, rad; a partition needs it between two directions.
-
-Here the chord of the angle is compared with it, which is a little shorter than the angle."""
-
-CROWD = 64
-"""Valency above which a node's directions are compared through a tree, not each with each."""
-
-CONTACT_BYTES = 64
-"""What a pair of an edge and a node near it takes, as Python's number."""
 
 
 @dataclass(frozen=True)
@@ -141,17 +129,17 @@ def repaired(
     target = _weld(nodes, located, max(weld_distance, LEAST_LENGTH))
     merged_away = target != np.arange(len(nodes))
     counts["nodes_welded"] = int(np.sum(merged_away))
-    edges, sizes, counts["zero_length_edges"], counts["duplicate_edges"] = _distinct(
+    edges, sizes, counts["zero_length_edges"], counts["duplicate_edges"] = distinct_edges(
         target[placed], sizes, len(nodes)
     )
     if len(edges) == 0:
         raise SkeletonError("the skeleton has no edge of length > 0; need at least one")
     if split_contacts:
-        edges, sizes, counts["contacts_split"], repeated = _split_at_contacts(
+        edges, sizes, counts["contacts_split"], repeated = split_at_contacts(
             nodes, edges, sizes, weld_distance
         )
         counts["duplicate_edges"] += repeated
-    edges, sizes, counts["overlapping_edges"], repeated = _without_overlaps(nodes, edges, sizes)
+    edges, sizes, counts["overlapping_edges"], repeated = without_overlaps(nodes, edges, sizes)
     counts["duplicate_edges"] += repeated
 
     used = np.zeros(len(nodes), dtype=np.bool_)
@@ -235,189 +223,3 @@ def _weld(nodes: Points, located: Bools, distance: float) -> Ints:
     _, first = np.unique(place, return_index=True)
     target[index] = index[first[place]]
     return target
-
-
-def _distinct(edges: Edges, sizes: Floats, count: int) -> tuple[Edges, Floats, int, int]:
-    """Return the edges without self-loops and repeats, in order, and how many of each went.
-
-    Of repeated edges the largest radii at either end stay, (m, 2).
-    """
-    proper = edges[:, 0] != edges[:, 1]
-    loops = len(edges) - int(proper.sum())
-    edges, sizes = edges[proper], sizes[proper]
-    keys = edges.min(axis=1) * count + edges.max(axis=1)
-    _, first, which = np.unique(keys, return_index=True, return_inverse=True)
-    same_way = edges[:, 0] == edges[first[which], 0]
-    merged = np.full((len(first), 2), np.nan)
-    np.fmax.at(merged, which, np.where(same_way[:, None], sizes, sizes[:, ::-1]))
-    order = np.argsort(first)
-    return edges[first[order]], merged[order], loops, len(edges) - len(first)
-
-
-def _split_at_contacts(
-    nodes: Points, edges: Edges, sizes: Floats, distance: float
-) -> tuple[Edges, Floats, int, int]:
-    """Split each edge at the nodes within `distance` of its inside; count those and repeats."""
-    contacts = [
-        _contacts(nodes, edges, edge, node, distance)
-        for edge, node in _nodes_near_edges(nodes, edges, distance)
-    ]
-    edge, node = (np.concatenate(parts) for parts in zip(*contacts, strict=True))
-    return split_at(nodes, edges, sizes, edge, node)
-
-
-def split_at(
-    nodes: Points, edges: Edges, sizes: Floats, edge: Ints, node: Ints
-) -> tuple[Edges, Floats, int, int]:
-    """Split each of some edges, (k,), at a node on it, (k,); count those and repeats.
-
-    An edge may have several nodes, in any order. Radii of edges change evenly along them.
-    """
-    # The stops of each edge in order: its start, the nodes on it, its end.
-    stops = np.concatenate([edges[:, 0], node, edges[:, 1]])
-    owner = np.concatenate([np.arange(len(edges)), edge, np.arange(len(edges))])
-    start = nodes[edges[edge, 0]]
-    along = length(nodes[node] - start) / length(nodes[edges[edge, 1]] - start)
-    place = np.concatenate([np.full(len(edges), -np.inf), along, np.full(len(edges), np.inf)])
-    sequence = np.lexsort([place, owner])
-    stops, owner = stops[sequence], owner[sequence]
-    consecutive = owner[:-1] == owner[1:]
-    pieces = np.stack([stops[:-1], stops[1:]], axis=1)[consecutive]
-    at_stop = _interpolated(nodes, edges, sizes, owner, stops)
-    widths = np.stack([at_stop[:-1], at_stop[1:]], axis=1)[consecutive]
-    distinct, widths, _, repeated = _distinct(pieces, widths, len(nodes))
-    return distinct, widths, len(node), repeated
-
-
-def _interpolated(nodes: Points, edges: Edges, sizes: Floats, edge: Ints, node: Ints) -> Floats:
-    """Return the radius of each of some edges beside a node on it, shape (k,)."""
-    start, end = nodes[edges[edge, 0]], nodes[edges[edge, 1]]
-    along = length(nodes[node] - start) / length(end - start)
-    radii: Floats = sizes[edge, 0] + along * (sizes[edge, 1] - sizes[edge, 0])
-    return radii
-
-
-def _nodes_near_edges(nodes: Points, edges: Edges, distance: float) -> Iterator[tuple[Ints, Ints]]:
-    """Yield blocks of edges and nodes no farther from an edge's middle than its ends are."""
-    used = np.unique(edges)
-    tree = cKDTree(nodes[used])
-    start, end = nodes[edges[:, 0]], nodes[edges[:, 1]]
-    middle, reach = (start + end) / 2, length(end - start) / 2 + distance
-    number = np.asarray(tree.query_ball_point(middle, reach, return_length=True))  # (m,)
-    for block in uneven_blocks(number, CONTACT_BYTES):
-        rows = np.arange(block.start, block.stop)
-        near = chain.from_iterable(tree.query_ball_point(middle[rows], reach[rows]))
-        total = int(number[rows].sum())
-        yield np.repeat(rows, number[rows]), used[np.fromiter(near, dtype=np.intp, count=total)]
-
-
-def _contacts(
-    nodes: Points, edges: Edges, edge: Ints, node: Ints, distance: float
-) -> tuple[Ints, Ints]:
-    """Return those pairs of `edge` and `node` that touch between the ends, along each edge."""
-    start, end = nodes[edges[edge, 0]], nodes[edges[edge, 1]]  # (k, 3)
-    span = end - start
-    along = dot(nodes[node] - start, span) / dot(span, span)
-    foot = start + along[:, None] * span
-    inside = (node != edges[edge, 0]) & (node != edges[edge, 1]) & (along > 0) & (along < 1)
-    touches = inside & (length(nodes[node] - foot) <= distance)
-    edge, node, along = edge[touches], node[touches], along[touches]
-    order = np.lexsort([along, edge])
-    return edge[order], node[order]
-
-
-def _without_overlaps(nodes: Points, edges: Edges, sizes: Floats) -> tuple[Edges, Floats, int, int]:
-    """Let an edge that leaves a node along a shorter one go on from the shorter one's end.
-
-    Counts how often that was done and the edges that repeated another one then.
-    """
-    rerouted, repeated = 0, 0
-    while True:
-        longer, shorter = _next_shorter(nodes, edges)
-        if len(longer) == 0:
-            return edges, sizes, rerouted, repeated
-        # Every change makes an edge shorter, so that this comes to an end.
-        rerouted += len(longer)
-        tails = edges.reshape(-1)
-        widths = sizes.copy()
-        widths.reshape(-1)[longer] = _interpolated(
-            nodes, edges, sizes, longer >> 1, tails[shorter ^ 1]
-        )
-        edges = edges.copy()
-        ends = edges.reshape(-1)
-        # The longer half-edge leaves the shorter one's head from now on.
-        ends[longer] = tails[shorter ^ 1]
-        edges, sizes, _, dropped = _distinct(edges, widths, len(nodes))
-        repeated += dropped
-
-
-def _next_shorter(nodes: Points, edges: Edges) -> tuple[Ints, Ints]:
-    """Return the half-edges that overlap a shorter one, and the longest of those shorter ones.
-
-    All may change at once: what one of them no longer covers, the shorter one does, or those
-    that it changes for.
-    """
-    pairs = overlapping_half_edges(nodes, edges)  # (k, 2)
-    tails = edges.reshape(-1)
-    lengths = length(nodes[tails[pairs ^ 1]] - nodes[tails[pairs]])
-    swapped = lengths[:, 0] < lengths[:, 1]
-    longer = np.where(swapped, pairs[:, 1], pairs[:, 0])
-    shorter = np.where(swapped, pairs[:, 0], pairs[:, 1])
-    order = np.lexsort([shorter, -lengths.min(axis=1, initial=np.inf), longer])
-    # An edge changes at one end: at both, a bundle would turn round instead of becoming a path.
-    _, first = np.unique(longer[order] >> 1, return_index=True)
-    return longer[order][first], shorter[order][first]
-
-
-def overlapping_half_edges(nodes: Points, edges: Edges) -> Edges:
-    """Return pairs of half-edges that leave a node within `LEAST_ANGLE` of each other, (k, 2)."""
-    leaving = incidence(edges, len(nodes))
-    tails = edges.reshape(-1)
-    valency = np.diff(leaving.offsets)
-    found = [np.zeros((0, 2), dtype=np.intp)]
-    for n in np.unique(valency[valency > 1]).tolist():
-        half_edges = leaving.at_nodes(np.flatnonzero(valency == n), n)  # (k, n)
-        spans = nodes[tails[half_edges ^ 1]] - nodes[tails[half_edges]]  # (k, n, 3)
-        by_length = np.argsort(length(spans), axis=1, kind="stable")
-        half_edges = np.take_along_axis(half_edges, by_length, axis=1)
-        directions = normalize(np.take_along_axis(spans, by_length[:, :, None], axis=1))
-        near = _near_in_rows if n <= CROWD else _near_in_trees
-        row, first, second = near(directions)
-        found.append(np.stack([half_edges[row, first], half_edges[row, second]], axis=1))
-    return np.unique(np.sort(np.concatenate(found), axis=1), axis=0)
-
-
-def _near_in_rows(directions: UnitVectors) -> tuple[Ints, Ints, Ints]:
-    """Return row and columns of the close pairs in each row of `directions` (k, n, 3)."""
-    n = directions.shape[1]
-    rows, firsts, seconds = [], [], []
-    for shift in range(1, n // 2 + 1):  # every pair once, or twice at shift n / 2
-        gap = length(directions - np.roll(directions, -shift, axis=1))  # (k, n)
-        row, first = np.nonzero(gap < LEAST_ANGLE)
-        rows.append(row)
-        firsts.append(first)
-        seconds.append((first + shift) % n)
-    return np.concatenate(rows), np.concatenate(firsts), np.concatenate(seconds)
-
-
-def _near_in_trees(directions: UnitVectors) -> tuple[Ints, Ints, Ints]:
-    """Return some close pairs in each row of `directions`, in less time where rows are long.
-
-    Each direction that has a close one is in a pair; of a bundle of n, n - 1 pairs are given,
-    of directions that follow each other in the row.
-    """
-    pairs = [_near_in_bundles(row) for row in directions]
-    rows = np.repeat(np.arange(len(directions)), [len(found) for found in pairs])
-    first, second = np.concatenate(pairs).T
-    return rows, first, second
-
-
-def _near_in_bundles(directions: UnitVectors) -> Edges:
-    """Return the pairs of directions (n, 3) in one cell of a grid; if none, all close pairs."""
-    # The diagonal of a cell is 0.87 of the angle; axes are in the middle of cells.
-    cells = np.round(directions / (LEAST_ANGLE / 2)).astype(np.int64)
-    order = np.lexsort(cells.T)
-    same = (cells[order[1:]] == cells[order[:-1]]).all(axis=1)
-    if same.any():
-        return np.stack([order[:-1][same], order[1:][same]], axis=1)
-    return cKDTree(directions).query_pairs(LEAST_ANGLE, output_type="ndarray")

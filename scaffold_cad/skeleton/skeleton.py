@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_number, check_kind, checks_keywords
+from scaffold_cad.base.arguments import as_number, checks_keywords
 from scaffold_cad.base.arrays import (
     Edges,
     Floats,
@@ -42,14 +41,11 @@ from scaffold_cad.errors import SkeletonError
 from scaffold_cad.skeleton.editing import Editing
 from scaffold_cad.skeleton.joining import joined_graph
 from scaffold_cad.skeleton.repair import (
-    LEAST_LENGTH,
-    LEAST_RADIUS,
     Repairs,
     largest_at_nodes,
-    overlapping_half_edges,
     repaired,
 )
-from scaffold_cad.skeleton.thinning import farthest_sample, kept_samples
+from scaffold_cad.skeleton.thinning import thinned_edges
 
 if TYPE_CHECKING:
     from build123d import Curve
@@ -355,76 +351,17 @@ class Skeleton(Frozen, Shown, Editing):
         tolerance : mm, ≥ 0
         """
         tolerance = as_number(tolerance, "simplification tolerance", or_zero=True)
-        lone, walks = self._walks()
-        kept = [self._kept(walk, tolerance) for walk in walks]
-        both = [(walk.stops[0], walk.stops[-1]) for walk in walks]
-        ends = np.asarray(both, dtype=np.intp).reshape(-1, 2)
-        _, pair, uses = np.unique(
-            np.sort(np.concatenate([ends, self.edges[lone]]), axis=1),
-            axis=0,
-            return_inverse=True,
-            return_counts=True,
+        edges, sizes = thinned_edges(
+            self.nodes, self.edges, self.edge_radii, self.chains, tolerance
         )
-        # Branches between the same two nodes must not become the same edge.
-        for branch in np.flatnonzero(uses[pair.reshape(-1)[: len(kept)]] > 1).tolist():
-            if len(kept[branch]) == 2:
-                stops = walks[branch].stops
-                kept[branch] = np.array([0, farthest_sample(self.nodes[stops]), len(stops) - 1])
-        links, sizes = [self.edges[lone]], [self.edge_radii[lone]]
-        for walk, row in zip(walks, kept, strict=True):
-            links.append(np.stack([walk.stops[row[:-1]], walk.stops[row[1:]]], axis=1))
-            sizes.append(np.stack([walk.radii[row[:-1], 0], walk.radii[row[1:] - 1, 1]], axis=1))
-        edges = np.concatenate(links)
         used = np.unique(edges)
         thin = Skeleton(
             self.nodes[used],
             np.searchsorted(used, edges),
             self.radii[used],
-            np.concatenate(sizes),
+            sizes,
         )
         return thin.cleaned(weld_distance=0.0).skeleton
-
-    def _walks(self) -> tuple[Ints, list[_Walk]]:
-        """Return the edges that are a branch of their own, and all other branches.
-
-        A ring has its first node at both ends.
-        """
-        half_edges, offsets = self.chains.half_edges, self.chains.offsets
-        tails = self.edges.reshape(-1)
-        counts = np.diff(offsets)
-        lone = half_edges[offsets[:-1][counts == 1]] >> 1
-        radii = self.edge_radii.reshape(-1)
-        walks = []
-        for branch in np.flatnonzero(counts > 1).tolist():
-            row = half_edges[offsets[branch] : offsets[branch + 1]]
-            stops = np.append(tails[row], tails[row[-1] ^ 1])
-            walks.append(_Walk(stops, np.stack([radii[row], radii[row ^ 1]], axis=1)))
-        return lone, walks
-
-    def _kept(self, walk: _Walk, tolerance: float) -> Ints:
-        """Return the stops of a walk to keep; a walk that ends where it began keeps two inside."""
-        stops, last = walk.stops, len(walk.stops) - 1
-        third = (last + 1) // 3
-        cuts = [0, last] if stops[0] != stops[-1] else [0, third, 2 * third, last]
-        # A step from one member to the next is no matter of sampling.
-        steps = np.abs(walk.radii[1:, 0] - walk.radii[:-1, 1]) > tolerance
-        cuts = sorted({*cuts, *(1 + np.flatnonzero(steps)).tolist()})
-        keep = np.zeros(len(stops), dtype=np.bool_)
-        for start, stop in pairwise(cuts):
-            radii = np.append(walk.radii[start:stop, 0], walk.radii[stop - 1, 1])
-            places = self.nodes[stops[start : stop + 1]]
-            keep[start : stop + 1] |= kept_samples(places, radii, tolerance)
-        return np.flatnonzero(keep)
-
-
-@dataclass(frozen=True, eq=False)
-class _Walk:
-    """The nodes that a branch passes, and the radii of its edges."""
-
-    stops: Ints
-    """Shape (k + 1,)."""
-    radii: Floats
-    """Of each edge where it is entered and where it is left, shape (k, 2), mm."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -433,82 +370,3 @@ class Cleaning:
 
     skeleton: Skeleton
     repairs: Repairs
-
-
-@checks_keywords()
-def check_skeleton(skeleton: Skeleton) -> None:
-    """Raise unless `skeleton` can be scaffolded.
-
-    Raises
-    ------
-    OptionError
-        If it is no skeleton.
-    SkeletonError
-        For the first of: no edge, a self-loop, an isolated node, coincident nodes, an edge too
-        short for its direction to be computed, a repeated edge, a radius too small for the
-        rounding of coordinates, two edges that leave a node within 0.01° of each other.
-
-    Examples
-    --------
-    >>> from scaffold_cad import Skeleton, check_skeleton
-    >>> lonely = Skeleton([[0, 0, 0], [9, 0, 0], [5, 5, 5]], [[0, 1]], 1.0)
-    >>> check_skeleton(lonely)  # doctest: +ELLIPSIS
-    Traceback (most recent call last):
-    ...
-    scaffold_cad.errors.SkeletonError: node 2 has no edge; ...
-    """
-    check_kind(skeleton, Skeleton)
-    nodes, edges = skeleton.nodes, skeleton.edges
-    hint = "use Skeleton.cleaned() to repair it"
-    if len(edges) == 0:
-        raise SkeletonError("the skeleton has no edges; need at least one")
-    loops = np.flatnonzero(edges[:, 0] == edges[:, 1])
-    if len(loops):
-        edge, node = loops[0], edges[loops[0], 0]
-        raise SkeletonError(f"edge {edge} joins node {node} to itself; need two nodes ({hint})")
-    isolated = np.flatnonzero(skeleton.valency == 0)
-    if len(isolated):
-        raise SkeletonError(f"node {isolated[0]} has no edge; need at least one ({hint})")
-    for first, second in _equal_rows(nodes):
-        place = nodes[second].tolist()
-        raise SkeletonError(
-            f"nodes {first} and {second} are both at {place} mm; need distinct places ({hint})"
-        )
-    short = np.flatnonzero(skeleton.lengths < LEAST_LENGTH)
-    if len(short):
-        found = skeleton.lengths[short[0]]
-        raise SkeletonError(
-            f"edge {short[0]} is {found:g} mm long; need at least {LEAST_LENGTH:g} ({hint})"
-        )
-    for first, second in _equal_rows(np.sort(edges, axis=1)):
-        pair = edges[second].tolist()
-        raise SkeletonError(
-            f"edges {first} and {second} both join nodes {pair}; need each edge once ({hint})"
-        )
-    least = LEAST_RADIUS * float(np.abs(nodes).max())
-    for what, sizes in (("node", skeleton.radii), ("edge", skeleton.edge_radii.min(axis=1))):
-        thin = np.flatnonzero(sizes < least)
-        if len(thin):
-            raise SkeletonError(
-                f"{what} {thin[0]} has radius {sizes[thin[0]]:g} mm; need {least:g} mm or more "
-                "this far from the origin, for rounding"
-            )
-    overlaps = overlapping_half_edges(nodes, edges)
-    if len(overlaps):
-        node = edges.reshape(-1)[overlaps[0, 0]]
-        first, second = (overlaps[0] >> 1).tolist()
-        raise SkeletonError(
-            f"edges {first} and {second} leave node {node} in the same direction; "
-            f"need more than 0.01 degrees between them ({hint})"
-        )
-
-
-def _equal_rows(rows: np.ndarray) -> list[tuple[int, int]]:
-    """Return the first two equal rows of `rows`, if any, as a list of at most one pair."""
-    order = np.lexsort(rows.T[::-1])
-    same = (rows[order[1:]] == rows[order[:-1]]).all(axis=1)
-    if not same.any():
-        return []
-    at = int(np.argmax(same))
-    first, second = sorted((int(order[at]), int(order[at + 1])))
-    return [(first, second)]

@@ -14,7 +14,7 @@ from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.scaffold.stars import APOTHEM
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.skeleton.repair import LEAST_ANGLE, overlapping_half_edges
+from scaffold_cad.skeleton.overlaps import LEAST_ANGLE, overlapping_half_edges
 from tests import skeletons as named
 from tests.skeletons import polyline, star
 from tests.strategies import skeletons

@@ -10,13 +10,13 @@ from hypothesis import strategies as st
 from scaffold_cad.base.arrays import Edges, Floats, Points
 from scaffold_cad.base.blocks import MEMORY
 from scaffold_cad.errors import OptionError, SkeletonError
-from scaffold_cad.skeleton import Skeleton, check_skeleton, repair
+from scaffold_cad.skeleton import Skeleton, check_skeleton, splitting
+from scaffold_cad.skeleton.overlaps import overlapping_half_edges
 from scaffold_cad.skeleton.repair import (
     RepairedGraph,
     Repairs,
     default_weld_distance,
     equal_positions,
-    overlapping_half_edges,
     repaired,
 )
 from tests.skeletons import NAMED, polyline
@@ -257,7 +257,7 @@ def test_blocks_of_contacts_give_what_one_block_gives(monkeypatch: pytest.Monkey
     edges = rng.integers(0, 40, (60, 2))
     whole = mended(nodes, edges, split_contacts=True)
     assert whole.repairs.contacts_split > 10
-    monkeypatch.setattr(repair, "CONTACT_BYTES", MEMORY // 5)
+    monkeypatch.setattr(splitting, "CONTACT_BYTES", MEMORY // 5)
     parts = mended(nodes, edges, split_contacts=True)
     np.testing.assert_array_equal(parts.edges, whole.edges)
     assert parts.repairs == whole.repairs

@@ -32,7 +32,7 @@ from scaffold_cad.lattice.repetition import as_counts, repeated
 from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.lattice.unitcell import UnitCell, as_three
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.skeleton.repair import overlapping_half_edges
+from scaffold_cad.skeleton.overlaps import overlapping_half_edges
 
 SHORTEST_FRACTION = 1e-3
 """Length below which the rest of a strut cut at a border is given up, in cells."""

@@ -1,0 +1,90 @@
+"""check_skeleton(): whether a skeleton can be scaffolded."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scaffold_cad.base.arguments import check_kind, checks_keywords
+from scaffold_cad.errors import SkeletonError
+from scaffold_cad.skeleton.overlaps import overlapping_half_edges
+from scaffold_cad.skeleton.repair import LEAST_LENGTH, LEAST_RADIUS
+from scaffold_cad.skeleton.skeleton import Skeleton
+
+
+@checks_keywords()
+def check_skeleton(skeleton: Skeleton) -> None:
+    """Raise unless `skeleton` can be scaffolded.
+
+    Raises
+    ------
+    OptionError
+        If it is no skeleton.
+    SkeletonError
+        For the first of: no edge, a self-loop, an isolated node, coincident nodes, an edge too
+        short for its direction to be computed, a repeated edge, a radius too small for the
+        rounding of coordinates, two edges that leave a node within 0.01° of each other.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, check_skeleton
+    >>> lonely = Skeleton([[0, 0, 0], [9, 0, 0], [5, 5, 5]], [[0, 1]], 1.0)
+    >>> check_skeleton(lonely)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ...
+    scaffold_cad.errors.SkeletonError: node 2 has no edge; ...
+    """
+    check_kind(skeleton, Skeleton)
+    nodes, edges = skeleton.nodes, skeleton.edges
+    hint = "use Skeleton.cleaned() to repair it"
+    if len(edges) == 0:
+        raise SkeletonError("the skeleton has no edges; need at least one")
+    loops = np.flatnonzero(edges[:, 0] == edges[:, 1])
+    if len(loops):
+        edge, node = loops[0], edges[loops[0], 0]
+        raise SkeletonError(f"edge {edge} joins node {node} to itself; need two nodes ({hint})")
+    isolated = np.flatnonzero(skeleton.valency == 0)
+    if len(isolated):
+        raise SkeletonError(f"node {isolated[0]} has no edge; need at least one ({hint})")
+    for first, second in _equal_rows(nodes):
+        place = nodes[second].tolist()
+        raise SkeletonError(
+            f"nodes {first} and {second} are both at {place} mm; need distinct places ({hint})"
+        )
+    short = np.flatnonzero(skeleton.lengths < LEAST_LENGTH)
+    if len(short):
+        found = skeleton.lengths[short[0]]
+        raise SkeletonError(
+            f"edge {short[0]} is {found:g} mm long; need at least {LEAST_LENGTH:g} ({hint})"
+        )
+    for first, second in _equal_rows(np.sort(edges, axis=1)):
+        pair = edges[second].tolist()
+        raise SkeletonError(
+            f"edges {first} and {second} both join nodes {pair}; need each edge once ({hint})"
+        )
+    least = LEAST_RADIUS * float(np.abs(nodes).max())
+    for what, sizes in (("node", skeleton.radii), ("edge", skeleton.edge_radii.min(axis=1))):
+        thin = np.flatnonzero(sizes < least)
+        if len(thin):
+            raise SkeletonError(
+                f"{what} {thin[0]} has radius {sizes[thin[0]]:g} mm; need {least:g} mm or more "
+                "this far from the origin, for rounding"
+            )
+    overlaps = overlapping_half_edges(nodes, edges)
+    if len(overlaps):
+        node = edges.reshape(-1)[overlaps[0, 0]]
+        first, second = (overlaps[0] >> 1).tolist()
+        raise SkeletonError(
+            f"edges {first} and {second} leave node {node} in the same direction; "
+            f"need more than 0.01 degrees between them ({hint})"
+        )
+
+
+def _equal_rows(rows: np.ndarray) -> list[tuple[int, int]]:
+    """Return the first two equal rows of `rows`, if any, as a list of at most one pair."""
+    order = np.lexsort(rows.T[::-1])
+    same = (rows[order[1:]] == rows[order[:-1]]).all(axis=1)
+    if not same.any():
+        return []
+    at = int(np.argmax(same))
+    first, second = sorted((int(order[at]), int(order[at + 1])))
+    return [(first, second)]
