@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
 
-from scaffold_cad.base.arguments import as_flag, as_number, checks_keywords
+from scaffold_cad.base.arguments import as_flag, as_number, as_real, checks_keywords
 from scaffold_cad.base.arrays import Floats, Points, as_floats
 from scaffold_cad.errors import OptionError
-from scaffold_cad.lattice import UnitCell, density
+from scaffold_cad.lattice import UnitCell
+from scaffold_cad.lattice.density import density_of_unit_radius, measured_density
 from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.skeleton import Skeleton
@@ -27,6 +28,15 @@ MEASURED = 6
 
 RANGE = (0.02, 0.95)
 """Least and greatest radius measured, in that at which the formula gives 1."""
+
+DENSITY_ACCURACY = 1e-3
+"""Relative difference from the wanted density at which a radius is good enough."""
+
+LEAST_RADIUS = 1e-3
+"""Least radius that is tried, as a fraction of the first-order one; the greatest is a cell."""
+
+LARGEST_STEPS = 30
+"""Densities measured before the search for a radius is given up."""
 
 
 @checks_keywords()
@@ -64,8 +74,14 @@ def solve_radius(
     """
     if as_flag(measured, "measured") and volume is not None:
         raise OptionError("volume is given with measured=True; need either")
-    return density.solve_radius(
-        cell, size, relative_density, volume=solid_volume if measured else volume
+    if not 0 < as_real(relative_density, "relative density") < 1:
+        raise OptionError(
+            f"relative density is {relative_density:g}; need more than 0, less than 1"
+        )
+    radius = float(np.sqrt(relative_density / density_of_unit_radius(cell, size)))
+    volume = solid_volume if measured else volume
+    return (
+        radius if volume is None else _measured_radius(cell, size, relative_density, radius, volume)
     )
 
 
@@ -106,7 +122,7 @@ def graded_radius(
     if as_flag(measured, "measured"):
         tried = full * np.geomspace(*RANGE, MEASURED)
         densities = [
-            density.measured_density(known, sizes, float(radius), solid_volume) for radius in tried
+            measured_density(known, sizes, float(radius), solid_volume) for radius in tried
         ]
         between = PchipInterpolator(np.log(densities), np.log(tried), extrapolate=True)
 
@@ -118,6 +134,35 @@ def graded_radius(
         return np.asarray(np.exp(between(np.log(wanted))))
 
     return radius_at
+
+
+def _measured_radius(
+    cell: str | UnitCell,
+    size: ArrayLike,
+    relative_density: float,
+    radius: float,
+    volume: Callable[[Skeleton], float],
+) -> float:
+    """Return the radius whose solid has a relative density, looked for from a first one."""
+    least, greatest = LEAST_RADIUS * radius, cell_size(as_cell(cell), size).max()
+    # Secant steps on log density against log radius, which is almost a line of slope 2.
+    slope, before = 2.0, (np.nan, np.nan)
+    for _ in range(LARGEST_STEPS):
+        ratio = measured_density(cell, size, radius, volume) / relative_density
+        if abs(ratio - 1) <= DENSITY_ACCURACY:
+            return radius
+        here = (np.log(radius), np.log(ratio))
+        secant = (here[1] - before[1]) / (here[0] - before[0])
+        # Where the solid fills up the slope tends to 0: keep the steps short.
+        slope = float(np.clip(secant, 0.5, 4.0)) if np.isfinite(secant) else slope
+        following = float(np.clip(np.exp(here[0] - here[1] / slope), least, greatest))
+        if following == radius:
+            break
+        radius, before = following, here
+    raise OptionError(
+        f"no radius gives relative density {relative_density:g}: "
+        f"the last one tried, {radius:g} mm, is off by {100 * abs(ratio - 1):.2g} %"
+    )
 
 
 def solid_volume(skeleton: Skeleton) -> float:

@@ -48,9 +48,9 @@ class HasTriangles(Protocol):
         """Vertex positions, shape (v, 3), mm."""
 
 
-FillRegion: TypeAlias = "ArrayLike | Shape | HasTriangles | Callable[[Points], ArrayLike]"
-"""A box (two corners), a solid of build123d, a closed triangle mesh, or a function that is
-negative inside."""
+FillRegion: TypeAlias = "ArrayLike | Shape | HasTriangles | Callable[[Points], ArrayLike] | Region"
+"""A box (two corners), a solid of build123d, a closed triangle mesh, a function that is negative
+inside, or a region of `scaffold_cad.base.regions`."""
 
 
 @checks_keywords()
@@ -165,6 +165,8 @@ def as_region(region: FillRegion, bounds: ArrayLike | None = None) -> Region:
     """Return `region` as one of those that struts can be clipped to; see `fill`."""
     if bounds is not None and not callable(region):
         raise OptionError("bounds are given for a region that has its own; need a function")
+    if isinstance(region, Region):
+        return region
     surface = surface_of(region)
     if surface is not None:
         return MeshRegion(TriangleMesh(surface.vertices, surface.triangles))

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from typing import get_args
+
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import checks_keywords
+from scaffold_cad.base.arguments import check_choice, checks_keywords
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import Keep
 from scaffold_cad.filling.fill import FillRegion, as_region
-from scaffold_cad.lattice import foams
-from scaffold_cad.lattice.foampoints import CellSizes
+from scaffold_cad.lattice.foampoints import CellSizes, as_stretch, seeds_in
+from scaffold_cad.lattice.foams import delaunay_struts, foam_of, voronoi_struts
 from scaffold_cad.skeleton import Skeleton
 
 
@@ -64,6 +66,12 @@ def voronoi_foam(
     SkeletonError
         If no strut is in the region.
 
+    References
+    ----------
+    Zhu, Hobdell, Windle, Effects of cell irregularity on the elastic properties of open-cell
+    foams, 2000: the regularity. Redenbach, Microstructure models for cellular materials, 2009:
+    Laguerre cells.
+
     Examples
     --------
     >>> import numpy as np
@@ -72,18 +80,20 @@ def voronoi_foam(
     >>> foam.component_count
     1
     """
-    return foams.voronoi_foam(
-        count,
-        as_region(region, bounds),
+    check_choice(keep, "keep", get_args(Keep))
+    space, factors = as_region(region, bounds), as_stretch(stretch)
+    seeds = seeds_in(count, space, seed, regularity, size, factors)
+    struts, on_surface = voronoi_struts(
+        seeds, space, factors, periodic=periodic, keep=keep, dangling=dangling
+    )
+    return foam_of(
+        struts,
+        seeds,
+        space,
         radius,
-        seed,
-        size=size,
-        regularity=regularity,
-        stretch=stretch,
-        periodic=periodic,
-        keep=keep,
-        dangling=dangling,
         shortest=shortest,
+        on_surface=on_surface,
+        whole=periodic,
     )
 
 
@@ -125,13 +135,7 @@ def delaunay_foam(
     >>> delaunay_foam(9, [[0, 0, 0], [9, 9, 9]], radius=0.3).component_count
     1
     """
-    return foams.delaunay_foam(
-        count,
-        as_region(region, bounds),
-        radius,
-        seed,
-        size=size,
-        regularity=regularity,
-        stretch=stretch,
-        shortest=shortest,
-    )
+    space, factors = as_region(region, bounds), as_stretch(stretch)
+    seeds = seeds_in(count, space, seed, regularity, size, factors)
+    struts = delaunay_struts(seeds, space, factors)
+    return foam_of(struts, seeds, space, radius, shortest=shortest)

@@ -1,7 +1,6 @@
 """Lattices and foams: graphs of struts, tiled or random, returned as skeletons."""
 
-from scaffold_cad.lattice.density import measured_density, relative_density, solve_radius
-from scaffold_cad.lattice.foams import delaunay_foam, voronoi_foam
+from scaffold_cad.lattice.density import measured_density, relative_density
 from scaffold_cad.lattice.maps import (
     BetweenMap,
     BoxMap,
@@ -32,14 +31,11 @@ __all__ = [
     "cell_picture",
     "cells",
     "check_periodic",
-    "delaunay_foam",
     "lattice_on",
     "mapped",
     "measured_density",
     "register_cell",
     "relative_density",
-    "solve_radius",
     "tile",
     "unit_cell",
-    "voronoi_foam",
 ]

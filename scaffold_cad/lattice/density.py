@@ -5,24 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from itertools import product
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_number, as_real, checks_keywords
+from scaffold_cad.base.arguments import as_number, checks_keywords
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.tiling import cell_size, tile
 from scaffold_cad.lattice.unitcell import UnitCell
 from scaffold_cad.skeleton import Skeleton
-
-DENSITY_ACCURACY = 1e-3
-"""Relative difference from the wanted density at which a radius is good enough."""
-
-LEAST_RADIUS = 1e-3
-"""Least radius that is tried, as a fraction of the first-order one; the greatest is a cell."""
-
-LARGEST_STEPS = 30
-"""Densities measured before the search for a radius is given up."""
 
 
 @checks_keywords()
@@ -51,7 +41,7 @@ def relative_density(cell: str | UnitCell, size: ArrayLike, radius: float) -> fl
     True
     """
     radius = as_number(radius, "radius")
-    of_unit_radius = _density_of_unit_radius(cell, size)
+    of_unit_radius = density_of_unit_radius(cell, size)
     density = of_unit_radius * radius**2
     if not density < 1:
         raise OptionError(
@@ -59,64 +49,6 @@ def relative_density(cell: str | UnitCell, size: ArrayLike, radius: float) -> fl
             f"need less than {of_unit_radius**-0.5:.3g} mm for struts in cells of this size"
         )
     return density
-
-
-def solve_radius(
-    cell: str | UnitCell,
-    size: ArrayLike,
-    relative_density: float,
-    *,
-    volume: Callable[[Skeleton], float] | None = None,
-) -> float:
-    """Return the strut radius that gives a lattice its relative density, mm.
-
-    Parameters
-    ----------
-    cell : a unit cell or its name
-    size : of one cell, mm: three numbers, or one for a cell that is not distorted
-    relative_density : in (0, 1)
-    volume : function that makes the solid of a skeleton and returns its volume, mm³; with it
-        the density is that of `measured_density`, within 0.1 %; without, of the first-order
-        formula
-
-    Raises
-    ------
-    OptionError
-        If the cell is not known, a size is not > 0, the density is not in (0, 1), or no radius
-        was found that has it.
-
-    Examples
-    --------
-    >>> from scaffold_cad import relative_density, solve_radius
-    >>> round(relative_density("bcc", 5.0, solve_radius("bcc", 5.0, 0.1)), 6)
-    0.1
-    """
-    if not 0 < as_real(relative_density, "relative density") < 1:
-        raise OptionError(
-            f"relative density is {relative_density:g}; need more than 0, less than 1"
-        )
-    radius = float(np.sqrt(relative_density / _density_of_unit_radius(cell, size)))
-    if volume is None:
-        return radius
-    least, greatest = LEAST_RADIUS * radius, cell_size(as_cell(cell), size).max()
-    # Secant steps on log density against log radius, which is almost a line of slope 2.
-    slope, before = 2.0, (np.nan, np.nan)
-    for _ in range(LARGEST_STEPS):
-        ratio = measured_density(cell, size, radius, volume) / relative_density
-        if abs(ratio - 1) <= DENSITY_ACCURACY:
-            return radius
-        here = (np.log(radius), np.log(ratio))
-        secant = (here[1] - before[1]) / (here[0] - before[0])
-        # Where the solid fills up the slope tends to 0: keep the steps short.
-        slope = float(np.clip(secant, 0.5, 4.0)) if np.isfinite(secant) else slope
-        following = float(np.clip(np.exp(here[0] - here[1] / slope), least, greatest))
-        if following == radius:
-            break
-        radius, before = following, here
-    raise OptionError(
-        f"no radius gives relative density {relative_density:g}: "
-        f"the last one tried, {radius:g} mm, is off by {100 * abs(ratio - 1):.2g} %"
-    )
 
 
 def measured_density(
@@ -143,7 +75,7 @@ def measured_density(
     return inside / cell.volume(cell_size(cell, size))
 
 
-def _density_of_unit_radius(cell: str | UnitCell, size: ArrayLike) -> float:
+def density_of_unit_radius(cell: str | UnitCell, size: ArrayLike) -> float:
     """Return the first-order relative density of struts of radius 1 mm."""
     cell = as_cell(cell)
     return cell.density_coefficient_of(cell_size(cell, size))

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import logging
 from itertools import combinations
-from typing import get_args
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.spatial import Delaunay
 
 from scaffold_cad.base.arrays import Bools, Floats
@@ -16,19 +14,10 @@ from scaffold_cad.base.regions import BoxRegion, Keep, Region
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice.clipping import clipped, least_length
-from scaffold_cad.lattice.foampoints import (
-    MOST_POINTS,
-    CellSizes,
-    Seeds,
-    as_stretch,
-    random_points,
-    seeds_in,
-)
+from scaffold_cad.lattice.foampoints import Seeds
 from scaffold_cad.lattice.powercells import cell_edges, centers, repeated_around
 from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.skeleton import Skeleton
-
-__all__ = ["MOST_POINTS", "delaunay_foam", "random_points", "voronoi_foam"]
 
 SHORTEST_FRACTION = 1e-3
 """Length below which struts are shrunk to a node, as a fraction of the points' mean spacing."""
@@ -36,130 +25,48 @@ SHORTEST_FRACTION = 1e-3
 _log = logging.getLogger(__name__)
 
 
-def voronoi_foam(
-    count: int | ArrayLike | None,
-    region: ArrayLike | Region,
-    radius: Radius,
-    seed: int = 0,
-    *,
-    size: CellSizes | None = None,
-    regularity: float = 0.0,
-    stretch: ArrayLike = (1.0, 1.0, 1.0),
-    periodic: bool = False,
-    keep: Keep = "clip",
-    dangling: bool = True,
-    shortest: float | None = None,
-) -> Skeleton:
-    """Return the edges of the Voronoi cells of random points: an open-cell foam.
-
-    Nodes inside have valency 4, but for those that short struts were shrunk to. The foam is in one
-    piece: others, which the surface cuts loose, are left out.
+def voronoi_struts(
+    seeds: Seeds, region: Region, stretch: Floats, *, periodic: bool, keep: Keep, dangling: bool
+) -> tuple[Struts, Bools]:
+    """Return the edges of the cells of points in a region, and which nodes are on its surface.
 
     Parameters
     ----------
-    count : random points in the region, one a cell; or points of one's own (n, 3), mm
-    region : lowest and highest corner of the box to fill, mm; or a region
-    radius : mm; one number, or a function of positions (n, 3) that returns radii (n,)
-    seed : of the random points; the same seed gives the same foam
-    size : in place of a count: side of a cube as large as a cell, mm; or a function of positions
-        (n, 3) that returns sizes (n,), such as a `Field`: points are then as dense as it asks, and
-        the cells are Laguerre cells, larger where they are to be
-    regularity : least distance of two points, as a fraction of that in a lattice of as many
-        Kelvin cells, in 0..0.7: 0 is fully random, 0.7 gives cells of similar size
-    stretch : how much longer cells are along x, y and z
-    periodic : whether the foam of a box meets itself on opposite faces, to be repeated; what the
-        box cuts loose then stays, as it hangs on the next one
-    keep : "clip" cuts struts at the surface, "whole" drops those that leave it
-    dangling : whether struts that end free stay
-    shortest : struts shorter than this are shrunk to a node, mm; by default 1/1000 of the mean
-        spacing of the points
-
-    Raises
-    ------
-    OptionError
-        If an argument is out of its range.
-    SkeletonError
-        If no strut is in the region.
-
-    References
-    ----------
-    Zhu, Hobdell, Windle, Effects of cell irregularity on the elastic properties of open-cell
-    foams, 2000: the regularity. Redenbach, Microstructure models for cellular materials, 2009:
-    Laguerre cells.
+    stretch : (3,) how much longer cells are along x, y and z
+    periodic, keep, dangling : see `scaffold_cad.filling.voronoi_foam`
     """
-    if keep not in get_args(Keep):
-        raise OptionError(f"keep is {keep!r}; need one of {', '.join(get_args(Keep))}")
-    space = _as_region(region)
-    factors = as_stretch(stretch)
-    seeds = seeds_in(count, space, seed, regularity, size, factors)
-    struts = _cells(seeds, space, factors, periodic)
+    struts = _cells(seeds, region, stretch, periodic)
     on_surface = np.zeros(len(struts.nodes), dtype=np.bool_)
     if keep == "clip":
-        struts = clipped(struts, space, 0.0)
+        struts = clipped(struts, region, 0.0)
         on_surface = np.arange(len(struts.nodes)) >= len(on_surface)
     else:
-        inside = space.contains(struts.nodes)[struts.edges]  # (m, 2)
+        inside = region.contains(struts.nodes)[struts.edges]  # (m, 2)
         struts = struts.kept(inside[:, 0] & inside[:, 1])
-    if not dangling:
-        struts = struts.without_dangling()
-    shortest = least_length(shortest, _shortest(seeds))
-    return _foam(struts, space, radius, on_surface, shortest, whole=periodic)
+    return (struts if dangling else struts.without_dangling()), on_surface
 
 
-def delaunay_foam(
-    count: int | ArrayLike | None,
-    region: ArrayLike | Region,
-    radius: Radius,
-    seed: int = 0,
-    *,
-    size: CellSizes | None = None,
-    regularity: float = 0.0,
-    stretch: ArrayLike = (1.0, 1.0, 1.0),
-    shortest: float | None = None,
-) -> Skeleton:
-    """Return the edges of the Delaunay tetrahedra of random points: a random truss.
-
-    Tetrahedra count that have their circumcenter in the region: the others are flat ones at its
-    surface. Struts that leave the region go. The truss is in one piece: others are left out.
+def delaunay_struts(seeds: Seeds, region: Region, stretch: Floats) -> Struts:
+    """Return the edges of the tetrahedra of points whose circumcenters are in a region.
 
     Parameters
     ----------
-    count : random points in the region, or points of one's own (n, 3), mm
-    region : lowest and highest corner of the box to fill, mm; or a region
-    radius : mm; one number, or a function of positions (n, 3) that returns radii (n,)
-    seed : of the random points; the same seed gives the same foam
-    size, regularity, stretch, shortest : as for `voronoi_foam`
-
-    Raises
-    ------
-    OptionError
-        If an argument is out of its range.
-    SkeletonError
-        If no tetrahedron is in the region.
+    stretch : (3,) how much longer tetrahedra are along x, y and z
     """
-    space = _as_region(region)
-    factors = as_stretch(stretch)
-    seeds = seeds_in(count, space, seed, regularity, size, factors)
-    points = seeds.points[space.contains(seeds.points)]
+    points = seeds.points[region.contains(seeds.points)]
     tetrahedra = np.zeros((0, 4), dtype=np.intp)
     if len(points) >= 5:  # Qhull needs one more than a tetrahedron has
-        tetrahedra = Delaunay(points / factors).simplices.astype(np.intp)
-    middles = centers((points / factors)[tetrahedra]) * factors
+        tetrahedra = Delaunay(points / stretch).simplices.astype(np.intp)
+    middles = centers((points / stretch)[tetrahedra]) * stretch
     there = np.isfinite(middles).all(axis=1)  # not so of flat ones
-    tetrahedra = tetrahedra[there][space.contains(middles[there])]
+    tetrahedra = tetrahedra[there][region.contains(middles[there])]
     sides = np.concatenate([tetrahedra[:, pair] for pair in combinations(range(4), 2)])
     struts = Struts(points, np.unique(np.sort(sides, axis=1), axis=0))
-    if not isinstance(space, BoxRegion):
-        leaves = np.zeros(len(struts.edges), dtype=np.bool_)
-        leaves[space.crossings(struts.nodes, struts.edges)[0]] = True
-        struts = struts.kept(~leaves)
-    held = np.zeros(len(points), dtype=np.bool_)
-    return _foam(struts, space, radius, held, least_length(shortest, _shortest(seeds)))
-
-
-def _as_region(region: ArrayLike | Region) -> Region:
-    """Return a region, or the box between two corners."""
-    return region if isinstance(region, Region) else BoxRegion(region)
+    if isinstance(region, BoxRegion):
+        return struts
+    leaves = np.zeros(len(struts.edges), dtype=np.bool_)
+    leaves[region.crossings(struts.nodes, struts.edges)[0]] = True
+    return struts.kept(~leaves)
 
 
 def _cells(seeds: Seeds, space: Region, stretch: Floats, periodic: bool) -> Struts:
@@ -176,27 +83,29 @@ def _cells(seeds: Seeds, space: Region, stretch: Floats, periodic: bool) -> Stru
     return Struts(struts.nodes * stretch, struts.edges)
 
 
-def _shortest(seeds: Seeds) -> float:
-    return SHORTEST_FRACTION * seeds.spacing
-
-
-def _foam(
+def foam_of(
     struts: Struts,
+    seeds: Seeds,
     region: Region,
     radius: Radius,
-    on_surface: Bools,
-    shortest: float,
     *,
+    shortest: float | None,
+    on_surface: Bools | None = None,
     whole: bool = False,
 ) -> Skeleton:
-    """Return the struts as a skeleton, short ones shrunk to a node; nodes on the surface stay.
+    """Return the struts as a skeleton, short ones shrunk to a node.
 
     Parameters
     ----------
+    shortest : mm; by default a fraction of the mean spacing of the points
+    on_surface : (n,) which nodes stay where they are
     whole : whether pieces that the surface cuts loose stay
     """
+    least = least_length(shortest, SHORTEST_FRACTION * seeds.spacing)
+    if on_surface is None:
+        on_surface = np.zeros(len(struts.nodes), dtype=np.bool_)
     if len(struts.edges):
-        struts = struts.collapsed(struts.lengths < shortest, on_surface)
+        struts = struts.collapsed(struts.lengths < least, on_surface)
     if len(struts.edges) == 0:
         low, high = region.bounds.tolist()
         raise SkeletonError(

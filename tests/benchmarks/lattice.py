@@ -15,8 +15,8 @@ import numpy as np
 import trimesh
 
 from scaffold_cad.base.arrays import Floats, Points
-from scaffold_cad.filling import fill
-from scaffold_cad.lattice import delaunay_foam, tile, voronoi_foam
+from scaffold_cad.filling import delaunay_foam, fill, voronoi_foam
+from scaffold_cad.lattice import tile
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 

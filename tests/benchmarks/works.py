@@ -14,8 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
+from scaffold_cad.filling import voronoi_foam
 from scaffold_cad.io.write import write
-from scaffold_cad.lattice import tile, voronoi_foam
+from scaffold_cad.lattice import tile
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import to_solid

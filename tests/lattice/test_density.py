@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaffold_cad.errors import OptionError
-from scaffold_cad.lattice import cells, measured_density, relative_density, solve_radius, tile
+from scaffold_cad.filling import solve_radius
+from scaffold_cad.lattice import cells, measured_density, relative_density, tile
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 

@@ -13,8 +13,8 @@ from scipy.spatial import Voronoi, cKDTree
 
 from scaffold_cad.base.regions import ImplicitRegion, Keep
 from scaffold_cad.errors import OptionError, SkeletonError
-from scaffold_cad.lattice import delaunay_foam, voronoi_foam
-from scaffold_cad.lattice.foams import random_points
+from scaffold_cad.filling import delaunay_foam, voronoi_foam
+from scaffold_cad.lattice.foampoints import random_points
 from scaffold_cad.lattice.powercells import cell_edges
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from scaffold_cad.errors import ScaffoldCadError
-from scaffold_cad.lattice import delaunay_foam, voronoi_foam
+from scaffold_cad.filling import delaunay_foam, voronoi_foam
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import to_solid
