@@ -5,9 +5,7 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
-
-from scaffold_cad.base.arguments import check_kind, checks_keywords
+from scaffold_cad.base.arguments import check_choice, check_kind, checks_keywords
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice.morecells import more_cells
 from scaffold_cad.lattice.namedcells import named_cells
@@ -51,9 +49,7 @@ def unit_cell(name: str) -> UnitCell:
     check_kind(name, str)
     key = ALSO_CALLED.get(_key(name), _key(name))
     if key not in _CELLS:
-        near = get_close_matches(key, _CELLS, n=1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
-        raise OptionError(f"unit cell is {name!r}; need one of {', '.join(_CELLS)}{hint}")
+        check_choice(name, "unit cell", _CELLS)
     return _CELLS[key]
 
 

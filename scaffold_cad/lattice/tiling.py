@@ -90,7 +90,7 @@ def mapped(
     Raises
     ------
     OptionError
-        If `skeleton` is none, or `mapping` returns another shape.
+        If `skeleton` is not a Skeleton, or `mapping` returns another shape.
     SkeletonError
         If a position that it returns is not finite.
 

@@ -17,7 +17,7 @@ REACH = 0.45
 """Part of an edge between branch points that the surface of one of them may take."""
 
 FREE_REACH = 0.8
-"""The same where the other end is none."""
+"""The same where the other end is not one."""
 
 
 @dataclass(frozen=True, eq=False)

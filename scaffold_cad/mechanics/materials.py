@@ -6,7 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arguments import as_number, as_real, check_kind, checks_keywords
+from scaffold_cad.base.arguments import (
+    as_number,
+    as_real,
+    check_choice,
+    check_kind,
+    checks_keywords,
+)
 from scaffold_cad.errors import OptionError
 
 
@@ -89,10 +95,8 @@ plastics along their layers): take those of the data sheet for parts that carry 
 def as_material(material: Material | str) -> Material:
     """Return `material`, looked up if it is a name."""
     if isinstance(material, str):
-        known = MATERIALS.get(material.strip().lower())
-        if known is None:
-            names = ", ".join(MATERIALS)
-            raise OptionError(f"material is {material!r}; need one of {names}, or a Material")
-        return known
+        name = material.strip().lower()
+        check_choice(name, "material", MATERIALS, or_else="a Material")
+        return MATERIALS[name]
     check_kind(material, Material, "name of one")
     return material

@@ -5,7 +5,8 @@ Imports build123d: `scaffold_cad.parts` does so when one of the classes is asked
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, cast
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 from build123d import Align, tuplify
@@ -33,6 +34,8 @@ from scaffold_cad.struts import RoundStruts, round_struts
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
+
+_Kind = TypeVar("_Kind")
 
 ALIGNED = {Align.MIN: 0.0, Align.CENTER: 0.5, Align.MAX: 1.0, Align.NONE: 0.0}
 """Where the origin is in a box, as a fraction of its size."""
@@ -83,7 +86,7 @@ class ScaffoldSolid(SkeletonPart):
             If struts overlap and are refused, or their union has too many triangles.
         """
         part = _part_options(options)
-        scaffold = as_scaffold(skeleton, options)
+        scaffold = _made(skeleton, Scaffold, build_scaffold, options)
         super().__init__(
             to_brep(scaffold, overlaps=overlaps),
             scaffold,
@@ -132,15 +135,10 @@ class RoundStrutsSolid(SkeletonPart):
             If struts overlap and are refused, or their union has too many triangles.
         """
         part = _part_options(options)
-        check_kind(skeleton, Skeleton, RoundStruts)
-        if isinstance(skeleton, Skeleton):
-            skeleton = round_struts(skeleton, **options)
-        elif options:
-            raise OptionError(
-                f"{', '.join(options)} given for RoundStruts, which are made; need a Skeleton"
-            )
-        body = to_brep(skeleton, overlaps=overlaps)
-        super().__init__(body, skeleton, with_joints=with_joints, **part)
+        struts = _made(skeleton, RoundStruts, round_struts, options)
+        super().__init__(
+            to_brep(struts, overlaps=overlaps), struts, with_joints=with_joints, **part
+        )
 
 
 class StrutFrame(SkeletonPart):
@@ -361,22 +359,25 @@ def _part_options(options: dict[str, Any]) -> PartOptions:
     return cast("PartOptions", taken)
 
 
-def as_scaffold(what: Skeleton | Scaffold, options: dict[str, Any]) -> Scaffold:
-    """Return the scaffold of a skeleton, or a scaffold as it is.
+def _made(
+    what: Any, kind: type[_Kind], make: Callable[..., _Kind], options: dict[str, Any]
+) -> _Kind:
+    """Return what is made of a skeleton, or what is of that kind already.
 
     Raises
     ------
     OptionError
-        If it is neither, or options are given for a scaffold.
+        If it is neither, or options are given for what is made.
     """
-    check_kind(what, Skeleton, Scaffold)
+    check_kind(what, Skeleton, kind)
     if isinstance(what, Skeleton):
-        return build_scaffold(what, **options)
+        return make(what, **options)
     if options:
         raise OptionError(
-            f"{', '.join(options)} given for a Scaffold, which is built; need a Skeleton"
+            f"{', '.join(options)} given for a {kind.__name__} that is made; need a Skeleton"
         )
-    return what
+    made: _Kind = what
+    return made
 
 
 def _lattice(skeleton: Skeleton, section: Section, drop_stubs: bool) -> Model:

@@ -44,7 +44,7 @@ Between struts a few degrees apart the sides of quads run through the inside of 
 out to the strut's full width would raise spikes and make no strut thicker."""
 
 FREE_REACH = 0.8
-"""Part of an edge that an enlarged sphere may take where the other end is none."""
+"""Part of an edge that an enlarged sphere may take where the other end is not one."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,7 +30,7 @@ class BeamLattice(Frozen):
     Raises
     ------
     OptionError
-        If `skeleton` is none, or `caps` or `clipping` is not known.
+        If `skeleton` is not a Skeleton, or `caps` or `clipping` is not known.
     SkeletonError
         If a ball's radius is negative or not finite, or there are not as many as nodes.
 

@@ -12,7 +12,7 @@ from typing import Any, Protocol, TypeAlias, TypeVar, get_args, runtime_checkabl
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_count, as_number, as_real
+from scaffold_cad.base.arguments import as_count, as_number, as_real, check_choice
 from scaffold_cad.base.arrays import Edges, Floats, Ints, Points, Radii, as_floats
 from scaffold_cad.base.regions import ImplicitRegion, Keep, Region
 from scaffold_cad.base.vectors import mirror, rotate
@@ -172,8 +172,7 @@ class Editing(ABC):
         SkeletonError
             If nothing is left.
         """
-        if keep not in get_args(Keep):
-            raise OptionError(f"keep is {keep!r}; need one of {', '.join(get_args(Keep))}")
+        check_choice(keep, "keep", get_args(Keep))
         space = self._as_region(region)
         if keep == "whole":
             middles = self.nodes[self.edges].mean(axis=1)

@@ -260,7 +260,7 @@ def test_options_of_the_scaffold_are_passed_on_or_refused() -> None:
     by_area = ScaffoldSolid(BAR, section="area")
     assert by_area.volume == pytest.approx(np.pi * 40)
     assert ScaffoldSolid(build_scaffold(BAR, section="area")).volume == pytest.approx(np.pi * 40)
-    with pytest.raises(OptionError, match=r"collars given for a Scaffold, which is built"):
+    with pytest.raises(OptionError, match=r"collars given for a Scaffold that is made"):
         ScaffoldSolid(build_scaffold(BAR), collars=True)
     with pytest.raises(SkeletonError, match="the skeleton has no edges"):
         ScaffoldSolid(Skeleton([[0, 0, 0]], [], 1.0))
@@ -287,7 +287,7 @@ def test_options_of_round_struts_are_passed_on_or_refused() -> None:
     assert RoundStrutsSolid(made).volume == pytest.approx(
         RoundStrutsSolid(BAR, ends="round").volume
     )
-    with pytest.raises(OptionError, match="ends given for RoundStruts, which are made; need a Sk"):
+    with pytest.raises(OptionError, match="ends given for a RoundStruts that is made; need a Sk"):
         RoundStrutsSolid(made, ends="flat")
 
 

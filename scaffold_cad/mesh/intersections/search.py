@@ -84,7 +84,7 @@ def self_intersections(
     MeshError
         If the triangles are not a proper array of indices, or a coordinate is too large.
     OptionError
-        If `mesh` is none, or `tolerance` or `limit` is out of its range.
+        If `mesh` is not a mesh, or `tolerance` or `limit` is out of its range.
 
     Notes
     -----

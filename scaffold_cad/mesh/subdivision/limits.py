@@ -43,7 +43,7 @@ def limit(mesh: QuadMesh, creases: ArrayLike = NO_CREASES) -> Limit:
     MeshError
         If the mesh is not closed, or a crease is no edge of it.
     OptionError
-        If `mesh` is none.
+        If `mesh` is not a QuadMesh.
     """
     check_kind(mesh, QuadMesh)
     connectivity = Connectivity.of(mesh, creases)

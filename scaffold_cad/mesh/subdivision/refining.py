@@ -48,7 +48,7 @@ def catmull_clark(mesh: QuadMesh, levels: int = 1, creases: ArrayLike = NO_CREAS
     MeshError
         If the mesh is not closed, or a crease is no edge of it.
     OptionError
-        If `mesh` is none, or `levels` is no whole number ≥ 0.
+        If `mesh` is not a QuadMesh, or `levels` is not a whole number ≥ 0.
     """
     check_kind(mesh, QuadMesh)
     connectivity, points = Connectivity.of(mesh, creases), mesh.vertices
