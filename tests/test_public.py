@@ -64,7 +64,9 @@ ABSTRACT = {"CellMap", "Field"}
 """Public classes that are made to be derived from, not called."""
 
 
-MADE_BY_THE_PACKAGE = {"BeamModel", "BeamSolution", "CellRow", "Hexahedra", "Homogenized", "Sized"}
+MADE_BY_THE_PACKAGE = {
+    "BeamModel", "BeamSolution", "CellRow", "Hexahedra", "Homogenized", "Loading", "Sized",
+}  # fmt: skip
 """Results of `mechanics` that users are given, and do not make."""
 
 

@@ -17,7 +17,7 @@ from scaffold_cad.errors import OptionError
 from scaffold_cad.io.write import write
 
 if TYPE_CHECKING:
-    from scaffold_cad.mechanics import BeamModel, BeamSolution, Material, Sized
+    from scaffold_cad.mechanics import BeamModel, BeamSolution, Loading, Material, Sized
     from scaffold_cad.skeleton import Skeleton
 
 SHOWN = 10
@@ -57,14 +57,14 @@ def add_parser(
         action="append",
         metavar="WHERE[:FREEDOMS]",
         help="nodes that are held; all their freedoms, or pinned, or some of x y z rx ry rz with "
-        "commas (default: zmin)",
+        "commas (default: those of the file, or zmin)",
     )
     parser.add_argument(
         "--load",
         action="append",
         default=[],
         metavar="WHERE:FX,FY,FZ",
-        help="force that these nodes share, N",
+        help="force that these nodes share, N (default: the loads of the file)",
     )
     parser.add_argument("--weight", action="store_true", help="add the struts' weight, along -z")
     parser.add_argument(
@@ -120,13 +120,18 @@ def run(options: argparse.Namespace) -> None:
 def _model(options: argparse.Namespace, skeleton: Skeleton) -> BeamModel:
     from scaffold_cad.mechanics import Load, Support, beam_model
 
-    supports, loads = [], []
-    for text in options.fix or ["zmin"]:
-        where, _, freedoms = text.partition(":")
-        supports.append(Support(_where(skeleton, where), freedoms.replace(",", " ") or "all"))
-    for text in options.load:
-        where, _, force = text.rpartition(":")
-        loads.append(Load(_where(skeleton, where), _force(text, force)))
+    loading = _loading(options, skeleton)
+    supports, loads = list(loading.supports), list(loading.loads)
+    if options.fix or not supports:
+        supports = []
+        for text in options.fix or ["zmin"]:
+            where, _, freedoms = text.partition(":")
+            supports.append(Support(_where(skeleton, where), freedoms.replace(",", " ") or "all"))
+    if options.load:
+        loads = []
+        for text in options.load:
+            where, _, force = text.rpartition(":")
+            loads.append(Load(_where(skeleton, where), _force(text, force)))
     if not loads and not options.weight:
         raise OptionError("nothing loads the struts; need --load WHERE:FX,FY,FZ or --weight")
     return beam_model(
@@ -137,6 +142,22 @@ def _model(options: argparse.Namespace, skeleton: Skeleton) -> BeamModel:
         gravity=(0.0, 0.0, -9.81) if options.weight else (0.0, 0.0, 0.0),
         hollow=options.hollow,
     )
+
+
+def _loading(options: argparse.Namespace, skeleton: Skeleton) -> Loading:
+    """Return the supports and loads of the input, unless the options replace both."""
+    from scaffold_cad.mechanics import Loading, read_loading
+
+    if options.fix and (options.load or options.weight):
+        return Loading((), ())
+    loading = read_loading(options.input, skeleton, units=options.units, scale=options.scale)
+    for items, name, flag in (
+        (loading.supports, "supports", options.fix),
+        (loading.loads, "loads", options.load),
+    ):
+        if items and not flag:
+            _log.info("%s of %s are used", name, options.input)
+    return loading
 
 
 def _material(options: argparse.Namespace) -> Material:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from scaffold_cad.errors import FormatError
+from scaffold_cad.io._loading import PLANAR, Gathered
 from scaffold_cad.io._raw import RawSkeleton
 
 
@@ -27,6 +28,7 @@ class NamedGraph:
         self._radii: list[float] = []
         self._edges: list[tuple[int, int]] = []
         self._edge_radii: list[tuple[float, float]] = []
+        self._gathered = Gathered()
 
     def __len__(self) -> int:
         return len(self._points)
@@ -70,6 +72,38 @@ class NamedGraph:
         self._edges.append((self._number[start], self._number[end]))
         self._edge_radii.append(radius if isinstance(radius, tuple) else (radius, radius))
 
+    def hold(
+        self, name: Hashable, freedoms: Iterable[int], value: float = 0.0, where: str = ""
+    ) -> None:
+        """Hold freedoms 0..5 of a node, or move them by `value`, mm and rad.
+
+        Raises
+        ------
+        FormatError
+            If the node is not there.
+        """
+        self._gathered.hold(self._of(name, "a support", where), freedoms, value)
+
+    def pull(self, name: Hashable, freedom: int, value: float, where: str = "") -> None:
+        """Add a force along, or a moment about, an axis of a node, N and N mm.
+
+        Raises
+        ------
+        FormatError
+            If the node is not there.
+        """
+        self._gathered.pull(self._of(name, "a load", where), freedom, value)
+
+    def hold_in_plane(self) -> None:
+        """Hold what keeps all nodes in the plane of x and y."""
+        for node in range(len(self)):
+            self._gathered.hold(node, PLANAR)
+
+    def _of(self, name: Hashable, what: str, where: str) -> int:
+        if name not in self._number:
+            raise self._error(where, f"{what} is on node {name!r:.80}", "a node of the file")
+        return self._number[name]
+
     def skeleton(
         self, scale: float = 1.0, unit: str | None = None, usual_unit: str | None = None
     ) -> RawSkeleton:
@@ -80,7 +114,15 @@ class NamedGraph:
         of_edges = np.reshape(np.asarray(self._edge_radii, dtype=np.float64), (-1, 2)) * scale
         of_nodes = None if np.isnan(radii).all() else radii
         of_members = None if np.isnan(of_edges).all() else of_edges
-        return RawSkeleton(points, edges, of_nodes, of_members, unit=unit, usual_unit=usual_unit)
+        return RawSkeleton(
+            points,
+            edges,
+            of_nodes,
+            of_members,
+            unit=unit,
+            usual_unit=usual_unit,
+            loading=self._gathered.loading(len(points)),
+        )
 
     def _error(self, where: str, found: str, needed: str) -> FormatError:
         place = f"{self._path}, {where}" if where else str(self._path)

@@ -19,6 +19,7 @@ from scaffold_cad.base.arrays import (
 )
 from scaffold_cad.base.positions import equal_positions
 from scaffold_cad.errors import SkeletonError
+from scaffold_cad.io._loading import RawLoading
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +41,8 @@ class RawSkeleton(Frozen):
     the file holds no radii of edges."""
     left_out: tuple[str, ...]
     """What the file holds beside that a skeleton does not keep, in words."""
+    loading: RawLoading | None
+    """What holds and loads the nodes; None if the file holds nothing of it."""
     unit: str | None
     """Unit that the file names, whose lengths are mm here; None if it names none."""
     usual_unit: str | None
@@ -55,6 +58,7 @@ class RawSkeleton(Frozen):
         left_out: Iterable[str] = (),
         unit: str | None = None,
         usual_unit: str | None = None,
+        loading: RawLoading | None = None,
     ) -> None:
         points = as_floats(nodes, "nodes")
         if points.ndim != 2 or points.shape[1] != 3:
@@ -69,6 +73,7 @@ class RawSkeleton(Frozen):
             left_out=tuple(left_out),
             unit=unit,
             usual_unit=usual_unit,
+            loading=loading,
         )
 
     def scaled(self, factor: float) -> RawSkeleton:
@@ -89,6 +94,7 @@ class RawSkeleton(Frozen):
             self.left_out,
             self.unit,
             self.usual_unit,
+            None if self.loading is None else self.loading.scaled(factor),
         )
 
     @property

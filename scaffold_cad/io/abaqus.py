@@ -23,6 +23,13 @@ from scaffold_cad.io.register import register_reader, register_writer
 BEAMS = ("B2", "B3", "PIPE", "T2D", "T3D", "FRAME", "U1")
 """Beginnings of the types of elements that are struts; U1 is CalculiX's own beam."""
 
+HELD = {
+    "ENCASTRE": (0, 1, 2, 3, 4, 5), "PINNED": (0, 1, 2),
+    "XSYMM": (0, 4, 5), "YSYMM": (1, 3, 5), "ZSYMM": (2, 3, 4),
+    "XASYMM": (1, 2, 3), "YASYMM": (0, 2, 4), "ZASYMM": (0, 1, 5),
+}  # fmt: skip
+"""Freedoms 0..5 of a node that supports with names hold."""
+
 SIGNIFICANT = 9
 """Digits to which radii are the same section when beams are written."""
 
@@ -54,6 +61,29 @@ class _Part:
     """Elements of each set."""
     radii: dict[int, float] = field(default_factory=dict)
     """Radius of struts that have a section."""
+    node_sets: dict[str, list[int]] = field(default_factory=dict)
+    """Nodes of each set."""
+
+
+@dataclass
+class _Model:
+    """Parts, where they stand, and what holds and loads them."""
+
+    parts: dict[str, _Part] = field(default_factory=lambda: {"": _Part()})
+    """By name, "" for what is in none."""
+    instances: list[tuple[str, str, Floats]] = field(
+        default_factory=lambda: [("", "", np.eye(4, 3))]
+    )
+    """Name, part, and transform, shape (4, 3)."""
+    sets: dict[str, list[tuple[int, int]]] = field(default_factory=dict)
+    """Nodes of the sets of an assembly, by instance."""
+    conditions: list[_Block] = field(default_factory=list)
+    """Supports and loads up to the end of the first step."""
+
+    def instance(self, name: str) -> int | None:
+        """Return the number of the instance of this name."""
+        names = [one for one, _, _ in self.instances]
+        return names.index(name) if name in names else None
 
 
 def _recognises(head: bytes) -> bool:
@@ -70,15 +100,66 @@ def read_abaqus(path: Path) -> RawSkeleton:
 
     A beam with a node at its middle is two edges. The radius of a member is that of its circle or
     pipe, or of the circle of its section's area. Parts are placed by their instances. Lengths are
-    taken as mm; files that are included are not read.
+    taken as mm, forces as N; files that are included are not read. Supports (*BOUNDARY) and loads
+    (*CLOAD) of the model and its first step are kept.
     """
-    parts, instances = _parts(path)
+    model = _model(path)
     graph = NamedGraph(path)
-    for number, (name, matrix) in enumerate(instances):
-        _add(graph, parts[name], number, matrix)
-    if any(part.nodes for part in parts.values()) and not len(graph.skeleton().edges):
+    for number, (_, name, matrix) in enumerate(model.instances):
+        _add(graph, model.parts[name], number, matrix)
+    if len(graph) and not len(graph.skeleton().edges):
         raise FormatError(f"{path} has nodes and no struts; need beams, pipes or trusses")
+    for block in model.conditions:
+        _add_conditions(path, graph, model, block)
     return graph.skeleton()
+
+
+def _add_conditions(path: Path, graph: NamedGraph, model: _Model, block: _Block) -> None:
+    """Add the supports or loads of a block to their nodes."""
+    if block.options.get("TYPE", "DISPLACEMENT").upper() != "DISPLACEMENT":
+        _log.warning("%s, line %d: supports with a speed are left out", path, block.line)
+        return
+    for line, words in block.rows:
+        nodes, where = _nodes_named(path, line, words[0], model), f"line {line}"
+        name = words[1].upper() if len(words) > 1 else ""
+        if block.keyword == "BOUNDARY" and name in HELD:
+            for node in nodes:
+                graph.hold(node, HELD[name], where=where)
+            continue
+        is_load = block.keyword == "CLOAD"
+        first, last, value = _condition(path, line, words, is_load)
+        for node in nodes:
+            for freedom in range(max(first, 1) - 1, min(last, 6)):
+                if is_load:
+                    graph.pull(node, freedom, value, where)
+                else:
+                    graph.hold(node, [freedom], value, where)
+
+
+def _condition(path: Path, line: int, words: list[str], is_load: bool) -> tuple[int, int, float]:
+    """Return the first and the last freedom, from 1, of a line of data, and its value."""
+    need = "a node or a set, then freedoms 1 to 6 and a value"
+    first, second, third = [*words[1:], "", "", ""][:3]
+    begin = int(_numbers(path, line, [first], need)[0])
+    if is_load:
+        return begin, begin, _numbers(path, line, [second], need)[0]
+    end = int(_numbers(path, line, [second or first], need)[0])
+    return begin, end, _numbers(path, line, [third or "0"], need)[0]
+
+
+def _nodes_named(path: Path, line: int, word: str, model: _Model) -> list[tuple[int, int]]:
+    """Return the nodes that a word names, by instance: a set, a number, or INSTANCE.number."""
+    name = word.upper().strip('"')
+    if name in model.sets:
+        return model.sets[name]
+    before, _, inner = name.rpartition(".")
+    number = model.instance(before)
+    if number is None:
+        raise line_error(path, line, f"nodes {word!r}", "a node, or a set that was defined before")
+    known = model.parts[model.instances[number][1]].node_sets
+    if inner in known:
+        return [(number, node) for node in known[inner]]
+    return [(number, int(_numbers(path, line, [inner], "a node or a set")[0]))]
 
 
 def _add(graph: NamedGraph, part: _Part, number: int, matrix: Floats) -> None:
@@ -92,25 +173,50 @@ def _add(graph: NamedGraph, part: _Part, number: int, matrix: Floats) -> None:
             graph.add_edge((number, a), (number, b), radius, f"line {line}")
 
 
-def _parts(path: Path) -> tuple[dict[str, _Part], list[tuple[str, Floats]]]:
-    """Return the parts by name, "" for what is in none, and which of them are placed where."""
-    parts: dict[str, _Part] = {"": _Part()}
-    instances: list[tuple[str, Floats]] = [("", np.eye(4, 3))]
-    inside = ""
+def _model(path: Path) -> _Model:
+    """Return what a file holds, up to the end of its first step."""
+    model, inside = _Model(), ""
     for block in _blocks(path):
         if block.keyword == "PART":
             inside = block.options.get("NAME", "").upper()
-            parts[inside] = _Part()
+            model.parts[inside] = _Part()
         elif block.keyword == "ENDPART":
             inside = ""
         elif block.keyword == "INSTANCE":
-            name = block.options.get("PART", "").upper()
-            if name not in parts:
-                raise line_error(path, block.line, f"an instance of part {name!r}", "a part before")
-            instances.append((name, _placement(path, block)))
+            part = block.options.get("PART", "").upper()
+            if part not in model.parts:
+                raise line_error(path, block.line, f"an instance of part {part!r}", "a part before")
+            name = block.options.get("NAME", "").upper()
+            model.instances.append((name, part, _placement(path, block)))
+        elif block.keyword == "NSET" and not inside:
+            _take_assembly_set(path, block, model)
+        elif block.keyword in ("BOUNDARY", "CLOAD"):
+            model.conditions.append(block)
+        elif block.keyword == "ENDSTEP":
+            break
         else:
-            _take(path, block, parts[inside])
-    return parts, instances
+            _take(path, block, model.parts[inside])
+            if block.keyword == "NODE" and not inside:
+                name = block.options.get("NSET", "").upper()
+                model.sets[name] = [(0, node) for node in model.parts[""].node_sets.get(name, [])]
+    return model
+
+
+def _take_assembly_set(path: Path, block: _Block, model: _Model) -> None:
+    """Add the nodes of a set that is in no part."""
+    name = block.options.get("NSET", "").upper()
+    instance = model.instance(block.options.get("INSTANCE", "").upper())
+    if instance is None:
+        raise line_error(path, block.line, "a set of nodes of an instance", "one defined before")
+    if "GENERATE" in block.options:
+        found = [(instance, node) for node in _members(path, block, model.parts[""], {})]
+    else:
+        found = []
+        for line, words in block.rows:
+            for word in filter(None, words):
+                number = [(instance, int(word))] if word.isdigit() else None
+                found += number or _nodes_named(path, line, word, model)
+    model.sets[name] = [*dict.fromkeys([*model.sets.get(name, []), *found])]
 
 
 def _take(path: Path, block: _Block, part: _Part) -> None:
@@ -122,11 +228,13 @@ def _take(path: Path, block: _Block, part: _Part) -> None:
             if len(numbers) < 3:
                 raise line_error(path, line, f"{', '.join(words)!r} is too short", _NODE)
             part.nodes[int(numbers[0])] = (line, numbers[1:])
+            part.node_sets.setdefault(options.get("NSET", "").upper(), []).append(int(numbers[0]))
     elif block.keyword == "ELEMENT":
         _take_elements(path, block, part)
     elif block.keyword == "ELSET":
-        name = options.get("ELSET", "").upper()
-        part.sets.setdefault(name, []).extend(_members(path, block, part))
+        _take_set(path, block, part, part.sets)
+    elif block.keyword == "NSET":
+        _take_set(path, block, part, part.node_sets)
     elif block.keyword in ("BEAMSECTION", "BEAMGENERALSECTION", "SOLIDSECTION", "FRAMESECTION"):
         radius = _radius(path, block)
         name = options.get("ELSET", "").upper()
@@ -134,6 +242,12 @@ def _take(path: Path, block: _Block, part: _Part) -> None:
         part.radii |= dict.fromkeys(chosen, radius)
     elif block.keyword == "INCLUDE":
         _log.warning("%s, line %d: the file included is not read", path, block.line)
+
+
+def _take_set(path: Path, block: _Block, part: _Part, known: dict[str, list[int]]) -> None:
+    """Add the members of a set to it, each once: sets may name each other again and again."""
+    name = block.options.get(block.keyword, "").upper()
+    known[name] = [*dict.fromkeys([*known.get(name, []), *_members(path, block, part, known)])]
 
 
 def _take_elements(path: Path, block: _Block, part: _Part) -> None:
@@ -161,21 +275,21 @@ def _take_elements(path: Path, block: _Block, part: _Part) -> None:
         part.struts[numbers[0]] = (line, numbers[1 : 1 + count])
 
 
-def _members(path: Path, block: _Block, part: _Part) -> Iterator[int]:
-    """Yield the elements of a set: numbers, names of other sets, or first, last and step."""
+def _members(path: Path, block: _Block, part: _Part, known: dict[str, list[int]]) -> Iterator[int]:
+    """Yield the members of a set: numbers, names of known sets, or first, last and step."""
     for line, words in block.rows:
         if "GENERATE" in block.options:
             numbers = [int(number) for number in _numbers(path, line, words, "first, last, step")]
             first, last, step = [*numbers, 1, 1][:3] if len(numbers) > 1 else (0, -1, 1)
             if step < 1 or (last - first) // step > len(part.struts) + len(part.nodes) + 10**6:
-                raise line_error(path, line, f"{', '.join(words)!r}", "a range of elements")
+                raise line_error(path, line, f"{', '.join(words)!r}", "a range of numbers")
             yield from range(first, last + 1, step)
             continue
-        for word in words:
-            if word.upper() in part.sets:
-                yield from part.sets[word.upper()]
-            elif word:
-                yield int(_numbers(path, line, [word], "numbers of elements")[0])
+        for word in filter(None, words):
+            if word.upper() in known:
+                yield from known[word.upper()]
+            else:
+                yield int(_numbers(path, line, [word], "numbers")[0])
 
 
 def _radius(path: Path, block: _Block) -> float:
@@ -189,6 +303,8 @@ def _radius(path: Path, block: _Block) -> float:
     if block.keyword != "BEAMSECTION":
         return radius_of_area(values[0])
     kind = block.options.get("SECTION", "").upper()
+    if kind == "CIRC" and len(values) > 1:  # CalculiX: its widths, not its radius
+        return math.sqrt(values[0] * values[1]) / 2
     if kind in ("CIRC", "PIPE", "THICKPIPE"):
         return values[0]
     if kind in ("RECT", "BOX") and len(values) > 1:

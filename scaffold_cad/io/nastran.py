@@ -24,6 +24,12 @@ STRUTS = {"CBAR": 3, "CBEAM": 3, "CBEND": 3, "CROD": 3, "CTUBE": 3, "CONROD": 2}
 _EXPONENT = re.compile(r"(?<=[0-9.])([+-][0-9]+)$")
 """An exponent without its E, as in 7.-3."""
 
+_SELECTION = re.compile(r"\s*(SPC|LOAD)\s*=\s*([0-9]+)\s*$", re.IGNORECASE)
+"""A set of supports or loads that the case control selects."""
+
+MOST_THRU = 10**6
+"""Most nodes that an entry names by its first and last one."""
+
 _CARD = re.compile(rb"^(GRID|CBAR|CBEAM|CROD|CONROD|CTUBE)[\s*,]", re.MULTILINE)
 
 _log = logging.getLogger(__name__)
@@ -38,7 +44,9 @@ def read_nastran(path: Path) -> RawSkeleton:
     """Read bars, beams, rods and tubes, in fields of 8 or 16 characters or between commas.
 
     The radius of a member is that of its rod or tube, or of the circle of its section's area.
-    Lengths are taken as mm. Positions must be in the basic coordinate system.
+    Lengths are taken as mm, forces as N. Positions must be in the basic coordinate system.
+    Supports (SPC, SPC1, those of GRID) and loads (FORCE, MOMENT) are kept: those that the case
+    control selects first, or all if it selects none.
     """
     cards = _cards(path)
     radii = _radii(path, cards)
@@ -62,7 +70,92 @@ def read_nastran(path: Path) -> RawSkeleton:
             graph.add_edge(ends[0], ends[1], radius, f"line {line}")
     if not len(graph):
         raise FormatError(f"{path} has no GRID; need nodes")
+    _add_loading(path, cards, graph)
     return graph.skeleton()
+
+
+def _add_loading(path: Path, cards: list[Card], graph: NamedGraph) -> None:
+    """Add the supports and loads that count to their nodes."""
+    supports, factors = _selected(path, cards)
+    for line, fields in cards:
+        name, where = fields[0], f"line {line}"
+        if name == "GRID":
+            freedoms = _freedoms(path, line, fields, 7)
+            graph.hold(_whole(path, line, fields, 1), freedoms, where=where)
+        elif name == "SPC" and (supports is None or _whole(path, line, fields, 1) in supports):
+            for k in (2, 5):
+                if _field(fields, k):
+                    value = _number(path, line, fields, k + 2, 0.0)
+                    freedoms = _freedoms(path, line, fields, k + 1)
+                    graph.hold(_whole(path, line, fields, k), freedoms, value, where)
+        elif name == "SPC1" and (supports is None or _whole(path, line, fields, 1) in supports):
+            for node in _listed(path, line, fields, 3):
+                graph.hold(node, _freedoms(path, line, fields, 2), where=where)
+        elif name in ("FORCE", "MOMENT"):
+            number = _whole(path, line, fields, 1)
+            factor = 1.0 if factors is None else factors.get(number, 0.0)
+            if factor == 0.0:
+                continue
+            if _whole(path, line, fields, 3, 0) != 0:
+                raise line_error(path, line, f"a {name} in the system {fields[3]}", "the basic one")
+            size = factor * _number(path, line, fields, 4, 0.0)
+            for axis in range(3):
+                part = size * _number(path, line, fields, 5 + axis, 0.0)
+                if part:
+                    freedom = axis + (3 if name == "MOMENT" else 0)
+                    graph.pull(_whole(path, line, fields, 2), freedom, part, where)
+
+
+def _selected(path: Path, cards: list[Card]) -> tuple[set[int] | None, dict[int, float] | None]:
+    """Return the sets of supports that count, and those of loads with their factors.
+
+    None stands for all, where the case control selects none.
+    """
+    chosen: dict[str, int] = {}
+    for text in read_text(path).split("\n"):
+        if text.strip().upper().startswith("BEGIN"):
+            break
+        found = _SELECTION.match(text)
+        if found:
+            chosen.setdefault(found[1].upper(), int(found[2]))
+    else:  # no case control
+        chosen = {}
+    supports = {chosen["SPC"]} if "SPC" in chosen else None
+    factors = {chosen["LOAD"]: 1.0} if "LOAD" in chosen else None
+    for line, fields in cards:
+        if fields[0] not in ("SPCADD", "LOAD"):
+            continue
+        number = _whole(path, line, fields, 1)
+        if fields[0] == "SPCADD" and supports == {number}:
+            supports = set(_listed(path, line, fields, 2))
+        elif fields[0] == "LOAD" and factors == {number: 1.0}:
+            whole = _number(path, line, fields, 2, 1.0)
+            pairs = [k for k in range(3, len(fields) - 1, 2) if _field(fields, k + 1)]
+            factors = {
+                _whole(path, line, fields, k + 1): whole * _number(path, line, fields, k, 1.0)
+                for k in pairs
+            }
+    return supports, factors
+
+
+def _freedoms(path: Path, line: int, fields: list[str], k: int) -> list[int]:
+    """Return the freedoms 0..5 that a field names by digits 1..6."""
+    text = _field(fields, k)
+    if set(text) <= set("0123456"):
+        return [int(digit) - 1 for digit in text if digit != "0"]
+    raise line_error(path, line, f"field {k + 1} is {text!r}", "freedoms such as 123")
+
+
+def _listed(path: Path, line: int, fields: list[str], first: int) -> list[int]:
+    """Return the numbers from a field on, or those from one THRU another."""
+    if _field(fields, first + 1).upper() == "THRU":
+        last = _whole(path, line, fields, first + 2)
+        begin = _whole(path, line, fields, first)
+        if last - begin > MOST_THRU:
+            raise line_error(path, line, f"nodes {begin} to {last}", f"{MOST_THRU} at most")
+        return list(range(begin, last + 1))
+    places = [k for k in range(first, len(fields)) if _field(fields, k)]
+    return [_whole(path, line, fields, k) for k in places]
 
 
 def _radii(path: Path, cards: list[Card]) -> dict[int, float]:

@@ -89,7 +89,7 @@ def read_skeleton(
         return cleaning.skeleton
     if weld_distance is not None or split_contacts:
         raise OptionError("strict reading repairs nothing; need no weld_distance, split_contacts")
-    raw = _in_millimeters(path, read_raw(path, max_nodes), units, scale)
+    raw = in_millimeters(path, read_raw(path, max_nodes), units, scale)
     if raw.left_out:
         raise FormatError(
             f"{path} holds also {', '.join(raw.left_out)}; need nothing that a skeleton does not "
@@ -116,7 +116,7 @@ def read_with_repairs(
     scale: float | None = None,
 ) -> Cleaning:
     """Return the skeleton that a file holds as `read_skeleton` does, and what was repaired."""
-    raw = _in_millimeters(path, read_raw(path, max_nodes), units, scale)
+    raw = in_millimeters(path, read_raw(path, max_nodes), units, scale)
     if raw.left_out:
         _log.warning("%s: left out %s", path, ", ".join(raw.left_out))
     radii, edge_radii = _radii(Path(path), raw, radius)
@@ -164,7 +164,7 @@ def read_raw(path: str | PathLike[str], max_nodes: int | None = None) -> RawSkel
     return raw
 
 
-def _in_millimeters(
+def in_millimeters(
     path: str | PathLike[str], raw: RawSkeleton, units: str | None, scale: float | None
 ) -> RawSkeleton:
     """Return a graph whose lengths are in `units`, times `scale`, in mm.

@@ -4,6 +4,7 @@ from scaffold_cad.mechanics.beamfiles import write_beams
 from scaffold_cad.mechanics.beams import BeamModel, BeamSolution, beam_model
 from scaffold_cad.mechanics.cells import CellRow, Homogenized, cell_table, homogenized
 from scaffold_cad.mechanics.hexahedra import Hexahedra, hexahedra
+from scaffold_cad.mechanics.loadfiles import Loading, read_loading
 from scaffold_cad.mechanics.loading import Load, Support
 from scaffold_cad.mechanics.materials import MATERIALS, Material
 from scaffold_cad.mechanics.meshfiles import write_hexahedra
@@ -20,6 +21,7 @@ __all__ = [
     "Hexahedra",
     "Homogenized",
     "Load",
+    "Loading",
     "Material",
     "Sized",
     "Support",
@@ -29,6 +31,7 @@ __all__ = [
     "homogenized",
     "homogenized_solid",
     "polar_picture",
+    "read_loading",
     "sized",
     "write_beams",
     "write_hexahedra",

@@ -80,3 +80,20 @@ def test_cells_are_listed_with_their_stiffness(capsys: pytest.CaptureFixture[str
     rows = {line.split()[0]: line.split()[1:] for line in capsys.readouterr().out.splitlines()[1:]}
     assert float(rows["sc"][0]) == pytest.approx(1 / 3, abs=1e-4)
     assert float(rows["octet"][0]) == pytest.approx(1 / 9, rel=0.02)
+
+
+def test_supports_and_loads_of_a_file_are_used(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lines = ["node 1 0 0 0", "node 2 100 0 0", "element elasticBeamColumn 1 1 2 78.54 210e3"]
+    path = tmp_path / "arm.tcl"
+    path.write_text("\n".join([*lines, "fix 1 1 1 1 1 1 1", "load 2 0 0 -100 0 0 0"]))
+    assert main(["strength", str(path)]) == 0
+    assert "largest displacement mm  0.32" in capsys.readouterr().out
+    assert main(["strength", str(path), "--load", "xmax:0,0,-200"]) == 0
+    assert "largest displacement mm  0.65" in capsys.readouterr().out
+    assert main(["strength", str(path), "--fix", "xmax"]) == 0
+    assert "largest displacement mm  0\n" in capsys.readouterr().out
+    path.write_text("\n".join(lines))
+    assert main(["strength", str(path)]) == 2
+    assert "nothing loads the struts" in capsys.readouterr().err

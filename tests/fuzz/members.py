@@ -44,6 +44,15 @@ ABAQUS = b"""*HEADING
 0., 0., -1.
 *BEAM GENERAL SECTION, ELSET=CURVED, SECTION=GENERAL
 3.141592653589793, 1., 0., 1., 2.
+*NSET, NSET=FEET
+1, 4
+*BOUNDARY
+FEET, ENCASTRE
+2, 2, 3, 0.5
+*STEP
+*CLOAD
+3, 2, -100.
+*END STEP
 """
 ABAQUS_PARTS = b"""*Part, name=Bar
 *Node
@@ -61,7 +70,15 @@ ABAQUS_PARTS = b"""*Part, name=Bar
 10., 0., 0.
 10., 0., 0., 10., 0., 1., 90.
 *End Instance
+*Nset, nset=Tip, instance=I-2
+ 2,
 *End Assembly
+*Boundary
+I-1.1, 1, 6
+*Step
+*Cload
+Tip, 3, 1e2
+*End Step
 """
 NASTRAN = b"""SOL 101
 CEND
@@ -78,13 +95,21 @@ PBARL   22      22              ROD
         .75
 ENDDATA
 """
-NASTRAN_FREE = b"""BEGIN BULK
-GRID,1,,0.,0.,0.
+NASTRAN_FREE = b"""SPC = 3
+LOAD = 5
+BEGIN BULK
+GRID,1,,0.,0.,0.,,123
 GRID,2,,10.,0.,0.
 GRID,3,,10.,10.,0.
 CONROD,1,1,2,9,3.14159
 CTUBE,2,31,2,3
 PTUBE,31,9,1.5,.1
+SPC1,4,456,1,THRU,2
+SPC,4,3,3,.5
+SPCADD,3,4
+FORCE,6,3,0,9.,1.,0.,0.
+MOMENT,6,2,0,9.,0.,1.,0.
+LOAD,5,1.,2.,6
 ENDDATA
 """
 GMSH = b"""$MeshFormat
@@ -187,6 +212,9 @@ node 3 10 $height \\
   0
 element truss 1 1 2 $A 1
 element elasticBeamColumn 2 2 3 $A 2e5 8e4 1 1 1 1
+fix 1 1 1 1 1 1 1
+pattern Plain 1 Linear { load 3 0 0 -9 0 0 0 }
+sp 2 1 0.5
 """
 TUBETK = b"""ObjectType = Scene
 NDims = 3

@@ -77,3 +77,15 @@ def test_beams_that_are_written_are_read_by_meshio_and_by_us(tmp_path: Path) -> 
 def test_errors_name_the_line(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(FormatError, match=message):
         read_raw(written(tmp_path, "x.inp", text))
+
+
+def test_sets_that_name_themselves_and_each_other_stay_small(tmp_path: Path) -> None:
+    text = ABAQUS.decode().replace(
+        "*BEAM SECTION",
+        "*ELSET, ELSET=A\nBEAMS\n" + "*ELSET, ELSET=A\nBEAMS, , A\n" * 60 + "*BEAM SECTION",
+        1,
+    )
+    text = text.replace("*BOUNDARY", "*NSET, NSET=FEET\nFEET, 2\n" * 60 + "*BOUNDARY", 1)
+    path = tmp_path / "sets.inp"
+    path.write_text(text)
+    assert len(read_skeleton(path, 1.0).edges) == 3

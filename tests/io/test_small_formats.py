@@ -56,8 +56,8 @@ POINTS = {"points": [[0, 0, 0], [9, 0, 0]], "edges": [[0, 1]]}
     ("name", "text", "message"),
     [
         ("x.tcl", "node 1 0 0 [expr 2+2]\n", "line 1: .*; need node, its number, and x, y, z as"),
-        ("x.tcl", OPENSEES + b"element truss 7 1\n", "line 10: .*; need element, its kind"),
-        ("x.tcl", OPENSEES + b"element truss 7 1 9 1 1\n", "line 10: an edge has the end '9'"),
+        ("x.tcl", OPENSEES + b"element truss 7 1\n", "line 13: .*; need element, its kind"),
+        ("x.tcl", OPENSEES + b"element truss 7 1 9 1 1\n", "line 13: an edge has the end '9'"),
         (
             "x.tre",
             TUBETK.replace(b"5 0 0 ", b"5 0 x "),
