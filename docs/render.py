@@ -44,6 +44,7 @@ GALLERY = ROOT / "examples" / "gallery"
 sys.path[:0] = [str(ROOT / "examples"), str(GALLERY)]
 
 # The examples' folders must be found first.
+import canopy  # noqa: E402
 import convolution  # noqa: E402
 import lattice  # noqa: E402
 import overlapping_tree  # noqa: E402
@@ -426,6 +427,17 @@ def draw_convolution() -> None:
     stage.save("convolution")
 
 
+def draw_canopy() -> None:
+    """Draw the tree that carries 64 points: one radius for all struts, and sized ones."""
+    stage = Stage((-0.45, -1.0, 0.3), 1000, 460)
+    for result, color, place in zip(
+        canopy.results(canopy.loaded_tree()), (GRAY, BLUE), (0.0, 290.0), strict=True
+    ):
+        struts = round_struts(result.skeleton.moved(result.skeleton.nodes + place * stage.right))
+        stage.add(_faceted(to_solid(struts, sides=32)), color)
+    stage.save("canopy")
+
+
 def draw_page() -> None:
     """Draw a page as a browser shows it; needs Chromium."""
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
@@ -463,6 +475,7 @@ PICTURES: dict[str, Callable[[], None]] = {
     "options": draw_options,
     "page": draw_page,
     "convolution": draw_convolution,
+    "canopy": draw_canopy,
     **{f"gallery/{name}": partial(draw_gallery, name) for name in VIEWS},
 }
 
