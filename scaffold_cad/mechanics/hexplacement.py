@@ -9,6 +9,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.scaffold import Scaffold
+from scaffold_cad.scaffold.collars import strut_radii
 
 OCTAGON = float(np.sqrt(np.pi / (2.0 * np.sqrt(2.0))))
 """Corner distance of the regular octagon of a circle's area, in radii."""
@@ -67,18 +68,12 @@ def surface_points(scaffold: Scaffold, sides: Sides) -> Points:
     return np.concatenate([refined.nodes[owner] + rim, refined.nodes])
 
 
-def strut_radii(scaffold: Scaffold) -> Floats:
-    """Return the radius of each refined edge at its ends, (m', 2), mm: the struts' own."""
-    radii = scaffold.refined.edge_radii.reshape(-1).copy()
-    radii[scaffold.refinement.leaving] = scaffold.skeleton.edge_radii.reshape(-1)
-    return radii.reshape(-1, 2)
-
-
 def _section_scale(scaffold: Scaffold) -> Floats:
     """Return the mean radius of the struts at each joint and extremity over the node's, (n',)."""
     refined = scaffold.refined
     ends = refined.edges.reshape(-1)
-    total = np.bincount(ends, strut_radii(scaffold).reshape(-1), minlength=len(refined.nodes))
+    radii = strut_radii(scaffold.skeleton, scaffold.refinement).reshape(-1)
+    total = np.bincount(ends, radii, minlength=len(refined.nodes))
     scale: Floats = total / refined.valency / refined.radii
     return scale
 
@@ -92,7 +87,7 @@ def _distances(scaffold: Scaffold, sides: Sides, directions: UnitVectors) -> Flo
     shared = leaving.all(axis=1)
     reach = refined.lengths * np.where(shared, REACH, FREE_REACH)
     # A cone is taken for the cylinder of its radius at the node.
-    radius = strut_radii(scaffold) * OCTAGON  # (m', 2)
+    radius = strut_radii(scaffold.skeleton, scaffold.refinement) * OCTAGON  # (m', 2)
     edge, slot = np.nonzero(leaving)
     rows = points[edge, slot]  # (h, 8)
     axis = axes[edge, slot][:, None]

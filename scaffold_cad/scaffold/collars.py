@@ -1,6 +1,7 @@
 """Collars: joints put where each strut leaves the blend of its branch point.
 
-Between two collars a strut is straight and its section constant, as an engineer's strut is.
+Between two collars a strut is straight and its section constant, as an engineer's strut is. What
+the skeleton with such joints is to the one without them, its `Refinement`, is here too.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ class Refinement(Frozen):
     edge_of_edge: Ints
     """Old edge of each new one, shape (m',); the new edges of an old one follow each other."""
     collared: Bools
-    """Which ends of each old edge have a collar, shape (m, 2)."""
+    """Which ends of each old edge have a collar, or at a sharp bend a bevel, shape (m, 2)."""
 
     @property
     def leaving(self) -> Ints:
@@ -74,17 +75,30 @@ def with_collars(
     near, far = collar_distances(
         skeleton, stars, positions, corner_distance, like
     ).T  # (m,), nan for none
-    lengths = skeleton.lengths
+    fractions = np.stack([near / skeleton.lengths, 1.0 - far / skeleton.lengths], axis=1)  # (m, 2)
+    return split_edges(without_collars(skeleton), fractions, skeleton.edge_radii)
+
+
+def split_edges(refinement: Refinement, fractions: Floats, edge_radii: Floats) -> Refinement:
+    """Return a refinement with more joints on its edges.
+
+    Parameters
+    ----------
+    fractions : (m', 2) float64, where on each edge joints are added; nan for none
+    edge_radii : (m', 2) float64, radii of each strut at its ends, mm; the new joints have its
+        radius there
+    """
+    skeleton = refinement.skeleton
     ends = skeleton.edges
-    fractions = np.stack([near / lengths, 1.0 - far / lengths], axis=1)  # (m, 2)
-    edge, slot = np.nonzero(np.isfinite(fractions))
+    added = np.isfinite(fractions)
+    edge, slot = np.nonzero(added)
     share = fractions[edge, slot][:, None]
     start, end = ends[edge, 0], ends[edge, 1]
     nodes = (1.0 - share) * skeleton.nodes[start] + share * skeleton.nodes[end]
-    near_radius, far_radius = skeleton.edge_radii[edge].T
+    near_radius, far_radius = edge_radii[edge].T
     radii = (1.0 - share[:, 0]) * near_radius + share[:, 0] * far_radius
 
-    # The stops of each edge in order: start, collars, end.
+    # The stops of each edge in order: start, new joints, end.
     stops = np.full((len(ends), 4), -1, dtype=np.intp)
     stops[:, 0], stops[:, 3] = ends.T
     stops[edge, slot + 1] = len(skeleton.nodes) + np.arange(len(edge))
@@ -96,7 +110,18 @@ def with_collars(
         np.stack([flat[:-1], flat[1:]], axis=1)[joined],
         np.concatenate([skeleton.radii, radii]),
     )
-    return Refinement(refined, owner[:-1][joined], np.isfinite(fractions))
+    collared = refinement.collared | added.reshape(-1)[refinement.leaving].reshape(-1, 2)
+    return Refinement(refined, refinement.edge_of_edge[owner[:-1][joined]], collared)
+
+
+def strut_radii(skeleton: Skeleton, refinement: Refinement) -> Floats:
+    """Return the radius of each edge of the refined skeleton at its ends, (m', 2), mm.
+
+    They are the struts' own, also where those differ from the radii of their nodes.
+    """
+    radii = refinement.skeleton.edge_radii.reshape(-1).copy()
+    radii[refinement.leaving] = skeleton.edge_radii.reshape(-1)
+    return radii.reshape(-1, 2)
 
 
 def collar_distances(
@@ -138,8 +163,8 @@ def collar_distances(
     wanted[wanted < least[:, None]] = np.nan
     fits = lengths - np.nansum(wanted, axis=1) >= least
     room = lengths - extents.sum(axis=1)
-    middle = extents[:, 0] + room / 2
-    one = ~fits & (room >= least) & at_branch.reshape(-1, 2).any(axis=1)
     wanted[~fits] = np.nan
-    wanted[one, 0] = middle[one]
+    one = np.flatnonzero(~fits & (room >= least) & at_branch.reshape(-1, 2).any(axis=1))
+    slot = np.where(at_branch[2 * one], 0, 1)
+    wanted[one, slot] = extents[one, slot] + room[one] / 2
     return wanted

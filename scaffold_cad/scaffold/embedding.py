@@ -66,6 +66,10 @@ class Sleeved(Protocol):
     def stars(self) -> Stars:
         """The partitions of the branch points."""
 
+    @property
+    def thinned(self) -> Ints:
+        """Joints where the quads are thinner than the struts, (k,)."""
+
 
 STAR_CENTERS = (0.5, 0.25, 0.75, 0.1, 0.9, 0.02, 0.98)
 """Where on its axis a sleeve is tried to be star-shaped, as fractions of its length."""
@@ -169,7 +173,8 @@ def _within_cones(scaffold: Sleeved) -> Bools:
     skeleton, refined = scaffold.skeleton, scaffold.refined
     vertices = scaffold.mesh.vertices
     rounding = rounding_of(vertices)
-    inside = np.ones(2 * len(skeleton.edges), dtype=np.bool_)
+    # Struts that are thinned at a joint overlap there in full thickness.
+    inside = ~np.isin(skeleton.edges.reshape(-1), scaffold.thinned)
 
     # At branch points: no section of the strut but the first crosses a side plane of the cone.
     edge = scaffold.refinement.edge_of_edge

@@ -16,6 +16,7 @@ from scaffold_cad.base.summaries import counted, radii_text, size_text
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.partition.sphere import METHODS
+from scaffold_cad.scaffold.bevels import Sleeving, with_bevels
 from scaffold_cad.scaffold.collars import Refinement, with_collars, without_collars
 from scaffold_cad.scaffold.embedding import Embedding, embedding
 from scaffold_cad.scaffold.sleeves import (
@@ -66,7 +67,7 @@ class Scaffold(Frozen, Shown):
     """The coarsest all-quad mesh with quadrilateral sections around a skeleton.
 
     Four quads an edge, one an extremity; N + 2 vertices a branch point of valency N, four a
-    joint or an extremity.
+    joint or an extremity. A sharp bend, of less than 39°, has eight quads more: a bevel.
 
     Examples
     --------
@@ -92,9 +93,13 @@ class Scaffold(Frozen, Shown):
     stars: Stars
     """The partitions of the branch points; their vertices come first in the mesh."""
     refinement: Refinement
-    """The skeleton with its collars as joints, and where its edges come from."""
+    """The skeleton with its collars and bevels as joints, and where its edges come from."""
     sections: Sections
-    """The sections at joints and extremities, and the matching at the end of each branch."""
+    """The sections at joints and extremities before bevels, and the matching at the end of each
+    branch."""
+    thinned: Ints
+    """Joints that bend too sharply for the length of their struts: the quads thin there, and
+    `embedding` leaves these struts out, ascending, shape (k,)."""
     options: ScaffoldOptions
     """How the scaffold was built."""
 
@@ -106,7 +111,7 @@ class Scaffold(Frozen, Shown):
 
     @property
     def refined(self) -> Skeleton:
-        """The skeleton with its collars as joints."""
+        """The skeleton with its collars and bevels as joints."""
         return self.refinement.skeleton
 
     @property
@@ -147,7 +152,8 @@ def build_scaffold(
     ----------
     skeleton : as `check_skeleton` asks
     fit : "enclose" puts the corners at a branch point far enough out for no strut to be cut thin
-        there; "paper" puts them on the sphere of the node's radius
+        there, and a bevel at bends of less than 39°; "paper" puts the corners on the sphere of the
+        node's radius
     section : which square stands for a circle of the node's radius: "circumscribed" around it,
         "area" of equal area, "inscribed" in it, "round" the one whose smooth limit it is
     collars : whether a joint is added where each strut leaves the blend of its branch point
@@ -188,8 +194,8 @@ def build_scaffold(
         options = like.options
         stars = partition_stars(skeleton, options.method, like.stars)
     positions = star_positions(skeleton, stars, options.fit, options.section)
+    slots = None if like is None else like.refinement.collared
     if options.collars:
-        slots = None if like is None else like.refinement.collared
         corner_distance = options.corner_distance
         refinement = with_collars(skeleton, stars, positions, corner_distance, slots)
     else:
@@ -203,19 +209,36 @@ def build_scaffold(
     node_of_vertex, first_vertex = _number_vertices(refined, stars)
     vertices = _place_vertices(refined, walk, sections, positions, node_of_vertex, first_vertex)
     sleeves = join_sections(walk, sections, quads, first_vertex)
+    made = Sleeving(refinement, vertices, sleeves)
+    if options.fit == "enclose":
+        made = with_bevels(skeleton, made, slots)
+    return _scaffold(skeleton, made, stars, sections, options, like)
+
+
+def _scaffold(
+    skeleton: Skeleton,
+    made: Sleeving,
+    stars: Stars,
+    sections: Sections,
+    options: ScaffoldOptions,
+    like: Scaffold | None,
+) -> Scaffold:
+    """Return the scaffold that has these sections, with the quads of `like`."""
+    refined = made.refinement.skeleton
     if like is None:
-        mesh = QuadMesh(vertices, _quads(refined, sleeves))
+        mesh = QuadMesh(made.vertices, _quads(refined, made.sleeves))
     else:
-        mesh = like.mesh.moved(vertices)
+        mesh = like.mesh.moved(made.vertices)
     return Scaffold(
         skeleton=skeleton,
         mesh=mesh,
-        edge_of_quad=_edge_of_quad(refined, refinement),
-        node_of_vertex=node_of_vertex,
-        sleeves=sleeves,
+        edge_of_quad=_edge_of_quad(refined, made.refinement),
+        node_of_vertex=_number_vertices(refined, stars)[0],
+        sleeves=made.sleeves,
         stars=stars,
-        refinement=refinement,
+        refinement=made.refinement,
         sections=sections,
+        thinned=made.thinned,
         options=options,
     )
 

@@ -19,7 +19,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.base.topology import Chains
 from scaffold_cad.base.vectors import any_perpendicular, dot, length, normalize, rotate
-from scaffold_cad.scaffold.frames import accumulate, bisectors, double_reflection, turn
+from scaffold_cad.scaffold.frames import accumulate, bisectors, double_reflection, multiply, turn
 from scaffold_cad.skeleton import Skeleton
 
 MITER_LIMIT = 3.0
@@ -125,7 +125,10 @@ def carry_sections(
     """
     chord = skeleton.directions[walk.half_edge]  # (m, 3)
     tail_tangent, head_tangent = _tangents(walk, chord)
-    carried = accumulate(double_reflection(chord, tail_tangent, head_tangent), walk.position)
+    # Turned onto the strut, then off it: its section stays the same from one end to the other.
+    onto = double_reflection(chord, tail_tangent, chord)
+    steps = multiply(double_reflection(chord, chord, head_tangent), onto)
+    carried = accumulate(steps, walk.position)
     start_x = _start_axes(walk, quads, tail_tangent, head_tangent)  # (b, 3)
     head_x = turn(carried, start_x[walk.branch])  # (m, 3)
     twist = _end_twist(walk, quads, start_x, head_x[walk.last], head_tangent[walk.last])
