@@ -22,7 +22,7 @@ import trimesh
 from scaffold_cad import Skeleton, build_scaffold, round_struts, write
 from scaffold_cad.base.arrays import Points
 from scaffold_cad.errors import ScaffoldCadError
-from scaffold_cad.lattice import delaunay_foam, voronoi_foam
+from scaffold_cad.filling import delaunay_foam, voronoi_foam
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from tests.crossings import faults_by_cgal
 from tests.skeletons import polyline
