@@ -78,6 +78,7 @@ from scaffold_cad.io.register import (
     written_suffixes,
 )
 from scaffold_cad.io.threemf import read_assembly
+from scaffold_cad.io.threemf.streaming import write_repeated
 
 __all__ = [
     "BYTES_PER_EDGE",
@@ -99,6 +100,7 @@ __all__ = [
     "skeleton_to_json",
     "skeleton_to_networkx",
     "unregister",
+    "write_repeated",
     "written_formats",
     "written_suffixes",
 ]

@@ -13,6 +13,7 @@ from scaffold_cad.lattice.maps import (
     SurfaceMap,
     lattice_on,
 )
+from scaffold_cad.lattice.periodic import PeriodicLattice
 from scaffold_cad.lattice.registry import cells, register_cell, unit_cell
 from scaffold_cad.lattice.tiling import mapped, tile
 from scaffold_cad.lattice.unitcell import UnitCell, cell_picture, check_periodic
@@ -24,6 +25,7 @@ __all__ = [
     "CylinderMap",
     "FunctionMap",
     "MappedLattice",
+    "PeriodicLattice",
     "QuadMap",
     "SphereMap",
     "SurfaceMap",

@@ -16,7 +16,9 @@ from scaffold_cad.io.content import Content, closed_triangles
 from scaffold_cad.io.register import register_mesh_reader, register_reader, register_writer
 from scaffold_cad.io.threemf.archive import read_package
 from scaffold_cad.io.threemf.pieces import assembly_of, skeleton_of, triangles_of
+from scaffold_cad.io.threemf.streaming import write_lattice
 from scaffold_cad.io.threemf.writing import write_3mf, write_3mf_assembly
+from scaffold_cad.lattice.periodic import PeriodicLattice
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.products.assembly import Assembly, assembly_solid
 from scaffold_cad.skeleton import Skeleton
@@ -81,8 +83,14 @@ def read_3mf_triangles(path: Path) -> TriangleMesh:
 
 @register_writer(".3mf", name="3MF", names_unit=True)
 def write_3mf_content(content: Content, path: Path) -> None:
-    """Write a Skeleton, a BeamLattice or an Assembly as beams, and triangles of anything else."""
+    """Write a Skeleton, a PeriodicLattice, a BeamLattice or an Assembly as beams.
+
+    Of anything else the triangles are written.
+    """
     what, factor = content.what, content.factor
+    if isinstance(what, PeriodicLattice):
+        write_lattice(what if factor == 1.0 else what.scaled(factor), path)
+        return
     if isinstance(what, Skeleton):
         what = BeamLattice(content.skeleton("a 3MF file"))
         factor = 1.0

@@ -62,9 +62,9 @@ def write_3mf_assembly(assembly: Assembly, path: Path) -> None:
         If lib3mf is not installed.
     """
     for lattice in assembly.lattices:
-        _check_sizes(lattice.skeleton.radii, "has radius")
-        _check_sizes(lattice.skeleton.edge_radii.min(axis=1), "is of an edge of radius")
-        _check_sizes(np.where(lattice.balls > 0, lattice.balls, np.inf), "has a ball of radius")
+        check_sizes(lattice.skeleton.radii, "has radius")
+        check_sizes(lattice.skeleton.edge_radii.min(axis=1), "is of an edge of radius")
+        check_sizes(np.where(lattice.balls > 0, lattice.balls, np.inf), "has a ball of radius")
     package = _Package()
     for lattice in assembly.lattices:
         package.build(_add_lattice(package, lattice))
@@ -101,7 +101,7 @@ def _add_lattice(package: _Package, lattice: BeamLattice) -> Any:
     return body
 
 
-def _check_sizes(radii: Floats, what: str) -> None:
+def check_sizes(radii: Floats, what: str) -> None:
     """Raise unless six decimals can hold each radius."""
     thin = np.flatnonzero(radii < LEAST_RADIUS)
     if len(thin):
@@ -182,7 +182,7 @@ class _Package:
             file.seek(position)
 
         writer = self._model.QueryWriter("3mf")
-        writer.SetDecimalPrecision(_decimals(self._extent))
+        writer.SetDecimalPrecision(decimals_of(self._extent))
         writer.WriteToCallback(
             self._lib3mf.WriteCallback(put), self._lib3mf.SeekCallback(seek), None
         )
@@ -198,7 +198,7 @@ class _Package:
         self._wrapper.checkError(of, called(of._handle, *arguments))
 
 
-def _decimals(extent: float) -> int:
+def decimals_of(extent: float) -> int:
     """Return how many decimals tell 32-bit coordinates apart, those of small parts more than 6."""
     return int(np.clip(7 - np.floor(np.log10(max(extent, 1e-9))), 6, 16))
 

@@ -1,0 +1,164 @@
+"""PeriodicLattice: a cell, how often it is repeated and how thick its struts are, and no strut.
+
+It is what a lattice too large for memory is known by. Any block of its cells can be made of it,
+with the same bits as in the whole.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scaffold_cad.base.arguments import as_number, check_kind
+from scaffold_cad.base.arrays import Floats, Frames, Frozen, Ints, Points
+from scaffold_cad.base.radii import Radius, radii_at
+from scaffold_cad.lattice.maps.placing import Counts, three_counts
+from scaffold_cad.lattice.maps.solids import BoxMap, as_axes, as_place
+from scaffold_cad.lattice.registry import as_cell
+from scaffold_cad.lattice.repetition import Window, all_layers, as_counts, placed, window_struts
+from scaffold_cad.lattice.tiling import cell_size
+from scaffold_cad.lattice.unitcell import UnitCell
+from scaffold_cad.skeleton import Skeleton
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodicLattice(Frozen):
+    """A unit cell repeated along the sides of a block, of which no strut is made yet.
+
+    `write` puts it into a 3MF file a few layers at a time, and `tiles` cuts it into blocks.
+
+    Examples
+    --------
+    >>> from scaffold_cad import PeriodicLattice
+    >>> lattice = PeriodicLattice("bcc", 1.0, 500, radius=0.1)
+    >>> lattice.strut_count
+    1000000000
+    >>> PeriodicLattice("bcc", 8.0, 2, radius=0.5).skeleton().edges.shape
+    (64, 2)
+    """
+
+    cell: UnitCell
+    """What is repeated."""
+    size: Floats
+    """Of one cell along its sides, shape (3,), mm."""
+    counts: tuple[int, int, int]
+    """Cells along x, y and z."""
+    radius: Radius
+    """One number, mm, or a function of positions (n, 3) that returns radii (n,)."""
+    origin: Points
+    """Lowest corner of the first cell, shape (3,), mm."""
+    axes: Frames
+    """Unit directions of the sides, rows, shape (3, 3)."""
+
+    def __init__(
+        self,
+        cell: str | UnitCell,
+        size: ArrayLike,
+        counts: Counts,
+        *,
+        radius: Radius,
+        origin: ArrayLike = (0.0, 0.0, 0.0),
+        axes: ArrayLike | None = None,
+    ) -> None:
+        """Take a lattice.
+
+        Parameters
+        ----------
+        cell : a unit cell or its name, see `cells`
+        size : of one cell, mm: three numbers, or one for a cell that is not distorted
+        counts : cells along x, y and z, or one number for all three
+        radius : mm; one number, or a function of positions (n, 3) that returns radii (n,). For
+            work in several processes it must be a function of a module
+        origin : lowest corner of the first cell, mm
+        axes : (3, 3), unit directions of the sides; by default those of the cell
+
+        Raises
+        ------
+        OptionError
+            If the cell is not known, or a size, a count or a radius is not > 0.
+        """
+        chosen = as_cell(cell)
+        x, y, z = three_counts(counts).tolist()
+        radii_at(np.zeros((1, 3)), radius)
+        self._keep(
+            cell=chosen,
+            size=cell_size(chosen, size),
+            counts=(x, y, z),
+            radius=radius,
+            origin=as_place(origin, "origin"),
+            axes=chosen.axes if axes is None else as_axes(axes),
+        )
+
+    @classmethod
+    def in_box(
+        cls, box: BoxMap, cell: str | UnitCell, counts: Counts, *, radius: Radius
+    ) -> PeriodicLattice:
+        """Return the lattice of `counts` cells that fill a box, see `tile`."""
+        check_kind(box, BoxMap)
+        size = box.size / three_counts(counts)
+        return cls(cell, size, counts, radius=radius, origin=box.origin, axes=box.axes)
+
+    @property
+    def strut_count(self) -> int:
+        """Struts of all cells, without those that only close the block's far faces."""
+        x, y, z = self.counts
+        return self.cell.strut_count * x * y * z
+
+    @property
+    def layers(self) -> tuple[int, int, int]:
+        """Layers of cells along the sides that own struts: those beyond `counts` close it."""
+        return all_layers(self.cell.motif, self.counts)
+
+    def scaled(self, factor: float) -> PeriodicLattice:
+        """Return the lattice with positions and radii multiplied by `factor` > 0."""
+        factor = as_number(factor, "scale factor", unit="")
+        given = self.radius
+        radius: Radius = _Scaled(given, factor) if callable(given) else factor * given
+        return PeriodicLattice(
+            self.cell,
+            self.size * factor,
+            self.counts,
+            radius=radius,
+            origin=self.origin * factor,
+            axes=self.axes,
+        )
+
+    def window(self, low: tuple[int, int, int], high: tuple[int, int, int]) -> Window:
+        """Return the struts that cells from `low` to before `high` own, see `window_struts`."""
+        return window_struts(self.cell.motif, self.counts, low, high)
+
+    def positions(self, window: Window, keys: Ints) -> Points:
+        """Return where nodes of a window are, shape (n, 3), mm."""
+        return placed(self.cell, self.size, window.steps(keys), self.origin, self.axes)
+
+    def skeleton(self) -> Skeleton:
+        """Return all struts.
+
+        Raises
+        ------
+        OptionError
+            If they are more than 1e8.
+        """
+        as_counts(self.cell, np.array(self.counts))
+        return self.part(self.window((0, 0, 0), self.layers))
+
+    def part(self, window: Window) -> Skeleton:
+        """Return the struts of a window."""
+        keys, edges = window.used()
+        nodes = self.positions(window, keys)
+        return Skeleton(nodes, edges, radii_at(nodes, self.radius))
+
+
+@dataclass(frozen=True)
+class _Scaled:
+    """Radii of a lattice after it was scaled."""
+
+    radius: Callable[[Points], ArrayLike]
+    factor: float
+
+    def __call__(self, nodes: Points) -> Floats:
+        radii: Floats = np.asarray(self.radius(nodes / self.factor)) * self.factor
+        return radii
