@@ -52,6 +52,7 @@ from scaffold_cad.lattice import (
 )
 from scaffold_cad.lattice import CellMap as CellMap
 from scaffold_cad.lattice import MappedLattice as MappedLattice
+from scaffold_cad.layers import Layer, slices
 from scaffold_cad.mesh import QuadMesh, TriangleMesh
 from scaffold_cad.mesh import self_intersections as self_intersections
 from scaffold_cad.mesh.subdivision import Subdivision as Subdivision
@@ -85,6 +86,7 @@ __all__ = [
     "ConvolutionField",
     "CylinderMap",
     "FunctionMap",
+    "Layer",
     "PeriodicLattice",
     "PointField",
     "QuadMap",
@@ -118,6 +120,7 @@ __all__ = [
     "round_struts",
     "self_supporting",
     "show",
+    "slices",
     "smooth_patches",
     "snapped",
     "solidified",

@@ -24,6 +24,7 @@ FLOORS = (
     ("struts",),
     ("solid",),
     ("products",),
+    ("layers",),
     ("io",),
     ("webpage", "viewers", "filling"),
     ("parts", "printability", "mechanics"),

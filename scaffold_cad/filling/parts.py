@@ -22,7 +22,6 @@ from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.mesh.bodies import body_of, check_uncrossed, shells_of
 from scaffold_cad.mesh.collapse import without_short_edges
-from scaffold_cad.mesh.insets import inset
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
@@ -32,6 +31,7 @@ from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import Solidified, clean_surface, manifolds, solidified
 from scaffold_cad.solid.rounds import check_sides
+from scaffold_cad.solid.skins import inside_of
 from scaffold_cad.struts import round_struts
 
 if TYPE_CHECKING:
@@ -127,7 +127,7 @@ def lattice_part(
         raise OptionError("drain_places are given without drain, their diameter; need it")
     surface, outer = _sound(triangles_of(body))
     region = as_region(surface)
-    inner = outer if skin is None else _inside(surface, outer, skin)
+    inner = outer if skin is None else inside_of(surface, outer, skin)
     extent, fault = float(np.abs(surface.vertices).max()), ""
     for nudge in NUDGES:
         struts = _struts_touching(region, cell, size, radius, nudge, skin is not None)
@@ -286,15 +286,6 @@ def _without_crumbs(part: Manifold) -> Manifold:
 
     kept = [piece for k, piece in enumerate(pieces) if k not in set(crumbs.tolist())]
     return manifold3d.Manifold.compose(kept)
-
-
-def _inside(surface: TriangleMesh, outer: Manifold, skin: float) -> Manifold:
-    """Return what is inside the skin."""
-    inner = inset(surface, skin)
-    solid = manifolds.eroded(outer, skin) if inner is None else manifolds.to_manifold(inner)
-    if solid.is_empty():
-        raise OptionError(f"skin is {skin:g} mm, which fills the body; need less")
-    return solid
 
 
 def _without_slivers(part: Manifold, extent: float) -> Manifold:

@@ -18,7 +18,7 @@ LEVELS = 4
 
 
 @dataclass(frozen=True, eq=False)
-class _Sized(Frozen):
+class Sized(Frozen):
     """How the rings of both ends of runs are joined, and how large they are."""
 
     shift: Ints
@@ -81,21 +81,24 @@ def _shell(struts: RoundStruts, sides: int) -> tuple[Triangulated, Ints]:
     how the patches are cut.
     """
     model = None if struts.like is None else _shell(struts.like, sides)[0]
-    sized = _sized(struts, sides, None if model is None else model.shift)
-    own = _own_rings(struts, sized, sides)  # (2 k, sides, 3)
+    sized = sized_rings(struts, sides, None if model is None else model.shift)
+    own = own_rings(struts, np.arange(len(struts.collar)), sized, sides)  # (2 k, sides, 3)
     starts, count = _blocks(struts, sides)
     rings = np.empty((len(struts.collar), sides), dtype=np.intp)
     at_nodes = np.empty((count, 3))
     nodes: list[Ints] = []
     faces: list[Triangles] = []
     for group in struts.blended:
-        placed, own_faces, last = _node_surface(struts, group, own, sized.growth, sides)
+        half_runs = group.half_runs
+        placed, own_faces, last = node_surface(
+            struts, group, own[half_runs], sized.growth[half_runs], sides
+        )
         block = len(placed) // len(group.nodes)
         place = (starts[group.nodes][:, None] + np.arange(block)).reshape(-1)
         at_nodes[place] = placed
         faces.append(place[own_faces])
         nodes.append(np.repeat(group.nodes, len(own_faces) // len(group.nodes)))
-        rings[group.half_runs] = place[last]
+        rings[half_runs] = place[last]
     ends = np.flatnonzero(struts.runs.valency[struts.runs.tails] == 1)
     rings[ends] = count + np.arange(len(ends) * sides).reshape(-1, sides)
     points = [at_nodes, own[ends].reshape(-1, 3)]
@@ -132,7 +135,8 @@ def levels_of(sides: int) -> int:
     return max(2, round(LEVELS * sides / 16))
 
 
-def _sized(struts: RoundStruts, sides: int, shift: Ints | None) -> _Sized:
+def sized_rings(struts: RoundStruts, sides: int, shift: Ints | None = None) -> Sized:
+    """Return how the rings of runs are joined, as `shift` has it or with least twist, and sized."""
     x, far_x = struts.x[0::2], struts.x[1::2]
     y = np.cross(struts.runs.directions[0::2], x)
     if shift is None:
@@ -142,36 +146,48 @@ def _sized(struts: RoundStruts, sides: int, shift: Ints | None) -> _Sized:
         twist = twist_of(x, y, far_x, sides, shift)
     radius = struts.runs.radii_at(np.arange(len(struts.collar)), struts.collar)
     growth = np.repeat(enlargement(twist, sides) - 1.0, 2) * radius
-    return _Sized(shift, twist, growth, radius)
+    return Sized(shift, twist, growth, radius)
 
 
-def _own_rings(struts: RoundStruts, sized: _Sized, sides: int) -> Points:
-    """Return the points of the ring of each half-run, shape (2 k, sides, 3), mm."""
-    runs = struts.runs
+def own_rings(struts: RoundStruts, half_runs: Ints, sized: Sized, sides: int) -> Points:
+    """Return the points of the rings of half-runs (h,), shape (h, sides, 3), mm."""
     angle = 2 * np.pi / sides * np.arange(sides)
-    center = runs.nodes[runs.tails] + struts.collar[:, None] * runs.directions
-    y = np.cross(runs.directions, struts.x)
-    spoke = (
-        np.cos(angle)[:, None] * struts.x[:, None] + np.sin(angle)[:, None] * y[:, None]
-    )  # (2 k, sides, 3)
-    rings: Points = center[:, None] + (sized.radius + sized.growth)[:, None, None] * spoke
+    x, ahead = struts.x[half_runs], struts.runs.directions[half_runs]
+    y = np.cross(ahead, x)
+    spoke = np.cos(angle)[:, None] * x[:, None] + np.sin(angle)[:, None] * y[:, None]
+    radius = (sized.radius + sized.growth)[half_runs]
+    rings: Points = ring_centers(struts, half_runs)[:, None] + radius[:, None, None] * spoke
     return rings
 
 
-def _node_surface(
+def ring_centers(struts: RoundStruts, half_runs: Ints) -> Points:
+    """Return the centers of the collars of half-runs (h,), shape (h, 3), mm."""
+    runs = struts.runs
+    ahead = struts.collar[half_runs, None] * runs.directions[half_runs]
+    centers: Points = runs.nodes[runs.tails[half_runs]] + ahead
+    return centers
+
+
+def node_surface(
     struts: RoundStruts, group: BlendedNodes, own: Points, growth: Floats, sides: int
 ) -> tuple[Points, Triangles, Ints]:
-    """Return the vertices and triangles of nodes, and the rings at their collars, (M, N, sides)."""
-    sampled = stacks(group, growth[group.half_runs], levels_of(sides), sides)
+    """Return the vertices and triangles of nodes, and the rings at their collars, (M, N, sides).
+
+    Parameters
+    ----------
+    own : (M, N, sides, 3) points of the rings, mm
+    growth : (M, N), see `Sized`, mm
+    """
+    sampled = stacks(group, growth, levels_of(sides), sides)
     count, block = sampled.points.shape[:2]
     rings = sampled.rings + (block * np.arange(count))[:, None, None, None]
     points = (sampled.points + struts.runs.nodes[group.nodes][:, None]).reshape(-1, 3)
-    points[rings[:, :, -1]] = own[group.half_runs]
+    points[rings[:, :, -1]] = own
     low, high = rings[:, :, :-1].reshape(-1, sides), rings[:, :, 1:].reshape(-1, sides)
-    return points, _ring_triangles(points, low, high), rings[:, :, -1]
+    return points, ring_triangles(points, low, high), rings[:, :, -1]
 
 
-def _ring_triangles(points: Points, low: Ints, high: Ints) -> Triangles:
+def ring_triangles(points: Points, low: Ints, high: Ints) -> Triangles:
     """Return the triangles between rings that follow each other, with the shorter diagonals."""
     a, b = low, np.roll(low, -1, axis=1)
     d, c = high, np.roll(high, -1, axis=1)

@@ -1,0 +1,126 @@
+"""Loops: closed polygons of several heights in flat arrays, and those of closed meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Floats, Frozen, Ints
+from scaffold_cad.lattice.boxgrid import ranges
+from scaffold_cad.layers.sweep import Sweep
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+
+
+@dataclass(frozen=True, eq=False)
+class Loops(Frozen):
+    """Closed polygons at some of several heights; they may cross."""
+
+    points: Floats
+    """Corners, polygon by polygon, shape (p, 2), mm."""
+    offsets: Ints
+    """Where each polygon begins in `points`, and their number at the end, shape (l + 1,)."""
+    levels: Ints
+    """Number of the height of each polygon, ascending, shape (l,)."""
+
+    def by_level(self, count: int) -> Iterator[list[Floats]]:
+        """Yield the polygons at each of `count` heights, each (k, 2)."""
+        ends = np.searchsorted(self.levels, np.arange(count + 1)).tolist()
+        offsets = self.offsets.tolist()
+        for first, last in pairwise(ends):
+            marks = offsets[first : last + 1]
+            yield [self.points[a:b] for a, b in pairwise(marks)]
+
+
+class MeshSections:
+    """The sections of a closed triangle mesh, from the lowest up."""
+
+    def __init__(self, mesh: TriangleMesh) -> None:
+        """Take a mesh, each side of whose triangles is that of one other."""
+        self._xy, self._z = mesh.vertices[:, :2], mesh.vertices[:, 2]
+        self._triangles = mesh.triangles
+        self._across = neighbors(mesh.triangles, len(mesh.vertices))
+        corners = self._z[mesh.triangles]  # (t, 3)
+        self._low, self._high = corners.min(axis=1), corners.max(axis=1)
+        self._sweep = Sweep(self._low, self._high)
+        # Of the pairs of a triangle and a height: the first of each triangle, less its height.
+        self._pair = np.zeros(len(self._low), dtype=np.intp)
+
+    @property
+    def extents(self) -> tuple[Floats, Floats]:
+        """Lowest and highest height of each triangle, both (t,), mm."""
+        return self._low, self._high
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Lowest and highest vertex, mm."""
+        return float(self._low.min()), float(self._high.max())
+
+    def loops(self, heights: Floats) -> list[Loops]:
+        """Return the sections at ascending heights (h,), above those before.
+
+        They are counter-clockwise around the inside. A vertex at a height counts as above it: so
+        each section is a whole number of loops.
+        """
+        active = self._sweep.between(float(heights[0]), float(heights[-1]))
+        first = np.searchsorted(heights, self._low[active], side="right")
+        count = np.searchsorted(heights, self._high[active], side="right") - first
+        self._pair[active] = np.cumsum(count) - count - first
+        triangle = np.repeat(active, count)  # (q,)
+        level = ranges(first, count)
+        height = heights[level]
+        corners = self._triangles[triangle]
+        above = self._z[corners] >= height[:, None]  # (q, 3)
+        # A loop leaves a triangle, whose inside is to the left, where a side goes up.
+        side = (~above & np.roll(above, -1, axis=1)).argmax(axis=1)
+        beyond = self._across[triangle, side]
+        after = self._pair[beyond] + level  # (q,)
+        row = np.arange(len(side))
+        ends = corners[row, side], corners[row, (side + 1) % 3]
+        share = (height - self._z[ends[0]]) / (self._z[ends[1]] - self._z[ends[0]])
+        points = self._xy[ends[0]] + share[:, None] * (self._xy[ends[1]] - self._xy[ends[0]])
+        label, rank = cycles(after)
+        order = np.lexsort((rank, label, level))
+        begins = np.flatnonzero(rank[order] == 0)
+        offsets = np.append(begins, len(order))
+        return [Loops(points[order], offsets, level[order[begins]])]
+
+
+def neighbors(triangles: Ints, count: int) -> Ints:
+    """Return the triangle beyond each side of a closed mesh, (t, 3).
+
+    Parameters
+    ----------
+    triangles : (t, 3) vertices; side k goes from corner k to the next
+    count : of vertices
+    """
+    start, end = triangles.reshape(-1), np.roll(triangles, -1, axis=1).reshape(-1)
+    key = np.minimum(start, end) * count + np.maximum(start, end)
+    order = np.argsort(key, kind="stable")
+    across = np.empty_like(order)
+    across[order[0::2]], across[order[1::2]] = order[1::2] // 3, order[0::2] // 3
+    return across.reshape(-1, 3)
+
+
+def cycles(after: Ints) -> tuple[Ints, Ints]:
+    """Return the least item of the cycle of each item, and its steps from there, both (q,).
+
+    Parameters
+    ----------
+    after : (q,) the item after each, a permutation
+    """
+    label, jump = np.arange(len(after)), after
+    while True:
+        least = np.minimum(label, label[jump])
+        if np.array_equal(least, label):
+            break
+        label, jump = least, jump[jump]
+    is_first = label == np.arange(len(after))
+    ahead = np.where(is_first, 0, 1)  # steps to the next first item, 0 at one
+    jump = np.where(is_first, np.arange(len(after)), after)
+    while not is_first[jump].all():
+        ahead, jump = ahead + ahead[jump], jump[jump]
+    size = np.bincount(label, minlength=len(after))[label]
+    return label, np.where(is_first, 0, size - ahead)

@@ -1,0 +1,123 @@
+"""Sections of round struts: cones, balls and the bodies of blended nodes, a few layers at a time.
+
+Each is closed by itself and reaches a little into the next; `uniting` joins their sections. Nodes
+that are crowded have no surface of their own: there the struts go on to the node, with a ball of
+the thickest one around it, so that what overlaps is united without fillets.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Floats
+from scaffold_cad.layers.loops import Loops, MeshSections
+from scaffold_cad.layers.rounds import Balls, Cones
+from scaffold_cad.layers.sweep import Sweep
+from scaffold_cad.struts import RoundStruts
+from scaffold_cad.struts.bodies import NodeBodies
+
+OVERLAP = 1e-3
+"""How far struts reach into the bodies of their nodes, in their radii: where sections only touched
+a gap would be left."""
+
+OPENING = 0.1
+"""How far the inside of hollow struts reaches beyond an open end, in its radii."""
+
+NODES_AT_ONCE = 256
+"""Nodes whose bodies are made together, those that follow each other in height."""
+
+
+class StrutSections:
+    """The sections of solid round struts, from the lowest up."""
+
+    def __init__(self, struts: RoundStruts, sides: int, *, is_inside: bool = False) -> None:
+        """Take struts.
+
+        Parameters
+        ----------
+        sides : of the polygons that stand for circles, a multiple of 4
+        is_inside : whether they are what is taken out of hollow struts
+        """
+        self._sides = sides
+        self._cones, self._balls = cones_of(struts, is_inside), balls_of(struts)
+        self._cone_sweep = Sweep(*self._cones.extents())
+        self._ball_sweep = Sweep(*self._balls.extents())
+        self._bodies = NodeBodies(struts, sides)
+        batch = np.arange(0, len(self._bodies), NODES_AT_ONCE)
+        high = np.maximum.reduceat(self._bodies.high, batch) if len(batch) else np.zeros(0)
+        self._batch_sweep = Sweep(self._bodies.low[batch], high)
+        self._made: dict[int, MeshSections] = {}
+
+    @property
+    def extents(self) -> tuple[Floats, Floats]:
+        """Lowest and highest height of each part, both (k,), mm."""
+        parts = [self._cones.extents(), self._balls.extents()]
+        parts.append((self._bodies.low, self._bodies.high))
+        low, high = (np.concatenate(column) for column in zip(*parts, strict=True))
+        return low, high
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Lowest and highest point, mm."""
+        parts = [self._cones.extents(), self._balls.extents()]
+        lows, highs = (np.concatenate(column) for column in zip(*parts, strict=True))
+        low, high = float(lows.min()), float(highs.max())
+        # What is known of the bodies is only a box around each.
+        for bodies in (self._bodies.low < low, self._bodies.high > high):
+            some = np.flatnonzero(bodies)
+            for at in range(0, len(some), NODES_AT_ONCE):
+                z = self._bodies.mesh(some[at : at + NODES_AT_ONCE]).vertices[:, 2]
+                low, high = min(low, float(z.min())), max(high, float(z.max()))
+        return low, high
+
+    def loops(self, heights: Floats) -> list[Loops]:
+        """Return the sections of all parts at ascending heights (h,), above those before."""
+        between = float(heights[0]), float(heights[-1])
+        found = [
+            self._cones[self._cone_sweep.between(*between)].loops(heights, self._sides),
+            self._balls[self._ball_sweep.between(*between)].loops(heights, self._sides),
+        ]
+        batches = self._batch_sweep.between(*between).tolist()
+        self._made = {number: self._batch(number) for number in batches}
+        for made in self._made.values():
+            found += made.loops(heights)
+        return found
+
+    def _batch(self, number: int) -> MeshSections:
+        made = self._made.get(number)
+        if made is not None:
+            return made
+        first = number * NODES_AT_ONCE
+        return MeshSections(self._bodies.mesh(slice(first, first + NODES_AT_ONCE)))
+
+
+def cones_of(struts: RoundStruts, is_inside: bool) -> Cones:
+    """Return the straight struts, from a little before their collars."""
+    runs = struts.runs
+    half_runs = np.arange(len(runs.tails))
+    is_end = runs.valency[runs.tails] == 1
+    own = ~struts.crowded[runs.tails] & ~is_end
+    radius = runs.radii.reshape(-1)
+    opening = OPENING * radius if is_inside and struts.options.ends == "open" else 0.0
+    begin = np.where(is_end, -opening, 0.0)
+    begin = np.where(own, struts.collar - OVERLAP * radius, begin)
+    ends = runs.nodes[runs.tails] + begin[:, None] * runs.directions
+    radii = runs.radii_at(half_runs, begin).reshape(-1, 2)
+    return Cones(ends[0::2], ends[1::2], radii)
+
+
+def balls_of(struts: RoundStruts) -> Balls:
+    """Return the balls at round ends, tangent to their strut, and those at crowded nodes."""
+    runs = struts.runs
+    is_end = runs.valency[runs.tails] == 1
+    ends = np.flatnonzero(is_end & (struts.options.ends == "round"))
+    radius, slope = runs.radii.reshape(-1)[ends], runs.slopes[ends]
+    centers = runs.nodes[runs.tails[ends]] + (radius * slope)[:, None] * runs.directions[ends]
+    widest = np.zeros(len(runs.nodes))
+    np.maximum.at(widest, runs.tails, runs.radii.reshape(-1))
+    crowded = np.flatnonzero(struts.crowded & (runs.valency > 1))
+    sizes = np.maximum(widest, struts.skeleton.radii)[crowded]
+    return Balls(
+        np.concatenate([centers, runs.nodes[crowded]]),
+        np.concatenate([radius * np.hypot(1.0, slope), sizes]),
+    )

@@ -1,0 +1,86 @@
+"""Bodies of blended nodes: their patches, closed by the discs of their collars."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Floats, Ints, Points, Triangles
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.struts.model import BlendedNodes, RoundStruts
+from scaffold_cad.struts.surface import node_surface, own_rings, ring_centers, sized_rings
+
+
+class NodeBodies:
+    """The blended nodes of round struts that are not crowded, from the lowest to the highest."""
+
+    def __init__(self, struts: RoundStruts, sides: int) -> None:
+        """Take the nodes of struts; none is made yet.
+
+        Parameters
+        ----------
+        sides : points of a collar's ring, a multiple of 4
+        """
+        self._struts, self._sides = struts, sides
+        self._sized = sized_rings(struts, sides)
+        lows, highs, groups, rows = [], [], [], []
+        for number, group in enumerate(struts.blended):
+            row = np.flatnonzero(~struts.crowded[group.nodes])
+            z = group.shapes.control[..., 2].reshape(len(group.shapes), -1)  # (U, ...)
+            growth = self._sized.growth[group.half_runs[row]].max(axis=1)
+            node, which = struts.runs.nodes[group.nodes[row], 2], group.shape_of[row]
+            lows.append(node + z.min(axis=1)[which] - growth)
+            highs.append(node + z.max(axis=1)[which] + growth)
+            groups.append(np.full(len(row), number))
+            rows.append(row)
+        low = np.concatenate([np.zeros(0), *lows])
+        order = np.argsort(low, kind="stable")
+        self.low: Floats = low[order]
+        """Height below which nothing of each body is, ascending, shape (m,), mm."""
+        self.high: Floats = np.concatenate([np.zeros(0), *highs])[order]
+        """Height above which nothing of each body is, shape (m,), mm."""
+        none = np.zeros(0, dtype=np.intp)
+        self._group_of = np.concatenate([none, *groups])[order]
+        self._row_of = np.concatenate([none, *rows])[order]
+
+    def __len__(self) -> int:
+        return len(self.low)
+
+    def mesh(self, some: slice | Ints) -> TriangleMesh:
+        """Return the closed surfaces of some of the bodies."""
+        points: list[Points] = []
+        faces: list[Triangles] = []
+        count = 0
+        group_of, row_of = self._group_of[some], self._row_of[some]
+        for number in np.unique(group_of).tolist():
+            group = _some_of(self._struts.blended[number], row_of[group_of == number])
+            placed, triangles = self._closed(group)
+            points.append(placed)
+            faces.append(triangles + count)
+            count += len(placed)
+        return TriangleMesh(np.concatenate(points), np.concatenate(faces))
+
+    def _closed(self, group: BlendedNodes) -> tuple[Points, Triangles]:
+        """Return the vertices and triangles of nodes, the discs of their collars included."""
+        struts, sides, shape = self._struts, self._sides, group.half_runs.shape
+        half_runs = group.half_runs.reshape(-1)
+        own = own_rings(struts, half_runs, self._sized, sides).reshape(*shape, sides, 3)
+        growth = self._sized.growth[group.half_runs]
+        placed, triangles, last = node_surface(struts, group, own, growth, sides)
+        middle = len(placed) + np.arange(len(half_runs)).reshape(*shape, 1)
+        fans = [np.broadcast_to(middle, last.shape), last, np.roll(last, -1, axis=2)]
+        discs = np.stack(fans, axis=-1).reshape(-1, 3)
+        points = np.concatenate([placed, ring_centers(struts, half_runs)])
+        return points, np.concatenate([triangles, discs])
+
+
+def _some_of(group: BlendedNodes, rows: Ints) -> BlendedNodes:
+    """Return some nodes of a group, and of its blends those that they have."""
+    used, shape_of = np.unique(group.shape_of[rows], return_inverse=True)
+    return BlendedNodes(
+        group.nodes[rows],
+        group.half_runs[rows],
+        group.quads[used],
+        group.axes[used],
+        shape_of.reshape(-1),
+        group.shapes[used],
+    )
