@@ -33,7 +33,7 @@ from scaffold_cad.filling import (
     solve_radius,
     voronoi_foam,
 )
-from scaffold_cad.io import read_skeleton
+from scaffold_cad.io import read_skeleton, write_layers
 from scaffold_cad.io.write import write
 from scaffold_cad.lattice import (
     BoxMap,
@@ -131,6 +131,7 @@ __all__ = [
     "to_trimesh",
     "voronoi_foam",
     "write",
+    "write_layers",
 ]
 
 __version__ = "0.1.0"

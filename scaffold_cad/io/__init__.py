@@ -77,6 +77,7 @@ from scaffold_cad.io.register import (
     written_formats,
     written_suffixes,
 )
+from scaffold_cad.io.stacks import write_layers
 from scaffold_cad.io.threemf import read_assembly
 from scaffold_cad.io.threemf.streaming import write_repeated
 
@@ -100,6 +101,7 @@ __all__ = [
     "skeleton_to_json",
     "skeleton_to_networkx",
     "unregister",
+    "write_layers",
     "write_repeated",
     "written_formats",
     "written_suffixes",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,3 +66,28 @@ class Layer(Frozen):
         """Lowest and highest corner, shape (2, 2), mm; of an empty layer inf and -inf."""
         low = self.points.min(axis=0, initial=np.inf)
         return np.stack([low, self.points.max(axis=0, initial=-np.inf)])
+
+
+class Layers(Iterator[Layer]):
+    """Layers from the lowest up, each made when it is asked for, and how large all of them are."""
+
+    def __init__(self, layers: Iterable[Layer], heights: Floats, thickness: float, box: Floats):
+        """Take layers.
+
+        Parameters
+        ----------
+        layers : in order of their heights
+        heights : of all of them, shape (n,), mm
+        thickness : of each, mm; 0 for sections alone
+        box : lowest and highest corner of a box that holds all polygons, shape (2, 2), mm
+        """
+        self._layers = iter(layers)
+        self.heights = heights
+        self.thickness = thickness
+        self.box = box
+
+    def __next__(self) -> Layer:
+        return next(self._layers)
+
+    def __len__(self) -> int:
+        return len(self.heights)

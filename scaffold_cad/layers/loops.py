@@ -54,6 +54,11 @@ class MeshSections:
         return self._low, self._high
 
     @property
+    def box(self) -> Floats:
+        """Lowest and highest corner of a box that holds all polygons, shape (2, 2), mm."""
+        return np.stack([self._xy.min(axis=0), self._xy.max(axis=0)])
+
+    @property
     def bounds(self) -> tuple[float, float]:
         """Lowest and highest vertex, mm."""
         return float(self._low.min()), float(self._high.max())

@@ -62,12 +62,18 @@ class Cones(Frozen):
 
     def extents(self) -> tuple[Floats, Floats]:
         """Return the lowest and the highest height of each, both (k,), mm."""
+        low, high = self.boxes()
+        return low[:, 2], high[:, 2]
+
+    def boxes(self) -> tuple[Points, Points]:
+        """Return the lowest and the highest corner of the box around each, both (k, 3), mm."""
         span = self.ends - self.starts
-        size = np.sqrt((span * span).sum(axis=1))
-        wide = np.hypot(span[:, 0], span[:, 1]) / size  # s
-        reach = self.radii * wide[:, None]
-        middles = np.stack([self.starts[:, 2], self.ends[:, 2]], axis=1)
-        return (middles - reach).min(axis=1), (middles + reach).max(axis=1)
+        square = span * span
+        total = square.sum(axis=1, keepdims=True)
+        wide = np.sqrt((np.roll(square, 1, axis=1) + np.roll(square, 2, axis=1)) / total)
+        near, far = self.radii[:, :1] * wide, self.radii[:, 1:] * wide
+        low = np.minimum(self.starts - near, self.ends - far)
+        return low, np.maximum(self.starts + near, self.ends + far)
 
     def loops(self, heights: Floats, sides: int) -> Loops:
         """Return the sections at ascending `heights` (h,), polygons of `sides` corners."""
@@ -94,6 +100,10 @@ class Balls(Frozen):
     def extents(self) -> tuple[Floats, Floats]:
         """Return the lowest and the highest height of each, both (k,), mm."""
         return self.centers[:, 2] - self.radii, self.centers[:, 2] + self.radii
+
+    def boxes(self) -> tuple[Points, Points]:
+        """Return the lowest and the highest corner of the box around each, both (k, 3), mm."""
+        return self.centers - self.radii[:, None], self.centers + self.radii[:, None]
 
     def loops(self, heights: Floats, sides: int) -> Loops:
         """Return the sections at ascending `heights` (h,), polygons of `sides` corners."""

@@ -12,7 +12,7 @@ from scaffold_cad.base.arguments import as_number, checks_keywords
 from scaffold_cad.base.arrays import Floats, as_floats
 from scaffold_cad.base.backends import need
 from scaffold_cad.errors import OptionError
-from scaffold_cad.layers.layer import Layer
+from scaffold_cad.layers.layer import Layer, Layers
 from scaffold_cad.layers.loops import Loops, MeshSections
 from scaffold_cad.layers.struts import StrutSections
 from scaffold_cad.layers.uniting import layer_of, united
@@ -49,6 +49,10 @@ class _Sections(Protocol):
     def bounds(self) -> tuple[float, float]:
         """Lowest and highest point, mm."""
 
+    @property
+    def box(self) -> Floats:
+        """Lowest and highest corner of a box that holds all polygons, shape (2, 2), mm."""
+
     def loops(self, heights: Floats) -> list[Loops]:
         """Return the sections of all parts at ascending heights (h,), above those before."""
 
@@ -62,8 +66,8 @@ def slices(
     sides: int | None = None,
     region: Any = None,
     skin: float | None = None,
-) -> Iterator[Layer]:
-    """Yield the sections of `what` from the lowest up, made while they are asked for.
+) -> Layers:
+    """Return the sections of `what` from the lowest up, each made when it is asked for.
 
     Round struts are cut as what they are, cylinders and cones, and only the blends at their nodes
     as triangles: no mesh of the whole is made, and memory does not grow with the layers. Struts
@@ -96,9 +100,9 @@ def slices(
     --------
     >>> from scaffold_cad import Skeleton, slices
     >>> strut = Skeleton([[0, 0, 0], [12, 0, 0]], [[0, 1]], 2.0)
-    >>> layers = list(slices(strut, thickness=0.5))
+    >>> layers = list(slices(strut, thickness=0.1))
     >>> round(sum(layer.area * layer.thickness for layer in layers), 1)  # π 2² · 12 = 150.8
-    151.2
+    151.0
     """
     if (heights is None) == (thickness is None):
         raise OptionError("need either heights or the thickness of layers, mm")
@@ -114,7 +118,8 @@ def slices(
         planes = _middles(outer, whole, wall is not None, step)
     else:
         step, planes = 0.0, _heights(heights)
-    return _layers(planes, step, outer, inner, whole, wall)
+    made = _layers(planes, step, outer, inner, whole, wall)
+    return Layers(made, planes, step, _box(outer, whole, wall is not None))
 
 
 def _parts(what: Any, sides: int | None) -> tuple[_Sections, _Sections | None]:
@@ -172,6 +177,17 @@ def _middles(outer: _Sections, whole: _Sections | None, walled: bool, step: floa
             f"{MOST_LAYERS}"
         )
     return np.asarray(low + step * (np.arange(int(max(count, 0))) + 0.5), dtype=np.float64)
+
+
+def _box(outer: _Sections, whole: _Sections | None, walled: bool) -> Floats:
+    """Return the lowest and highest corner of a box that holds all polygons, shape (2, 2), mm."""
+    box = outer.box
+    if whole is None:
+        return box
+    around = whole.box
+    if walled:
+        return around
+    return np.stack([np.maximum(box[0], around[0]), np.minimum(box[1], around[1])])
 
 
 def _layers(

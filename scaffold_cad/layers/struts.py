@@ -11,7 +11,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.layers.loops import Loops, MeshSections
-from scaffold_cad.layers.rounds import Balls, Cones
+from scaffold_cad.layers.rounds import Balls, Cones, swell
 from scaffold_cad.layers.sweep import Sweep
 from scaffold_cad.struts import RoundStruts
 from scaffold_cad.struts.bodies import NodeBodies
@@ -44,26 +44,41 @@ class StrutSections:
         self._ball_sweep = Sweep(*self._balls.extents())
         self._bodies = NodeBodies(struts, sides)
         batch = np.arange(0, len(self._bodies), NODES_AT_ONCE)
-        high = np.maximum.reduceat(self._bodies.high, batch) if len(batch) else np.zeros(0)
-        self._batch_sweep = Sweep(self._bodies.low[batch], high)
+        high = np.maximum.reduceat(self._bodies.high[:, 2], batch) if len(batch) else np.zeros(0)
+        self._batch_sweep = Sweep(self._bodies.low[batch, 2], high)
         self._made: dict[int, MeshSections] = {}
 
     @property
     def extents(self) -> tuple[Floats, Floats]:
         """Lowest and highest height of each part, both (k,), mm."""
         parts = [self._cones.extents(), self._balls.extents()]
-        parts.append((self._bodies.low, self._bodies.high))
+        parts.append((self._bodies.low[:, 2], self._bodies.high[:, 2]))
         low, high = (np.concatenate(column) for column in zip(*parts, strict=True))
         return low, high
 
     @property
+    def box(self) -> Floats:
+        """Lowest and highest corner of a box that holds all polygons, shape (2, 2), mm."""
+        low, high = self._straight_box()
+        low = np.minimum(low, self._bodies.low.min(axis=0, initial=np.inf))
+        high = np.maximum(high, self._bodies.high.max(axis=0, initial=-np.inf))
+        # Polygons reach beyond the circles that they stand for.
+        widest = max(self._cones.radii.max(), self._balls.radii.max(initial=0.0))
+        margin = widest * (float(swell(np.array(2 * np.pi / self._sides))) - 1)
+        return np.stack([low - margin, high + margin])[:, :2]
+
+    def _straight_box(self) -> Floats:
+        """Return the lowest and the highest corner of the box around struts and balls, (2, 3)."""
+        parts = [self._cones.boxes(), self._balls.boxes()]
+        low, high = (np.concatenate(column) for column in zip(*parts, strict=True))
+        return np.stack([low.min(axis=0), high.max(axis=0)])
+
+    @property
     def bounds(self) -> tuple[float, float]:
         """Lowest and highest point, mm."""
-        parts = [self._cones.extents(), self._balls.extents()]
-        lows, highs = (np.concatenate(column) for column in zip(*parts, strict=True))
-        low, high = float(lows.min()), float(highs.max())
+        low, high = (float(corner[2]) for corner in self._straight_box())
         # What is known of the bodies is only a box around each.
-        for bodies in (self._bodies.low < low, self._bodies.high > high):
+        for bodies in (self._bodies.low[:, 2] < low, self._bodies.high[:, 2] > high):
             some = np.flatnonzero(bodies)
             for at in range(0, len(some), NODES_AT_ONCE):
                 z = self._bodies.mesh(some[at : at + NODES_AT_ONCE]).vertices[:, 2]

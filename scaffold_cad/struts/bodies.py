@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Ints, Points, Triangles
+from scaffold_cad.base.arrays import Ints, Points, Triangles
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.surface import node_surface, own_rings, ring_centers, sized_rings
@@ -22,22 +22,23 @@ class NodeBodies:
         """
         self._struts, self._sides = struts, sides
         self._sized = sized_rings(struts, sides)
-        lows, highs, groups, rows = [], [], [], []
+        lows, highs, groups, rows = [np.zeros((0, 3))], [np.zeros((0, 3))], [], []
         for number, group in enumerate(struts.blended):
             row = np.flatnonzero(~struts.crowded[group.nodes])
-            z = group.shapes.control[..., 2].reshape(len(group.shapes), -1)  # (U, ...)
-            growth = self._sized.growth[group.half_runs[row]].max(axis=1)
-            node, which = struts.runs.nodes[group.nodes[row], 2], group.shape_of[row]
-            lows.append(node + z.min(axis=1)[which] - growth)
-            highs.append(node + z.max(axis=1)[which] + growth)
+            # A patch lies among its control points.
+            control = group.shapes.control.reshape(len(group.shapes), -1, 3)  # (U, ..., 3)
+            growth = self._sized.growth[group.half_runs[row]].max(axis=1)[:, None]
+            node, which = struts.runs.nodes[group.nodes[row]], group.shape_of[row]
+            lows.append(node + control.min(axis=1)[which] - growth)
+            highs.append(node + control.max(axis=1)[which] + growth)
             groups.append(np.full(len(row), number))
             rows.append(row)
-        low = np.concatenate([np.zeros(0), *lows])
-        order = np.argsort(low, kind="stable")
-        self.low: Floats = low[order]
-        """Height below which nothing of each body is, ascending, shape (m,), mm."""
-        self.high: Floats = np.concatenate([np.zeros(0), *highs])[order]
-        """Height above which nothing of each body is, shape (m,), mm."""
+        low = np.concatenate(lows)
+        order = np.argsort(low[:, 2], kind="stable")
+        self.low: Points = low[order]
+        """Lowest corner of a box around each body, from the lowest up, shape (m, 3), mm."""
+        self.high: Points = np.concatenate(highs)[order]
+        """Highest corner of that box, shape (m, 3), mm."""
         none = np.zeros(0, dtype=np.intp)
         self._group_of = np.concatenate([none, *groups])[order]
         self._row_of = np.concatenate([none, *rows])[order]

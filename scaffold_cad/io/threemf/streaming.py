@@ -71,7 +71,7 @@ def write_lattice(lattice: PeriodicLattice, path: Path) -> None:
     deep = max(1, AT_ONCE // max(lattice.cell.strut_count * y * z, 1))
     slabs = [(at, min(at + deep, lattice.layers[0])) for at in range(0, lattice.layers[0], deep)]
     decimals = decimals_of(_extent(lattice))
-    with _model_part(path) as file:
+    with model_part(path, _HEAD) as file:
         first = np.zeros(len(slabs) + 1, dtype=np.int64)  # vertices before each slab
         file.write(b'<object id="1" type="model"><mesh>\n<vertices>\n')
         for number, (low, high) in enumerate(slabs):
@@ -135,7 +135,7 @@ def write_repeated(lattice: PeriodicLattice, path: str | PathLike[str], *, block
     numbers: dict[tuple[tuple[int, int, int], ...], int] = {}
     places: list[tuple[int, Points]] = []
     decimals = decimals_of(_extent(lattice))
-    with replacing(as_path(path)) as fresh, _model_part(fresh) as file:
+    with replacing(as_path(path)) as fresh, model_part(fresh, _HEAD) as file:
         for spans in product(*sides):
             low, high = (tuple(span.bounds[side] for span in spans) for side in (0, 1))
             kind = tuple(span.kind for span in spans)
@@ -280,13 +280,13 @@ def _lattice_start(lattice: PeriodicLattice) -> bytes:
 
 
 @contextmanager
-def _model_part(path: Path) -> Iterator[IO[bytes]]:
-    """Give the model part of a new 3MF file, open behind the start of its resources."""
+def model_part(path: Path, head: str) -> Iterator[IO[bytes]]:
+    """Give the model part of a new 3MF file, open behind `head`, the start of its resources."""
     with ZipFile(path, "w", ZIP_DEFLATED, compresslevel=PACKING) as archive:
         for name, text in (("[Content_Types].xml", _TYPES), ("_rels/.rels", _RELATIONS)):
             archive.writestr(_entry(name), text)
         with archive.open(_entry("3D/3dmodel.model"), "w", force_zip64=True) as file:
-            file.write(_HEAD.encode())
+            file.write(head.encode())
             yield file
             file.write(b"</model>\n")
 
