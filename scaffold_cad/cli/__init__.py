@@ -15,10 +15,10 @@ import sys
 from collections.abc import Sequence
 
 from scaffold_cad import __version__
-from scaffold_cad.cli import build, cells, check, formats, info, lattice, strength, view
+from scaffold_cad.cli import build, cells, check, formats, info, lattice, slicing, strength, view
 from scaffold_cad.errors import ScaffoldCadError
 
-COMMANDS = (build, lattice, cells, check, strength, view, formats, info)
+COMMANDS = (build, lattice, slicing, cells, check, strength, view, formats, info)
 
 PARAMETER = re.compile(
     r"\b(overlaps|radius|blend|ends|wall|sides|collars|section|fit|max_nodes)=('?)([\w.]*)\2"

@@ -74,6 +74,11 @@ def add_round_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="round struts: cylinders and cones on the edges, with blends at the nodes",
     )
+    add_strut_arguments(parser)
+
+
+def add_strut_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of round struts: those that `round_options` reads, and their sides."""
     parser.add_argument(
         "--blend",
         type=float,
@@ -91,7 +96,7 @@ def add_round_arguments(parser: argparse.ArgumentParser) -> None:
         "--sides",
         type=int,
         metavar="N",
-        help=f"sides of round struts in a mesh, a multiple of 4 (default: {SIDES})",
+        help=f"sides of the polygons that stand for circles, a multiple of 4 (default: {SIDES})",
     )
 
 

@@ -18,6 +18,9 @@ QUIET_TIME = 1.0
 SCAFFOLD_RATE, SOLID_RATE, ROUND_RATE = 30_000.0, 2_000.0, 5_000.0
 """Struts a second, about, that scaffolds, solids and round struts are made of."""
 
+SECTION_RATE = 50_000.0
+"""Sections of struts a second, about, that layers are made of."""
+
 
 class Progress:
     """The stages of a command, each with a number of things to work on.

@@ -16,6 +16,7 @@ from scaffold_cad.layers.layer import Layer, Layers
 from scaffold_cad.layers.loops import Loops, MeshSections
 from scaffold_cad.layers.struts import StrutSections
 from scaffold_cad.layers.uniting import layer_of, united
+from scaffold_cad.mesh.bodies import body_of
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.products.surfaces import triangles_of
 from scaffold_cad.skeleton import Skeleton
@@ -141,10 +142,8 @@ def _parts(what: Any, sides: int | None) -> tuple[_Sections, _Sections | None]:
 
 
 def _closed(what: Any) -> TriangleMesh:
-    """Return the closed surface of a body."""
-    surface = triangles_of(what)
-    surface.check_closed()
-    return surface
+    """Return the closed surface of a body, its vertices shared."""
+    return body_of(triangles_of(what))
 
 
 def _wall(body: TriangleMesh, skin: float) -> MeshSections:

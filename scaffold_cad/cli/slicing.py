@@ -1,0 +1,109 @@
+"""`scaffold-cad slice`: the struts of a skeleton, or a closed mesh, cut into layers."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from scaffold_cad.base.arguments import as_number
+from scaffold_cad.base.files import check_target
+from scaffold_cad.cli import build, source
+from scaffold_cad.cli.progress import ROUND_RATE, SECTION_RATE, Progress
+from scaffold_cad.errors import FormatError, OptionError
+from scaffold_cad.io import read_triangles
+from scaffold_cad.io.stacks import check_stack, write_layers
+from scaffold_cad.layers import Layers, slices
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.struts import RoundStruts, round_struts
+
+_log = logging.getLogger(__name__)
+
+
+def add_parser(
+    commands: argparse._SubParsersAction[argparse.ArgumentParser], common: argparse.ArgumentParser
+) -> None:
+    """Add this command to the command line."""
+    parser = commands.add_parser(
+        "slice",
+        parents=[common],
+        help="cut round struts into layers, without a mesh of them",
+        description="Struts are cylinders and cones, cut as such, with blends at their nodes. A "
+        "file with a closed mesh is cut as it is.",
+    )
+    source.add_arguments(parser)
+    parser.add_argument(
+        "-o",
+        "--output",
+        required=True,
+        type=Path,
+        metavar="OUT",
+        help="file to write: .cli .3mf .svg, or .zip with PNG images",
+    )
+    parser.add_argument(
+        "--layer", required=True, type=float, metavar="T", help="thickness of a layer, mm"
+    )
+    parser.add_argument(
+        "--pixel", type=float, metavar="P", help="side of a pixel of PNG images, mm"
+    )
+    parser.add_argument("--text", action="store_true", help="write a .cli file of text")
+    build.add_strut_arguments(parser)
+    parser.add_argument(
+        "--inside", type=Path, metavar="PART", help="closed part that the struts are cut to"
+    )
+    parser.add_argument(
+        "--skin", type=float, metavar="S", help="thickness of a closed wall of that part, mm"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Read, cut and write."""
+    _check(options)
+    progress = Progress()
+    mesh = source.triangles_from(options)
+    if mesh is not None:
+        given = (*source.OPTIONS, "blend", "ends", "wall", "sides")
+        source.refuse(options, given, "is for skeletons; a mesh is cut as it is")
+        what: TriangleMesh | RoundStruts = mesh
+        sections = len(mesh.triangles)
+    else:
+        skeleton = source.skeleton_from(options)
+        with progress.stage("struts", len(skeleton.edges), "struts", ROUND_RATE):
+            what = round_struts(skeleton, **build.round_options(options))
+        heights = skeleton.nodes[skeleton.edges][:, :, 2]  # (m, 2)
+        sections = int(np.ptp(heights, axis=1).sum() / options.layer) + len(heights)
+    with progress.stage("layers", sections, "sections", SECTION_RATE):
+        layers = _layers(what, options)
+        write_layers(layers, options.output, text=options.text, pixel=options.pixel)
+    _log.info("%s written: %d layers of %g mm", options.output, len(layers), options.layer)
+
+
+def _layers(what: TriangleMesh | RoundStruts, options: argparse.Namespace) -> Layers:
+    """Return the layers that are asked for."""
+    given: dict[str, Any] = {"skin": options.skin, "sides": options.sides}
+    if options.inside is not None:
+        given["region"] = read_triangles(options.inside)
+        if given["region"] is None:
+            raise FormatError(f"{options.inside} holds no closed part; need a mesh or a solid")
+    return slices(what, thickness=options.layer, **given)
+
+
+def _check(options: argparse.Namespace) -> None:
+    """Raise where an option is out of its range, or would do nothing."""
+    suffix = check_stack(options.output)
+    check_target(options.output)
+    as_number(options.layer, "--layer")
+    if options.skin is not None and options.inside is None:
+        raise OptionError("--skin is the wall of a part; need --inside")
+    if options.text and suffix != ".cli":
+        raise OptionError("--text is for .cli files")
+    if options.pixel is None and suffix == ".zip":
+        raise OptionError("images need --pixel, the side of a pixel in mm")
+    if options.pixel is not None:
+        as_number(options.pixel, "--pixel")
+        if suffix != ".zip":
+            raise OptionError("--pixel is for the images of .zip files")
