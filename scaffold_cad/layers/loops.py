@@ -10,7 +10,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
 from scaffold_cad.lattice.boxgrid import ranges
-from scaffold_cad.layers.sweep import Sweep
+from scaffold_cad.layers.sweep import Sweep, count_at
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 
@@ -48,10 +48,9 @@ class MeshSections:
         # Of the pairs of a triangle and a height: the first of each triangle, less its height.
         self._pair = np.zeros(len(self._low), dtype=np.intp)
 
-    @property
-    def extents(self) -> tuple[Floats, Floats]:
-        """Lowest and highest height of each triangle, both (t,), mm."""
-        return self._low, self._high
+    def count(self, heights: Floats) -> Ints:
+        """Return how many triangles there are at each height, shape (h,)."""
+        return count_at(heights, self._low, self._high)
 
     @property
     def box(self) -> Floats:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, Protocol
+from itertools import repeat
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,10 +13,12 @@ from scaffold_cad.base.arguments import as_number, checks_keywords
 from scaffold_cad.base.arrays import Floats, as_floats
 from scaffold_cad.base.backends import need
 from scaffold_cad.errors import OptionError
+from scaffold_cad.lattice import PeriodicLattice
+from scaffold_cad.layers.lattice import RepeatedLattice, lattice_solid
 from scaffold_cad.layers.layer import Layer, Layers
-from scaffold_cad.layers.loops import Loops, MeshSections
+from scaffold_cad.layers.loops import MeshSections
 from scaffold_cad.layers.struts import StrutSections
-from scaffold_cad.layers.uniting import layer_of, united
+from scaffold_cad.layers.uniting import Solid, layer_of
 from scaffold_cad.mesh.bodies import body_of
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.products.surfaces import triangles_of
@@ -25,37 +28,11 @@ from scaffold_cad.solid.rounds import SIDES, check_sides
 from scaffold_cad.solid.skins import inside_of
 from scaffold_cad.struts import RoundStruts, round_struts
 
-if TYPE_CHECKING:
-    from manifold3d import CrossSection
-
-PARTS_AT_ONCE = 2**14
-"""Sections of struts and nodes that are made together, about: some layers of a small part, or
-one layer of a large one."""
-
 ENOUGH = 1e-6
 """Part of a layer that is left out at the top."""
 
 MOST_LAYERS = 10**7
 """Most layers of one call."""
-
-
-class _Sections(Protocol):
-    """Closed parts that can be cut from the lowest up."""
-
-    @property
-    def extents(self) -> tuple[Floats, Floats]:
-        """Lowest and highest height of each part, both (k,), mm."""
-
-    @property
-    def bounds(self) -> tuple[float, float]:
-        """Lowest and highest point, mm."""
-
-    @property
-    def box(self) -> Floats:
-        """Lowest and highest corner of a box that holds all polygons, shape (2, 2), mm."""
-
-    def loops(self, heights: Floats) -> list[Loops]:
-        """Return the sections of all parts at ascending heights (h,), above those before."""
 
 
 @checks_keywords()
@@ -77,8 +54,8 @@ def slices(
 
     Parameters
     ----------
-    what : RoundStruts; a Skeleton, whose struts are made round; a Scaffold, whose struts are
-        square; or a closed surface, see `write`
+    what : RoundStruts; a Skeleton, whose struts are made round; a PeriodicLattice, of which only
+        some cells are made; a Scaffold, whose struts are square; or a closed surface, see `write`
     heights : of the planes, mm, ascending, shape (n,)
     thickness : of layers, mm, in place of heights: the lowest begins at the lowest point, and each
         is cut in its middle
@@ -108,37 +85,43 @@ def slices(
     if (heights is None) == (thickness is None):
         raise OptionError("need either heights or the thickness of layers, mm")
     need("manifold3d", "layers")
-    outer, inner = _parts(what, sides)
+    solid = _solid(what, sides)
     body = None if region is None else _closed(region)
     if skin is not None and body is None:
         raise OptionError("skin is given without a region; need one")
+    whole = None if body is None else Solid(MeshSections(body))
     wall = None if body is None or skin is None else _wall(body, as_number(skin, "skin"))
-    whole = None if body is None else MeshSections(body)
     if heights is None:
         step = as_number(thickness, "thickness")
-        planes = _middles(outer, whole, wall is not None, step)
+        planes = _middles(solid, whole, wall is not None, step)
     else:
         step, planes = 0.0, _heights(heights)
-    made = _layers(planes, step, outer, inner, whole, wall)
-    return Layers(made, planes, step, _box(outer, whole, wall is not None))
+    if whole is None:
+        return Layers(solid.layers(planes, step), planes, step, solid.box)
+    made = _in_region(planes, step, solid, whole, wall)
+    return Layers(made, planes, step, _box(solid, whole, wall is not None))
 
 
-def _parts(what: Any, sides: int | None) -> tuple[_Sections, _Sections | None]:
-    """Return what is solid, and what is hollow in it."""
+def _solid(what: Any, sides: int | None) -> Solid | RepeatedLattice:
+    """Return what is to be cut."""
     if isinstance(what, Skeleton):
         what = round_struts(what)
+    if isinstance(what, PeriodicLattice):
+        return lattice_solid(what, _sides(sides))
     if not isinstance(what, RoundStruts):
         if sides is not None:
-            raise OptionError(
-                f"sides is for RoundStruts and a Skeleton; got a {type(what).__name__}"
-            )
-        return MeshSections(_closed(what)), None
+            raise OptionError(f"sides is for round struts; got a {type(what).__name__}")
+        return Solid(MeshSections(_closed(what)))
+    number = _sides(sides)
+    inner = what.inner
+    hollow = None if inner is None else StrutSections(inner, number, is_inside=True)
+    return Solid(StrutSections(what, number), hollow)
+
+
+def _sides(sides: int | None) -> int:
     number = SIDES if sides is None else sides
     check_sides(number)
-    hollow = what.inner
-    if hollow is None:
-        return StrutSections(what, number), None
-    return StrutSections(what, number), StrutSections(hollow, number, is_inside=True)
+    return number
 
 
 def _closed(what: Any) -> TriangleMesh:
@@ -146,10 +129,10 @@ def _closed(what: Any) -> TriangleMesh:
     return body_of(triangles_of(what))
 
 
-def _wall(body: TriangleMesh, skin: float) -> MeshSections:
+def _wall(body: TriangleMesh, skin: float) -> Solid:
     """Return what is inside the skin of a body."""
     inside = inside_of(body, manifolds.to_manifold(body), skin)
-    return MeshSections(manifolds.manifold_triangles(inside))
+    return Solid(MeshSections(manifolds.manifold_triangles(inside)))
 
 
 def _heights(heights: ArrayLike) -> Floats:
@@ -163,9 +146,11 @@ def _heights(heights: ArrayLike) -> Floats:
     return planes
 
 
-def _middles(outer: _Sections, whole: _Sections | None, walled: bool, step: float) -> Floats:
+def _middles(
+    solid: Solid | RepeatedLattice, whole: Solid | None, walled: bool, step: float
+) -> Floats:
     """Return the middles of layers from the lowest point to the highest."""
-    low, high = outer.bounds
+    low, high = solid.bounds
     if whole is not None:
         bottom, top = whole.bounds
         low, high = (bottom, top) if walled else (max(low, bottom), min(high, top))
@@ -178,52 +163,28 @@ def _middles(outer: _Sections, whole: _Sections | None, walled: bool, step: floa
     return np.asarray(low + step * (np.arange(int(max(count, 0))) + 0.5), dtype=np.float64)
 
 
-def _box(outer: _Sections, whole: _Sections | None, walled: bool) -> Floats:
+def _box(solid: Solid | RepeatedLattice, whole: Solid, walled: bool) -> Floats:
     """Return the lowest and highest corner of a box that holds all polygons, shape (2, 2), mm."""
-    box = outer.box
-    if whole is None:
-        return box
-    around = whole.box
+    box, around = solid.box, whole.box
     if walled:
         return around
     return np.stack([np.maximum(box[0], around[0]), np.minimum(box[1], around[1])])
 
 
-def _layers(
+def _in_region(
     planes: Floats,
     step: float,
-    outer: _Sections,
-    inner: _Sections | None,
-    whole: _Sections | None,
-    wall: _Sections | None,
+    solid: Solid | RepeatedLattice,
+    whole: Solid,
+    wall: Solid | None,
 ) -> Iterator[Layer]:
-    for block in _blocks(planes, outer):
-        solid = _sections(outer, block)
-        hollow, around, inside = (
-            None if one is None else _sections(one, block) for one in (inner, whole, wall)
-        )
-        for height in block.tolist():
-            section = next(solid)
-            if hollow is not None:
-                section = section - next(hollow)
-            if around is not None:
-                body = next(around)
-                section = section ^ body
-                if inside is not None:
-                    section = section + (body - next(inside))
-            yield layer_of(section, height, step)
-
-
-def _sections(sections: _Sections, heights: Floats) -> Iterator[CrossSection]:
-    """Yield what is solid at each of some heights."""
-    parts = [loops.by_level(len(heights)) for loops in sections.loops(heights)]
-    for lists in zip(*parts, strict=True):
-        yield united([loop for some in lists for loop in some])
-
-
-def _blocks(planes: Floats, outer: _Sections) -> Iterator[Floats]:
-    """Yield heights that follow each other, with about `PARTS_AT_ONCE` sections of parts."""
-    low, high = (np.sort(ends) for ends in outer.extents)
-    there = np.searchsorted(low, planes) - np.searchsorted(high, planes)  # (n,)
-    block = np.cumsum(there + 1) // PARTS_AT_ONCE
-    yield from np.split(planes, np.flatnonzero(np.diff(block)) + 1) if len(planes) else []
+    """Yield layers of what is in a body, and of the body but for what is inside its wall."""
+    insides = repeat(None, len(planes)) if wall is None else wall.sections(planes)
+    sections = zip(
+        planes.tolist(), solid.sections(planes), whole.sections(planes), insides, strict=True
+    )
+    for height, section, body, inside in sections:
+        cut = section ^ body
+        if inside is not None:
+            cut = cut + (body - inside)
+        yield layer_of(cut, height, step)

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats
+from scaffold_cad.base.arrays import Floats, Ints
 from scaffold_cad.layers.loops import Loops, MeshSections
 from scaffold_cad.layers.rounds import Balls, Cones, swell
-from scaffold_cad.layers.sweep import Sweep
+from scaffold_cad.layers.sweep import Sweep, count_at
 from scaffold_cad.struts import RoundStruts
 from scaffold_cad.struts.bodies import NodeBodies
 
@@ -48,13 +48,12 @@ class StrutSections:
         self._batch_sweep = Sweep(self._bodies.low[batch, 2], high)
         self._made: dict[int, MeshSections] = {}
 
-    @property
-    def extents(self) -> tuple[Floats, Floats]:
-        """Lowest and highest height of each part, both (k,), mm."""
+    def count(self, heights: Floats) -> Ints:
+        """Return how many parts there are at each height, about, shape (h,)."""
         parts = [self._cones.extents(), self._balls.extents()]
         parts.append((self._bodies.low[:, 2], self._bodies.high[:, 2]))
         low, high = (np.concatenate(column) for column in zip(*parts, strict=True))
-        return low, high
+        return count_at(heights, low, high)
 
     @property
     def box(self) -> Floats:

@@ -25,3 +25,10 @@ class Sweep:
         active = np.concatenate([self._active, fresh])
         self._active = np.sort(active[self._high[active] >= low])
         return self._active
+
+
+def count_at(heights: Floats, low: Floats, high: Floats) -> Ints:
+    """Return how many things, each from `low` to `high` (k,), are at each height, shape (h,)."""
+    below = np.searchsorted(np.sort(low), heights)
+    count: Ints = below - np.searchsorted(np.sort(high), heights)
+    return count

@@ -27,8 +27,8 @@ from scaffold_cad import (
     write,
 )
 from scaffold_cad.errors import MeshError, OptionError
-from scaffold_cad.layers import slicing as module
 from scaffold_cad.layers import struts as parts
+from scaffold_cad.layers import uniting
 from scaffold_cad.solid.manifolds import manifold_triangles
 from tests.meshes import CUBE, OPEN_CUBE
 from tests.skeletons import JACK, STRUT, TETRAPOD, TRIPOD, ZIGZAG, star
@@ -135,7 +135,7 @@ def test_layers_do_not_depend_on_how_many_are_made_at_once(monkeypatch: pytest.M
     heights = np.linspace(-0.5, 8.5, 91)
     region = cube(0.5, 7.5)
     whole = list(slices(struts, heights, region=region))
-    monkeypatch.setattr(module, "PARTS_AT_ONCE", 1)
+    monkeypatch.setattr(uniting, "PARTS_AT_ONCE", 1)
     single = list(slices(struts, heights, region=region))
     assert all(map(same, whole, single))
     alone = [next(slices(struts, [height], region=region)) for height in heights[::9]]
@@ -182,9 +182,7 @@ def test_slices_refuses_what_it_cannot_cut() -> None:
         slices(STRUT, thickness=1e-9)
     with pytest.raises(OptionError, match="sides is 10; need a multiple of 4"):
         slices(STRUT, [1.0], sides=10)
-    with pytest.raises(
-        OptionError, match="sides is for RoundStruts and a Skeleton; got a Scaffold"
-    ):
+    with pytest.raises(OptionError, match="sides is for round struts; got a Scaffold"):
         slices(build_scaffold(STRUT), [1.0], sides=8)
     with pytest.raises(OptionError, match="skin is given without a region; need one"):
         slices(STRUT, [1.0], skin=1.0)
