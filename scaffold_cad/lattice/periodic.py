@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_number, check_kind
+from scaffold_cad.base.arguments import as_number, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frames, Frozen, Ints, Points
 from scaffold_cad.base.radii import Radius, radii_at
 from scaffold_cad.lattice.maps.placing import Counts, three_counts
@@ -24,6 +24,7 @@ from scaffold_cad.lattice.unitcell import UnitCell
 from scaffold_cad.skeleton import Skeleton
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class PeriodicLattice(Frozen):
     """A unit cell repeated along the sides of a block, of which no strut is made yet.

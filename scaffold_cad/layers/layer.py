@@ -7,9 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class Layer(Frozen):
     """The section of a solid at one height: closed polygons that neither touch nor cross.

@@ -1,4 +1,4 @@
-"""Bevels: struts keep their thickness at sharp bends, and gentle bends stay as coarse as they are."""
+"""Bevels: struts keep their thickness at sharp bends, and gentle bends stay coarse."""
 
 from __future__ import annotations
 
