@@ -22,8 +22,8 @@ DOCS = ROOT / "docs"
 CONFIGURATION = DOCS / "site" / "mkdocs.yml"
 PAGES = sorted(DOCS.rglob("*.md"))
 
-SHOWN_IN_PART = ("formats.md", "reliability.md")
-"""Pages whose programs are no whole ones."""
+SHOWN_APART = ("formats.md", "reliability.md", "hour.md")
+"""Pages whose programs are no whole ones, or each one by itself."""
 
 
 def name(page: Path) -> str:
@@ -38,7 +38,7 @@ def steps(page: Path) -> list[tuple[str, str]]:
     return [(language, text) for language, text in blocks if text.strip()]
 
 
-RUNNABLE = [page for page in PAGES if steps(page) and page.name not in SHOWN_IN_PART]
+RUNNABLE = [page for page in PAGES if steps(page) and page.name not in SHOWN_APART]
 
 
 @pytest.fixture
@@ -69,6 +69,17 @@ def test_programs_and_commands_of_a_page_work_in_turn(page: Path, folder: Path) 
             for option in ("-o", "--html"):
                 if option in words:
                     assert (folder / words[words.index(option) + 1]).stat().st_size > 0
+
+
+def test_the_tasks_of_the_first_hour_are_twelve_short_programs() -> None:
+    programs = [text for _, text in steps(DOCS / "hour.md")]
+    assert len(programs) == 12
+    assert max(len(text.strip().splitlines()) for text in programs) <= 15
+
+
+def test_each_task_of_the_first_hour_is_a_whole_program(folder: Path) -> None:
+    for _, text in steps(DOCS / "hour.md"):
+        exec(compile(text, "hour.md", "exec"), {})
 
 
 def test_most_pages_show_something_that_runs() -> None:
