@@ -25,16 +25,14 @@ from typing import Protocol
 import numpy as np
 
 from scaffold_cad.base.arguments import checks_keywords
-from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points
+from scaffold_cad.base.arrays import Bools, Edges, Frozen, Ints, Points
 from scaffold_cad.base.blocks import cut
-from scaffold_cad.base.boxes import overlapping_boxes
-from scaffold_cad.base.segments import nearest_on_segments
-from scaffold_cad.base.vectors import dot, length, normalize, triple
-from scaffold_cad.base.visibility import MARGIN, ROUNDING, in_front, rounding_of, seen
-from scaffold_cad.mesh.intersections import self_intersections
+from scaffold_cad.base.vectors import dot, length
+from scaffold_cad.base.visibility import in_front, rounding_of
 from scaffold_cad.mesh.quadmesh import QuadMesh
-from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.scaffold.bodies import Bodies, conflicting
 from scaffold_cad.scaffold.collars import Refinement
+from scaffold_cad.scaffold.shells import seen_once, solid_angle, whole
 from scaffold_cad.scaffold.stars import Stars
 from scaffold_cad.skeleton import Skeleton
 
@@ -80,11 +78,8 @@ MOST_SLEEVES = 3
 STUB_HEIGHT = 0.25
 """Least height of a stub's apex, as a fraction of the distance of its corners from the node."""
 
-CHUNK = 50_000
-"""Sleeves looked at together; bounds the memory needed."""
-
-PAIR_CHUNK = 10_000
-"""Pairs of bodies looked at together; bounds the memory needed."""
+SLEEVE_BYTES = 1280
+"""What a sleeve takes where it is looked at."""
 
 
 @checks_keywords()
@@ -137,14 +132,14 @@ def embedding(scaffold: Sleeved) -> Embedding:
 
     tubes = _tubes(scaffold)
     candidates = tubes.only(kept[tubes.owner])
-    conflicts = np.unique(candidates.owner[_conflicts(candidates)], axis=0)
+    conflicts = np.unique(candidates.owner[conflicting(candidates)], axis=0)
     kept[conflicts] = False
 
     kept_nodes = np.ones(len(scaffold.skeleton.nodes), dtype=np.bool_)
     while True:
         left_out = np.flatnonzero(~kept)
         bodies = _with_stubs(scaffold, tubes.only(kept[tubes.owner]), left_out, kept_nodes)
-        dropped = np.unique(bodies.node[_conflicts(bodies, among=bodies.node >= 0)])
+        dropped = np.unique(bodies.node[conflicting(bodies, among=bodies.node >= 0)])
         dropped = dropped[dropped >= 0]
         if len(dropped) == 0:
             return Embedding(within_cone, uncrossed, conflicts, kept, kept_nodes)
@@ -180,7 +175,7 @@ def _within_cones(scaffold: Sleeved) -> Bools:
     edge = scaffold.refinement.edge_of_edge
     for side in (0, 1):
         half_edge = 2 * edge + side  # (m',) of the skeleton
-        for part in cut(np.flatnonzero(scaffold.stars.corners[half_edge, 0] >= 0), CHUNK):
+        for part in cut(np.flatnonzero(scaffold.stars.corners[half_edge, 0] >= 0), SLEEVE_BYTES):
             node = skeleton.nodes[skeleton.edges[edge[part], side]][:, None, :]
             quad = vertices[scaffold.stars.corners[half_edge[part]]] - node
             planes = np.cross(quad, np.roll(quad, -1, axis=1))  # (k, 4, 3)
@@ -192,7 +187,7 @@ def _within_cones(scaffold: Sleeved) -> Bools:
     # stays in front of it, the sleeve there and those that follow.
     for side, step in ((0, 1), (1, -1)):
         ends = refined.edges[:, side]
-        for part in cut(np.flatnonzero(refined.valency[ends] < 3), CHUNK):
+        for part in cut(np.flatnonzero(refined.valency[ends] < 3), SLEEVE_BYTES):
             node = refined.nodes[ends[part]][:, None, :]
             section = vertices[scaffold.sleeves[part, side]]
             plane = np.cross(section[:, 2] - section[:, 0], section[:, 3] - section[:, 1])
@@ -218,34 +213,17 @@ def _uncrossed(scaffold: Sleeved) -> Bools:
     fine = np.zeros(len(refined.edges), dtype=np.bool_)
     rounding = rounding_of(scaffold.mesh.vertices)
     for fraction in STAR_CENTERS:
-        for part in cut(np.flatnonzero(~fine), CHUNK):
+        for part in cut(np.flatnonzero(~fine), SLEEVE_BYTES):
             center = (1 - fraction) * start[part] + fraction * end[part]
             shell = _closed_sleeves(scaffold, part, sides[part])  # (k, 16, 3, 3)
-            fine[part] = _seen_once(shell - center[:, None, None, :], rounding)
-    for part in cut(np.flatnonzero(~fine), CHUNK):
+            fine[part] = seen_once(shell - center[:, None, None, :], rounding)
+    for part in cut(np.flatnonzero(~fine), SLEEVE_BYTES):
         shell = _closed_sleeves(scaffold, part, sides[part])
-        fine[part] = _whole(shell)
+        fine[part] = whole(shell)
         for fraction in STAR_CENTERS:
             center = (1 - fraction) * start[part] + fraction * end[part]
-            fine[part] &= _solid_angle(shell - center[:, None, None, :]) > 2 * np.pi
+            fine[part] &= solid_angle(shell - center[:, None, None, :]) > 2 * np.pi
     return fine
-
-
-def _whole(shells: Points) -> Bools:
-    """Return whether closed surfaces (k, t, 3, 3) face outwards and do not cross themselves."""
-    count, size = shells.shape[:2]
-    fine = triple(*(shells[:, :, corner] - shells[:, :1, 0] for corner in range(3))).sum(axis=1) > 0
-    # Every shell has vertices of its own, numbered by position within the shell.
-    points, number = np.unique(
-        np.column_stack([np.repeat(np.arange(float(count)), 3 * size), shells.reshape(-1, 3)]),
-        axis=0,
-        return_inverse=True,
-    )
-    mesh = TriangleMesh(points[:, 1:], number.reshape(-1, 3))
-    shell = np.repeat(np.arange(count), size)
-    crossing = self_intersections(mesh, weld=False, parts=shell)
-    fine[shell[crossing]] = False
-    return np.asarray(fine)
 
 
 def _closed_sleeves(scaffold: Sleeved, sleeves: Ints, sides: Ints) -> Points:
@@ -261,57 +239,7 @@ def _closed_sleeves(scaffold: Sleeved, sleeves: Ints, sides: Ints) -> Points:
     return np.concatenate(triangles, axis=1)
 
 
-def _seen_once(shells: Points, rounding: float) -> Bools:
-    """Return whether closed surfaces (k, t, 3, 3) are seen from 0, all of them and only once.
-
-    Coordinates are off by up to `rounding`, mm.
-    """
-    positive, angle = seen(*_corners(shells), rounding)
-    return np.asarray(positive.all(axis=1) & (np.abs(angle.sum(axis=1) - 4 * np.pi) < 1e-3))
-
-
-def _solid_angle(shells: Points) -> Floats:
-    """Return the solid angle of surfaces (k, t, 3, 3) seen from 0, (k,)."""
-    _, angle = seen(*_corners(shells), 0.0)
-    total: Floats = angle.sum(axis=1)
-    return total
-
-
-def _corners(triangles: Points) -> tuple[Points, Points, Points]:
-    """Return the corners of triangles (..., 3, 3), each (..., 3)."""
-    return triangles[..., 0, :], triangles[..., 1, :], triangles[..., 2, :]
-
-
-@dataclass(frozen=True, eq=False)
-class _Bodies:
-    """Convex bodies around segments, padded to the same number of points and planes."""
-
-    points: Points
-    """Corners, some repeated, shape (k, 10, 3)."""
-    normals: Floats
-    """Normals of faces, not of length 1, some 0, shape (k, 8, 3)."""
-    axis: Points
-    """Ends of the segment inside, shape (k, 2, 3)."""
-    ends: Edges
-    """Nodes of the skeleton that the strut or stub belongs to; bodies of one node keep apart
-    by its cones, shape (k, 2)."""
-    owner: Ints
-    """Edge of the skeleton, shape (k,)."""
-    node: Ints
-    """Branch point of a stub, -1 for a tube, shape (k,)."""
-
-    def only(self, rows: Bools | Ints) -> _Bodies:
-        return _Bodies(
-            self.points[rows],
-            self.normals[rows],
-            self.axis[rows],
-            self.ends[rows],
-            self.owner[rows],
-            self.node[rows],
-        )
-
-
-def _tubes(scaffold: Sleeved) -> _Bodies:
+def _tubes(scaffold: Sleeved) -> Bodies:
     """Return each sleeve with its ends closed as a body, one an edge of the refined skeleton."""
     refined, vertices = scaffold.refined, scaffold.mesh.vertices
     edge = scaffold.refinement.edge_of_edge
@@ -321,7 +249,7 @@ def _tubes(scaffold: Sleeved) -> _Bodies:
     # Both triangulations of a side share these normals' directions closely enough to try.
     along = np.roll(far, -1, axis=1) + far - np.roll(near, -1, axis=1) - near
     normals = [np.cross(np.roll(ring, -1, axis=1) - ring, along) for ring in (near, far)]
-    return _Bodies(
+    return Bodies(
         points=np.concatenate([rings.reshape(-1, 8, 3), axis], axis=1),
         normals=np.concatenate(normals, axis=1),
         axis=axis,
@@ -331,7 +259,7 @@ def _tubes(scaffold: Sleeved) -> _Bodies:
     )
 
 
-def _with_stubs(scaffold: Sleeved, tubes: _Bodies, left_out: Ints, kept_nodes: Bools) -> _Bodies:
+def _with_stubs(scaffold: Sleeved, tubes: Bodies, left_out: Ints, kept_nodes: Bools) -> Bodies:
     """Return `tubes` and the stubs of the edges left out, at the branch points that are kept."""
     skeleton = scaffold.skeleton
     half_edges = np.stack([2 * left_out, 2 * left_out + 1], axis=1).reshape(-1)
@@ -346,7 +274,7 @@ def _with_stubs(scaffold: Sleeved, tubes: _Bodies, left_out: Ints, kept_nodes: B
     center, top = axis[:, :1], axis[:, 1:]
     sides = np.cross(following - center, quad - center)
     caps = np.cross(following - top, quad - top)
-    stubs = _Bodies(
+    stubs = Bodies(
         points=np.concatenate([quad, axis, quad], axis=1),
         normals=np.concatenate([sides, caps], axis=1),
         axis=axis,
@@ -354,55 +282,9 @@ def _with_stubs(scaffold: Sleeved, tubes: _Bodies, left_out: Ints, kept_nodes: B
         owner=half_edges >> 1,
         node=node,
     )
-    return _Bodies(
+    return Bodies(
         *(
             np.concatenate([getattr(tubes, name), getattr(stubs, name)])
             for name in ("points", "normals", "axis", "ends", "owner", "node")
         )
     )
-
-
-def _conflicts(bodies: _Bodies, among: Bools | None = None) -> Edges:
-    """Return pairs of bodies without a common node that no plane tried keeps apart, (k, 2).
-
-    With `among`, only pairs in which one body is marked.
-    """
-    low, high = bodies.points.min(axis=1), bodies.points.max(axis=1)
-    found = [np.zeros((0, 2), dtype=np.intp)]
-    if among is not None and not among.any():
-        return found[0]
-    for first, second in overlapping_boxes(low, high):
-        a, b = bodies.ends[first], bodies.ends[second]
-        apart = (a[:, :, None] != b[:, None, :]).all(axis=(1, 2))
-        if among is not None:
-            apart &= among[first] | among[second]
-        pairs = np.stack([first[apart], second[apart]], axis=1)
-        found += [part[_meet(bodies, part)] for part in cut(pairs, PAIR_CHUNK)]
-    return np.concatenate(found)
-
-
-def _meet(bodies: _Bodies, pairs: Edges) -> Bools:
-    """Return whether no plane tried separates each pair of bodies, (k,).
-
-    Tried are the plane across the shortest way between the axes and the planes of the faces.
-    """
-    i, j = pairs.T
-    near, far = nearest_on_segments(
-        *np.moveaxis(bodies.axis[i], 1, 0), *np.moveaxis(bodies.axis[j], 1, 0)
-    )
-    meet = _overlap(bodies, i, j, (far - near)[:, None, :])
-    rest = np.flatnonzero(meet)
-    i, j = i[rest], j[rest]
-    planes = np.concatenate([bodies.normals[i], bodies.normals[j]], axis=1)
-    meet[rest] = _overlap(bodies, i, j, planes)
-    return meet
-
-
-def _overlap(bodies: _Bodies, i: Ints, j: Ints, planes: Floats) -> Bools:
-    """Return whether bodies overlap seen along each of `planes` (k, q, 3), (k,)."""
-    directions = np.swapaxes(normalize(planes), 1, 2)  # (k, 3, q)
-    a, b = bodies.points[i] @ directions, bodies.points[j] @ directions  # (k, 10, q)
-    size = np.ptp(bodies.points[i], axis=1).max(axis=1, initial=0.0)
-    margin = MARGIN * size + ROUNDING * np.abs(bodies.points[i]).max(axis=(1, 2), initial=0.0)
-    gap = np.maximum(b.min(axis=1) - a.max(axis=1), a.min(axis=1) - b.max(axis=1))  # (k, q)
-    return np.asarray((gap <= margin[:, None]).all(axis=1))
