@@ -1,12 +1,11 @@
-"""XYZ with bonds as Tinker writes it: atoms are nodes, bonds edges, without radii."""
+"""XYZ with bonds as Tinker writes it: balls and sticks."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from scaffold_cad.errors import FormatError
+from scaffold_cad.io._molecules import Molecule
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import (
     float_columns,
@@ -44,7 +43,8 @@ def _is_plain_atom(words: list[str]) -> bool:
 def read_xyz(path: Path) -> RawSkeleton:
     """Read atoms and bonds of a Tinker XYZ file; atoms are numbered from 1.
 
-    The first line counts the atoms; a second one with the sides of a periodic box is left out.
+    Elements are those that the atoms' names begin with: CT is carbon, Cl chlorine. The first line
+    counts the atoms; a second one with the sides of a periodic box is left out.
     The plain XYZ format has no bonds, and is refused.
     """
     rows = read_rows(path)
@@ -72,4 +72,10 @@ def read_xyz(path: Path) -> RawSkeleton:
             # Each bond is listed at both of its atoms.
             if other > k:
                 edges.append((k, other))
-    return RawSkeleton(nodes, np.reshape(np.asarray(edges, dtype=np.intp), (-1, 2)))
+    elements = [_element(words[1]) for _, words in atoms]
+    return Molecule(elements, nodes.tolist(), edges).skeleton(path)
+
+
+def _element(name: str) -> str:
+    """Return the element of an atom's name: of two letters if the second is a small one."""
+    return name[:2] if name[1:2].islower() else name[:1]
