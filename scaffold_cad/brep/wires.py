@@ -22,8 +22,11 @@ from OCP.TopoDS import TopoDS_Compound, TopoDS_Edge
 
 from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.arrays import Edges, Points
+from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.builders import built
 from scaffold_cad.base.radii import Radius, radii_at
+from scaffold_cad.base.segments import nearest_on_segments
+from scaffold_cad.base.vectors import angle_between, length, normalize
 from scaffold_cad.brep.occt import TOLERANCE
 from scaffold_cad.brep.occtcurves import TURN, sampled
 from scaffold_cad.brep.occtmeshes import line_edges
@@ -56,7 +59,8 @@ def skeleton_from_edges(
     tolerance, contact = as_number(tolerance, "tolerance"), as_number(contact, "contact")
     # Each once: shapes may share edges, as a face and its wire do.
     distinct = dict.fromkeys(edge for edge in _edges_in(curves) if not _is_degenerate(edge))
-    edges = [piece for edge in distinct for piece in _pieces(edge.wrapped)]
+    apart = contact + 2 * tolerance  # of chords whose curves do not touch
+    edges = [piece for edge in distinct for piece in _pieces(edge.wrapped, tolerance, apart)]
     if not edges:
         raise SkeletonError("the shapes have no edges; need at least one")
     polylines = [sampled(edge, tolerance) for edge in _split_where_they_meet(edges, contact)]
@@ -105,14 +109,21 @@ def _is_degenerate(edge: Edge) -> bool:
     return bool(BRep_Tool.Degenerated_s(edge.wrapped))
 
 
-def _pieces(edge: TopoDS_Edge) -> list[TopoDS_Edge]:
+def _pieces(edge: TopoDS_Edge, tolerance: float, apart: float) -> list[TopoDS_Edge]:
     """Return an edge in pieces that do not cross themselves.
 
     Only a curve that turns by more than π can come back to where it was: a loop with one corner
     turns by 2π, no more than π of it at the corner.
+
+    Parameters
+    ----------
+    tolerance : largest distance of chords from their curve, mm
+    apart : distance of chords, mm; a curve whose chords are farther from each other is one piece
     """
     curve = BRepAdaptor_Curve(edge)
     if curve.GetType() in NEVER_CROSSING or not curve.Is3DCurve():
+        return [edge]
+    if not _comes_back(sampled(edge, tolerance), apart):
         return [edge]
     sampler = GCPnts_TangentialDeflection(curve, TURN, ANY_DISTANCE)
     last = sampler.NbPoints()
@@ -121,6 +132,26 @@ def _pieces(edge: TopoDS_Edge) -> list[TopoDS_Edge]:
         return [edge]
     path = curve.Curve().Curve().Transformed(curve.Trsf())
     return [BRepBuilderAPI_MakeEdge(path, a, b).Edge() for a, b in pairwise(cuts)]
+
+
+def _comes_back(points: Points, apart: float) -> bool:
+    """Return whether some chords between `points` (k, 3) come near others, not next to them."""
+    spans = np.diff(points, axis=0)
+    count, reach = len(spans), np.full(3, apart / 2)
+    closed = bool(length(points[-1] - points[0]) <= apart)
+    if closed and angle_between(*normalize(spans[[0, -1]])) > TURN:
+        return True  # around a corner a few chords may turn by more than π
+    low, high = np.minimum(points[:-1], points[1:]), np.maximum(points[:-1], points[1:])
+    for i, j in overlapping_boxes(low - reach, high + reach):
+        between = np.abs(j - i)
+        far = between >= HALF_TURN
+        if closed:
+            far &= count - between >= HALF_TURN
+        i, j = i[far], j[far]
+        near = nearest_on_segments(points[i], points[i + 1], points[j], points[j + 1])
+        if (length(near[1] - near[0]) <= apart).any():
+            return True
+    return False
 
 
 def _split_where_they_meet(edges: list[TopoDS_Edge], distance: float) -> list[TopoDS_Edge]:

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from OCP.BRepAdaptor import BRepAdaptor_Curve
+from OCP.GCPnts import GCPnts_TangentialDeflection
 
 from scaffold_cad.base.arrays import Points
 from scaffold_cad.base.segments import nearest_on_segments
@@ -154,6 +156,21 @@ def test_a_curve_that_crosses_itself_is_split_there(curve: bd.Edge, tolerance: f
     assert distances(skeleton, along(curve)).max() <= tolerance * (1 + 1e-6)
     crossing = bd.Vertex(*skeleton.nodes[skeleton.branch_points[0]])
     assert curve.distance_to(crossing) < 1e-4
+
+
+@pytest.mark.parametrize(
+    "curve",
+    [
+        bd.Edge.make_helix(5, 50, 10),
+        bd.Edge.make_spline([(0, 0, 0), (10, 5, 0), (20, 0, 5), (10, -8, 0)], periodic=True),
+    ],
+    ids=["helix", "ring"],
+)
+def test_a_curve_that_winds_and_does_not_cross_itself_is_sampled_as_one(curve: bd.Edge) -> None:
+    skeleton = Skeleton.from_edges(curve, 0.2, tolerance=0.1)
+    once = GCPnts_TangentialDeflection(BRepAdaptor_Curve(curve.wrapped), np.pi / 6, 0.1)
+    assert len(skeleton.edges) == once.NbPoints() - 1
+    assert distances(skeleton, along(curve)).max() <= 0.1 * (1 + 1e-6)
 
 
 def test_sketches_wires_and_lists_give_their_edges() -> None:
