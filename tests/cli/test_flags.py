@@ -1,0 +1,157 @@
+"""Each flag of each command is tried, and does something."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shlex
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from build123d import Box, export_step
+
+from scaffold_cad import Skeleton, write
+from scaffold_cad.cli import _parser, main
+from scaffold_cad.io import read_triangles
+
+TRIPOD = Skeleton([[0, 0, 0], [30, 0, 9], [0, 30, 9], [0, 0, 30]], [[0, 1], [0, 2], [0, 3]], 2.0)
+BARE = "v 0 0 0\nv 30 0 0\nv 0 30 0\nv 0 0.001 0\nl 1 2\nl 4 3\n"
+
+INPUT = "--quiet --radius 1 --max-nodes 9 --units cm --scale 0.5 --join 0.1 --simplify 0.01"
+"""Flags of all commands that read a skeleton."""
+
+SHAPE = "--fit paper --section area --collars"
+ROUND = "--round --blend 0.5 --ends open --wall 0.5 --sides 8"
+
+LINES = {
+    "build": [
+        f"bare.obj {INPUT} -o a.stl",
+        f"tripod.json --strict {SHAPE} --output b.step",
+        f"tripod.json {ROUND} --overlaps unite -o c.stl",
+        "tripod.json --as frame --strut-radius 0.3 -o d.stl",
+    ],
+    "lattice": [
+        f"--quiet --cell bcc --size 8 --radius 0.6 --box 8x8x8 {ROUND} --overlaps unite -o a.stl",
+        "--cell bcc --size 8 --radius 0.6 --box 16x8x8 --trim --max-nodes 99 --output b.stl",
+        "--cell bcc --size 8 --radius 0.6 --inside box.step --skin 1 -o c.stl",
+        "--cell bcc --size 5 --radius 0.4 --cylinder 10x10x5 --beams -o d.3mf",
+        "--cell octet --size 8 --radius 0.4 --sphere 12x6 --beams -o e.json",
+        (
+            "--cell bcc --size 5 --radius 0.4 --face box.step --face-number 0 --thickness 3"
+            " --beams -o f.json"
+        ),
+    ],
+    "cells": ["--quiet --output cells.html", "--stiffness 0.05"],
+    "check": [
+        f"bare.obj {INPUT} --process fdm --material pla --direction 0,0,1 --no-supports",
+        "tripod.stl --skeleton tripod.json --strict --html a.html",
+        (
+            "tripod.json --min-diameter 0.1 --min-gap 0.1 --max-slenderness 99 --max-bridge 99"
+            " --min-opening 0 --layer 0.1 --overhang 10 --build-volume 99x99x99 --json"
+        ),
+    ],
+    "strength": [
+        f"bare.obj {INPUT} --fix xmin --load xmax:0,0,-1",
+        (
+            "tripod.json --strict --material pla --young 2000 --strength 30 --weight --hollow 0.5"
+            " --size 0.5 --html a.html --json --output b.json"
+        ),
+    ],
+    "view": [
+        f"bare.obj {INPUT} --no-open --output a.html",
+        f"tripod.json --strict {SHAPE} --no-open -o b.html",
+        "tripod.json --as frame --strut-radius 0.3 --no-open -o c.html",
+    ],
+    "formats": ["--quiet"],
+    "info": ["bare.obj --quiet --units cm --scale 0.5 --max-nodes 9"],
+}
+"""Command lines, all flags of each command among them."""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    write(TRIPOD, "tripod.json")
+    Path("bare.obj").write_text(BARE)
+    return tmp_path
+
+
+def commands() -> dict[str, argparse.ArgumentParser]:
+    (choices,) = (
+        action.choices
+        for action in _parser()._actions
+        if isinstance(action, argparse._SubParsersAction)
+    )
+    return dict(choices)
+
+
+@pytest.mark.parametrize("command", commands())
+def test_each_flag_is_tried(command: str) -> None:
+    flags = {flag for action in commands()[command]._actions for flag in action.option_strings}
+    long = {flag for flag in flags if flag.startswith("--")} - {"--help"}
+    assert long - set(" ".join(LINES[command]).split()) == set()
+
+
+@pytest.mark.parametrize(
+    "line", [f"{command} {line}" for command, lines in LINES.items() for line in lines]
+)
+def test_command_lines_with_each_flag_work(line: str, folder: Path) -> None:
+    export_step(Box(16, 16, 16), "box.step")
+    if "tripod.stl" in line:
+        assert main(["build", "tripod.json", "-o", "tripod.stl"]) == 0
+    words = shlex.split(line)
+    assert main(words) in ((0, 1) if words[0] == "check" else (0,))
+    for flag in ("-o", "--output", "--html"):
+        if flag in words:
+            assert (folder / words[words.index(flag) + 1]).stat().st_size > 0
+
+
+def verdicts(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
+    main(["check", "tripod.json", "--json", *words])
+    findings = json.loads(capsys.readouterr().out)["findings"]
+    return {name: one["verdict"] for name, one in findings.items()}
+
+
+@pytest.mark.parametrize(
+    ("flag", "value", "finding"),
+    [
+        ("--min-diameter", "9", "strut_diameter"),
+        ("--max-slenderness", "1", "slenderness"),
+        ("--overhang", "1", "strut_overhang"),
+        ("--build-volume", "9x9x9", "build_volume"),
+    ],
+)
+def test_limits_of_a_process_change_its_verdict(
+    flag: str, value: str, finding: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    process = ("--process", "fdm")
+    usual = verdicts(capsys, *process)[finding]
+    assert verdicts(capsys, *process, flag, value)[finding] != usual
+
+
+def test_walls_and_hollow_struts_are_thinner(folder: Path) -> None:
+    assert main(["build", "tripod.json", "--round", "--wall", "0.5", "-o", "tube.stl"]) == 0
+    assert main(["build", "tripod.json", "--round", "-o", "rod.stl"]) == 0
+    assert Path("tube.stl").stat().st_size > 1.5 * Path("rod.stl").stat().st_size
+
+
+def test_young_and_hollow_change_what_is_found(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def sag(*words: str) -> float:
+        load = ["--fix", "0", "--load", "3:0,10,0"]
+        assert main(["strength", "tripod.json", *load, "--json", *words]) == 0
+        return float(json.loads(capsys.readouterr().out)["largest_displacement_mm"])
+
+    assert sag("--young", "2100") == pytest.approx(100 * sag("--young", "210000"))
+    assert sag("--hollow", "0.8") > 1.5 * sag()
+    assert sag("--scale", "2") == pytest.approx(sag() / 2, rel=1e-9)
+
+
+def test_units_and_scale_of_the_input_count(folder: Path) -> None:
+    assert main(["build", "bare.obj", *INPUT.split(), "-o", "bare.stl"]) == 0
+    mesh = read_triangles("bare.stl")
+    assert mesh is not None
+    assert np.ptp(mesh.vertices, axis=0)[:2] == pytest.approx([151, 151], abs=1)
