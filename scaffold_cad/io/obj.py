@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from itertools import pairwise
+from operator import itemgetter
 from pathlib import Path
 from typing import TextIO
 
 import numpy as np
 
+from scaffold_cad.base.arrays import Ints, Points, Triangles
 from scaffold_cad.base.blocks import cut
 from scaffold_cad.errors import FormatError
-from scaffold_cad.io._mesh import joined_meshes
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import (
     Row,
@@ -18,6 +20,7 @@ from scaffold_cad.io._text import (
     float_columns,
     line_error,
     read_rows,
+    read_text,
     short_row,
 )
 from scaffold_cad.io.content import Content
@@ -25,12 +28,16 @@ from scaffold_cad.io.register import register_mesh_reader, register_reader, regi
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.solid.manifolds import meshes_in
 
 _KEYWORDS = frozenset(
     ["v", "vt", "vn", "vp", "p", "l", "f", "o", "g", "s", "mtllib", "usemtl", "cstype", "deg"]
 )
 _VERTEX = "a vertex: v x y z"
+_FACE = "a face: f i j k ..., with three vertices or more"
+_V = re.compile(r"^[ \t]*v[ \t]+(.*)$", re.MULTILINE)
+_F = re.compile(r"^[ \t]*f[ \t]+(.*)$", re.MULTILINE)
+_PART = re.compile(r"/\S*")
+"""What says where a corner's texture and normal are."""
 _ELEMENTS = {
     "l": (1, "a line element: l i j ..., with two vertices or more"),
     "curv": (3, "a curve: curv u0 u1 i j ..., with two vertices or more"),
@@ -44,8 +51,62 @@ def _recognises(head: bytes) -> bool:
 
 @register_mesh_reader("OBJ", ".obj")
 def read_obj_triangles(path: Path) -> TriangleMesh:
-    """Read the faces of an OBJ file as triangles, through trimesh."""
-    return joined_meshes(meshes_in(path))
+    """Read the faces of an OBJ file, polygons as fans of triangles.
+
+    All vertices stay as they are, whatever groups, materials and textures the faces have: so they
+    share them across borders of those.
+    """
+    read = _quickly(read_text(path)) or _row_by_row(path)
+    return TriangleMesh(*read)
+
+
+def _quickly(text: str) -> tuple[Points, Triangles] | None:
+    """Return vertices and triangles; None if faces differ in size, count back or are faulty."""
+    whole = text.replace("\\\n", " ")
+    vertices, faces = ([*map(itemgetter(1), kind.finditer(whole))] for kind in (_V, _F))
+    if not vertices or not faces:
+        return None
+    try:
+        points = np.loadtxt(vertices, usecols=(0, 1, 2), ndmin=2)
+        plain = (_PART.sub("", face) if "/" in face else face for face in faces)
+        corners = np.loadtxt(plain, dtype=np.intp, ndmin=2)
+    except ValueError:
+        return None
+    if corners.shape[1] < 3 or corners.min() < 1 or corners.max() > len(points):
+        return None
+    return points, _fans(corners - 1)
+
+
+def _fans(corners: Ints) -> Triangles:
+    """Return the triangles of polygons (f, n) around their first corners, (f (n - 2), 3)."""
+    after = np.stack([corners[:, 1:-1], corners[:, 2:]], axis=2)  # (f, n - 2, 2)
+    first = np.broadcast_to(corners[:, :1, None], (*after.shape[:2], 1))
+    return np.concatenate([first, after], axis=2).reshape(-1, 3)
+
+
+def _row_by_row(path: Path) -> tuple[Points, Triangles]:
+    """Return vertices and triangles of any OBJ file.
+
+    Raises
+    ------
+    FormatError
+        If a line is faulty; it is named.
+    """
+    rows = _joined(read_rows(path))
+    vertices = [row for row in rows if row[1][0] == "v"]
+    points = float_columns(path, vertices, 1, 3, _VERTEX)
+    triangles, seen = [np.zeros((0, 3), dtype=np.intp)], 0
+    for line, words in rows:
+        if words[0] == "v":
+            seen += 1
+        elif words[0] == "f":
+            if len(words) < 4:
+                raise short_row(
+                    path, line, words, "a face: f i j k ..., with three vertices or more"
+                )
+            corners = _vertices(path, line, words[1:], seen, len(points))
+            triangles.append(_fans(np.array([corners])))
+    return points, np.concatenate(triangles)
 
 
 @register_reader("OBJ", ".obj", ".wire", recognises=_recognises)

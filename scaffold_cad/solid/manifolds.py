@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +11,7 @@ import numpy as np
 from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.base.arrays import Points
 from scaffold_cad.base.backends import is_instance, need
-from scaffold_cad.errors import FormatError, MeshError
+from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.shells import check_solid
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -123,32 +122,6 @@ def to_trimesh(what: QuadMesh | TriangleMesh | Manifold) -> Trimesh:
 
     # `process` would weld close vertices, which can break a closed mesh.
     return trimesh.Trimesh(what.vertices, what.triangles, process=False)
-
-
-def meshes_in(path: Path) -> list[TriangleMesh]:
-    """Return the meshes in a file of a format that trimesh reads, every vertex as it is.
-
-    Raises
-    ------
-    FormatError
-        If trimesh cannot read it.
-    MissingBackendError
-        If trimesh is not installed.
-    OSError
-        If the file cannot be opened.
-    """
-    need("trimesh", f"a {path.suffix} file")
-    import trimesh
-
-    try:
-        # `process` would weld close vertices and drop faces.
-        loaded = trimesh.load(path, process=False, force="scene")
-        meshes = [mesh for mesh in loaded.dump() if isinstance(mesh, trimesh.Trimesh)]
-    except OSError:
-        raise
-    except Exception as error:  # its readers let any error of theirs through
-        raise FormatError(f"{path} cannot be read: {error}") from None
-    return [TriangleMesh(mesh.vertices, mesh.faces) for mesh in meshes]
 
 
 def union(surfaces: Sequence[TriangleMesh], hulls: Sequence[Points]) -> Manifold:

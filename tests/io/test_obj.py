@@ -7,7 +7,9 @@ import pytest
 from hypothesis import given
 
 from scaffold_cad.errors import FormatError
-from scaffold_cad.io import read_raw, read_skeleton
+from scaffold_cad.io import read_raw, read_skeleton, read_triangles
+from scaffold_cad.mesh import TriangleMesh
+from scaffold_cad.printability import check_printability
 from scaffold_cad.skeleton import Skeleton
 from tests.io.test_reading import written
 from tests.strategies import skeletons
@@ -121,3 +123,61 @@ def test_writing_and_reading_gives_the_same_skeleton(
 def test_errors_name_the_line_and_the_value(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(FormatError, match=message):
         read_skeleton(written(tmp_path, "bad.obj", text), 1.0)
+
+
+BOX_VERTICES = "".join(f"v {x} {y} {z}\n" for z in (0, 1) for y in (0, 1) for x in (0, 1))
+BOX_FACES = ("1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6")
+
+
+def triangles_of(tmp_path: Path, text: str) -> TriangleMesh:
+    mesh = read_triangles(written(tmp_path, "mesh.obj", text))
+    assert mesh is not None
+    return mesh
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["{0}", "g part{1}\n{0}", "usemtl m{1}\n{0}", "o box{1}\n{0}", "s {1}\n{0}"],
+    ids=["plain", "groups", "materials", "objects", "smoothing"],
+)
+def test_faces_share_vertices_across_groups_and_materials(tmp_path: Path, line: str) -> None:
+    faces = "\n".join(line.format(f"f {face}", k) for k, face in enumerate(BOX_FACES))
+    box = triangles_of(tmp_path, BOX_VERTICES + faces)
+    assert (len(box.vertices), len(box.triangles)) == (8, 12)
+    assert box.signed_volume == pytest.approx(1.0)
+    assert check_printability(box, "sls")["watertight"].verdict == "ok"
+
+
+def test_corners_count_back_have_textures_and_go_on_in_the_next_line(tmp_path: Path) -> None:
+    plain = triangles_of(tmp_path, BOX_VERTICES + "".join(f"f {face}\n" for face in BOX_FACES))
+    split = [face.split() for face in BOX_FACES]
+    others = [
+        [f"f {' '.join(str(int(k) - 9) for k in face)}" for face in split],
+        [f"f {' '.join(f'{k}/{n + 1}' for n, k in enumerate(face))}" for face in split],
+        [f"  f\t{'  '.join(f'{k}//1' for k in face)} # a side\r" for face in split],
+        [f"f {' '.join(face[:2])} \\\n{' '.join(face[2:])}" for face in split],
+    ]
+    for faces in others:
+        again = triangles_of(tmp_path, "\ufeff" + BOX_VERTICES + "\n".join(faces))
+        assert again.triangles.tolist() == plain.triangles.tolist()
+
+
+def test_polygons_of_any_size_are_fans(tmp_path: Path) -> None:
+    text = "v 0 0 0\nv 1 0 0\nv 1.5 1 0\nv .5 2 0\nv -.5 1 0\nf 1 2 3 4 5\nf 1 2 3\n"
+    triangles = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 1, 2]]
+    assert triangles_of(tmp_path, text).triangles.tolist() == triangles
+
+
+@pytest.mark.parametrize(
+    ("face", "message"),
+    [
+        ("f 0 1 2", "line 9: vertex 0; need 1 or more: OBJ counts from 1"),
+        ("f 1 2 99", "line 9: vertex 99; need 1 to 8"),
+        ("f a b c", "line 9: 'a b c'; need numbers of vertices"),
+        ("f 1 2", "line 9: 'f 1 2' is too short; need a face: f i j k"),
+        ("v 1 2\nf 1 2 3", "line 9: 'v 1 2' is too short; need a vertex: v x y z"),
+    ],
+)
+def test_faulty_faces_are_named(tmp_path: Path, face: str, message: str) -> None:
+    with pytest.raises(FormatError, match=message):
+        triangles_of(tmp_path, BOX_VERTICES + face)
