@@ -9,7 +9,7 @@ from scipy import sparse
 from scipy.optimize import minimize
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
-from scaffold_cad.base.vectors import dot, length
+from scaffold_cad.base.vectors import dot, length, sums_by_row
 from scaffold_cad.mechanics.hexquality import NEIGHBORS, scaled_jacobians
 
 ROUNDS = 4
@@ -128,12 +128,6 @@ def _lacking(points: Points, cells: Ints, goal: float) -> tuple[float, Points]:
         slope = (normals[rows] - jacobian[rows, None, None] * units[rows]) / sizes[rows]
         slope *= -2.0 * lack[rows, None, None]
         targets = cells[rows][:, others].reshape(-1)
-        _add(pull, targets, slope.reshape(-1, 3))
-        _add(pull, origin[rows], -slope.sum(axis=1))
+        pull += sums_by_row(slope.reshape(-1, 3), targets, len(pull))
+        pull -= sums_by_row(slope.sum(axis=1), origin[rows], len(pull))
     return value, pull
-
-
-def _add(total: Points, rows: Ints, values: Floats) -> None:
-    """Add `values` (k, 3) to the named rows of `total`, which may repeat."""
-    for axis in range(3):
-        total[:, axis] += np.bincount(rows, values[:, axis], minlength=len(total))
