@@ -1,4 +1,4 @@
-"""Abaqus and CalculiX input files (.inp): beams, pipes and trusses with their sections."""
+"""What an Abaqus input file says: its keywords, parts, sets, and where parts stand."""
 
 from __future__ import annotations
 
@@ -6,32 +6,17 @@ import logging
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.base.vectors import normalize
-from scaffold_cad.errors import FormatError
-from scaffold_cad.io._nodes import NamedGraph, radius_of_area
-from scaffold_cad.io._raw import RawSkeleton
+from scaffold_cad.io._nodes import radius_of_area
 from scaffold_cad.io._text import line_error, read_text
-from scaffold_cad.io.content import Content
-from scaffold_cad.io.register import register_reader, register_writer
 
 BEAMS = ("B2", "B3", "PIPE", "T2D", "T3D", "FRAME", "U1")
 """Beginnings of the types of elements that are struts; U1 is CalculiX's own beam."""
-
-HELD = {
-    "ENCASTRE": (0, 1, 2, 3, 4, 5), "PINNED": (0, 1, 2),
-    "XSYMM": (0, 4, 5), "YSYMM": (1, 3, 5), "ZSYMM": (2, 3, 4),
-    "XASYMM": (1, 2, 3), "YASYMM": (0, 2, 4), "ZASYMM": (0, 1, 5),
-}  # fmt: skip
-"""Freedoms 0..5 of a node that supports with names hold."""
-
-SIGNIFICANT = 9
-"""Digits to which radii are the same section when beams are written."""
 
 _NODE = "a node: number, x, y, z"
 _ELEMENT = "an element: number, then its nodes"
@@ -40,7 +25,7 @@ _log = logging.getLogger(__name__)
 
 
 @dataclass
-class _Block:
+class Block:
     """A keyword with its parameters and its lines of data."""
 
     line: int
@@ -50,7 +35,7 @@ class _Block:
 
 
 @dataclass
-class _Part:
+class Part:
     """Nodes and struts that count for themselves."""
 
     nodes: dict[int, tuple[int, list[float]]] = field(default_factory=dict)
@@ -66,10 +51,10 @@ class _Part:
 
 
 @dataclass
-class _Model:
+class Model:
     """Parts, where they stand, and what holds and loads them."""
 
-    parts: dict[str, _Part] = field(default_factory=lambda: {"": _Part()})
+    parts: dict[str, Part] = field(default_factory=lambda: {"": Part()})
     """By name, "" for what is in none."""
     instances: list[tuple[str, str, Floats]] = field(
         default_factory=lambda: [("", "", np.eye(4, 3))]
@@ -77,7 +62,7 @@ class _Model:
     """Name, part, and transform, shape (4, 3)."""
     sets: dict[str, list[tuple[int, int]]] = field(default_factory=dict)
     """Nodes of the sets of an assembly, by instance."""
-    conditions: list[_Block] = field(default_factory=list)
+    conditions: list[Block] = field(default_factory=list)
     """Supports and loads up to the end of the first step."""
 
     def instance(self, name: str) -> int | None:
@@ -86,100 +71,13 @@ class _Model:
         return names.index(name) if name in names else None
 
 
-def _recognises(head: bytes) -> bool:
-    upper = head.upper()
-    return any(
-        line.startswith((b"*NODE", b"*HEADING", b"*PART"))
-        for line in upper.replace(b"\r", b"\n").split(b"\n")
-    )
-
-
-@register_reader("Abaqus input", ".inp", recognises=_recognises)
-def read_abaqus(path: Path) -> RawSkeleton:
-    """Read the beams, pipes and trusses of an Abaqus or CalculiX input file; other elements go.
-
-    A beam with a node at its middle is two edges. The radius of a member is that of its circle or
-    pipe, or of the circle of its section's area. Parts are placed by their instances. Lengths are
-    taken as mm, forces as N; files that are included are not read. Supports (*BOUNDARY) and loads
-    (*CLOAD) of the model and its first step are kept.
-    """
-    model = _model(path)
-    graph = NamedGraph(path)
-    for number, (_, name, matrix) in enumerate(model.instances):
-        _add(graph, model.parts[name], number, matrix)
-    if len(graph) and not len(graph.skeleton().edges):
-        raise FormatError(f"{path} has nodes and no struts; need beams, pipes or trusses")
-    for block in model.conditions:
-        _add_conditions(path, graph, model, block)
-    return graph.skeleton()
-
-
-def _add_conditions(path: Path, graph: NamedGraph, model: _Model, block: _Block) -> None:
-    """Add the supports or loads of a block to their nodes."""
-    if block.options.get("TYPE", "DISPLACEMENT").upper() != "DISPLACEMENT":
-        _log.warning("%s, line %d: supports with a speed are left out", path, block.line)
-        return
-    for line, words in block.rows:
-        nodes, where = _nodes_named(path, line, words[0], model), f"line {line}"
-        name = words[1].upper() if len(words) > 1 else ""
-        if block.keyword == "BOUNDARY" and name in HELD:
-            for node in nodes:
-                graph.hold(node, HELD[name], where=where)
-            continue
-        is_load = block.keyword == "CLOAD"
-        first, last, value = _condition(path, line, words, is_load)
-        for node in nodes:
-            for freedom in range(max(first, 1) - 1, min(last, 6)):
-                if is_load:
-                    graph.pull(node, freedom, value, where)
-                else:
-                    graph.hold(node, [freedom], value, where)
-
-
-def _condition(path: Path, line: int, words: list[str], is_load: bool) -> tuple[int, int, float]:
-    """Return the first and the last freedom, from 1, of a line of data, and its value."""
-    need = "a node or a set, then freedoms 1 to 6 and a value"
-    first, second, third = [*words[1:], "", "", ""][:3]
-    begin = int(_numbers(path, line, [first], need)[0])
-    if is_load:
-        return begin, begin, _numbers(path, line, [second], need)[0]
-    end = int(_numbers(path, line, [second or first], need)[0])
-    return begin, end, _numbers(path, line, [third or "0"], need)[0]
-
-
-def _nodes_named(path: Path, line: int, word: str, model: _Model) -> list[tuple[int, int]]:
-    """Return the nodes that a word names, by instance: a set, a number, or INSTANCE.number."""
-    name = word.upper().strip('"')
-    if name in model.sets:
-        return model.sets[name]
-    before, _, inner = name.rpartition(".")
-    number = model.instance(before)
-    if number is None:
-        raise line_error(path, line, f"nodes {word!r}", "a node, or a set that was defined before")
-    known = model.parts[model.instances[number][1]].node_sets
-    if inner in known:
-        return [(number, node) for node in known[inner]]
-    return [(number, int(_numbers(path, line, [inner], "a node or a set")[0]))]
-
-
-def _add(graph: NamedGraph, part: _Part, number: int, matrix: Floats) -> None:
-    """Add a part that is placed by `matrix`, shape (4, 3)."""
-    for node, (line, place) in part.nodes.items():
-        point = np.array([*place, 0.0, 0.0][:3]) @ matrix[:3] + matrix[3]
-        graph.add_node((number, node), point.tolist(), where=f"line {line}")
-    for element, (line, nodes) in part.struts.items():
-        radius = part.radii.get(element, math.nan)
-        for a, b in pairwise(nodes):
-            graph.add_edge((number, a), (number, b), radius, f"line {line}")
-
-
-def _model(path: Path) -> _Model:
+def model_of(path: Path) -> Model:
     """Return what a file holds, up to the end of its first step."""
-    model, inside = _Model(), ""
+    model, inside = Model(), ""
     for block in _blocks(path):
         if block.keyword == "PART":
             inside = block.options.get("NAME", "").upper()
-            model.parts[inside] = _Part()
+            model.parts[inside] = Part()
         elif block.keyword == "ENDPART":
             inside = ""
         elif block.keyword == "INSTANCE":
@@ -202,7 +100,7 @@ def _model(path: Path) -> _Model:
     return model
 
 
-def _take_assembly_set(path: Path, block: _Block, model: _Model) -> None:
+def _take_assembly_set(path: Path, block: Block, model: Model) -> None:
     """Add the nodes of a set that is in no part."""
     name = block.options.get("NSET", "").upper()
     instance = model.instance(block.options.get("INSTANCE", "").upper())
@@ -215,16 +113,31 @@ def _take_assembly_set(path: Path, block: _Block, model: _Model) -> None:
         for line, words in block.rows:
             for word in filter(None, words):
                 number = [(instance, int(word))] if word.isdigit() else None
-                found += number or _nodes_named(path, line, word, model)
+                found += number or nodes_named(path, line, word, model)
     model.sets[name] = [*dict.fromkeys([*model.sets.get(name, []), *found])]
 
 
-def _take(path: Path, block: _Block, part: _Part) -> None:
+def nodes_named(path: Path, line: int, word: str, model: Model) -> list[tuple[int, int]]:
+    """Return the nodes that a word names, by instance: a set, a number, or INSTANCE.number."""
+    name = word.upper().strip('"')
+    if name in model.sets:
+        return model.sets[name]
+    before, _, inner = name.rpartition(".")
+    number = model.instance(before)
+    if number is None:
+        raise line_error(path, line, f"nodes {word!r}", "a node, or a set that was defined before")
+    known = model.parts[model.instances[number][1]].node_sets
+    if inner in known:
+        return [(number, node) for node in known[inner]]
+    return [(number, int(numbers_of(path, line, [inner], "a node or a set")[0]))]
+
+
+def _take(path: Path, block: Block, part: Part) -> None:
     """Put what a block says into the part that it belongs to."""
     options = block.options
     if block.keyword == "NODE":
         for line, words in block.rows:
-            numbers = _numbers(path, line, words[:4], _NODE)
+            numbers = numbers_of(path, line, words[:4], _NODE)
             if len(numbers) < 3:
                 raise line_error(path, line, f"{', '.join(words)!r} is too short", _NODE)
             part.nodes[int(numbers[0])] = (line, numbers[1:])
@@ -244,13 +157,13 @@ def _take(path: Path, block: _Block, part: _Part) -> None:
         _log.warning("%s, line %d: the file included is not read", path, block.line)
 
 
-def _take_set(path: Path, block: _Block, part: _Part, known: dict[str, list[int]]) -> None:
+def _take_set(path: Path, block: Block, part: Part, known: dict[str, list[int]]) -> None:
     """Add the members of a set to it, each once: sets may name each other again and again."""
     name = block.options.get(block.keyword, "").upper()
     known[name] = [*dict.fromkeys([*known.get(name, []), *_members(path, block, part, known)])]
 
 
-def _take_elements(path: Path, block: _Block, part: _Part) -> None:
+def _take_elements(path: Path, block: Block, part: Part) -> None:
     kind = block.options.get("TYPE", "").upper()
     name = block.options.get("ELSET", "").upper()
     rows: list[tuple[int, list[str]]] = []
@@ -264,7 +177,7 @@ def _take_elements(path: Path, block: _Block, part: _Part) -> None:
         if more:
             rows[-1][1].pop()
     for line, words in rows:
-        numbers = [int(number) for number in _numbers(path, line, words, _ELEMENT)]
+        numbers = [int(number) for number in numbers_of(path, line, words, _ELEMENT)]
         part.sets.setdefault(name, []).append(numbers[0])
         if not kind.startswith(BEAMS):
             continue
@@ -275,11 +188,11 @@ def _take_elements(path: Path, block: _Block, part: _Part) -> None:
         part.struts[numbers[0]] = (line, numbers[1 : 1 + count])
 
 
-def _members(path: Path, block: _Block, part: _Part, known: dict[str, list[int]]) -> Iterator[int]:
+def _members(path: Path, block: Block, part: Part, known: dict[str, list[int]]) -> Iterator[int]:
     """Yield the members of a set: numbers, names of known sets, or first, last and step."""
     for line, words in block.rows:
         if "GENERATE" in block.options:
-            numbers = [int(number) for number in _numbers(path, line, words, "first, last, step")]
+            numbers = [int(number) for number in numbers_of(path, line, words, "first, last, step")]
             first, last, step = [*numbers, 1, 1][:3] if len(numbers) > 1 else (0, -1, 1)
             if step < 1 or (last - first) // step > len(part.struts) + len(part.nodes) + 10**6:
                 raise line_error(path, line, f"{', '.join(words)!r}", "a range of numbers")
@@ -289,15 +202,15 @@ def _members(path: Path, block: _Block, part: _Part, known: dict[str, list[int]]
             if word.upper() in known:
                 yield from known[word.upper()]
             else:
-                yield int(_numbers(path, line, [word], "numbers")[0])
+                yield int(numbers_of(path, line, [word], "numbers")[0])
 
 
-def _radius(path: Path, block: _Block) -> float:
+def _radius(path: Path, block: Block) -> float:
     """Return the radius of a section, NaN where it has none that is known."""
     if not block.rows:
         return math.nan
     line, words = block.rows[0]
-    values = [abs(x) for x in _numbers(path, line, [w for w in words if w], "sizes of a section")]
+    values = [abs(x) for x in numbers_of(path, line, [w for w in words if w], "sizes of a section")]
     if not values:
         return math.nan
     if block.keyword != "BEAMSECTION":
@@ -313,11 +226,11 @@ def _radius(path: Path, block: _Block) -> float:
     return math.nan
 
 
-def _placement(path: Path, block: _Block) -> Floats:
+def _placement(path: Path, block: Block) -> Floats:
     """Return the transform of an instance, shape (4, 3): it is moved, then turned."""
     matrix = np.eye(4, 3)
     for (line, words), count in zip(block.rows, (3, 7), strict=False):
-        values = _numbers(path, line, [word for word in words if word], "where an instance is")
+        values = numbers_of(path, line, [word for word in words if word], "where an instance is")
         if len(values) != count or max(map(abs, values)) > 1e12:
             raise line_error(path, line, f"{', '.join(words)!r}", f"{count} numbers")
         if count == 3:
@@ -340,9 +253,9 @@ def _rotation(axis: Floats, angle: float) -> Floats:
     return turn
 
 
-def _blocks(path: Path) -> Iterator[_Block]:
+def _blocks(path: Path) -> Iterator[Block]:
     """Yield the keywords of a file, in order, each with its data."""
-    block: _Block | None = None
+    block: Block | None = None
     for line, text in enumerate(read_text(path).split("\n"), start=1):
         text = text.strip()
         if not text or text.startswith("**"):
@@ -352,7 +265,7 @@ def _blocks(path: Path) -> Iterator[_Block]:
                 yield block
             keyword, *options = text[1:].split(",")
             named = [option.partition("=") for option in options]
-            block = _Block(
+            block = Block(
                 line,
                 keyword.upper().replace(" ", ""),
                 {name.strip().upper(): value.strip().strip('"') for name, _, value in named},
@@ -363,7 +276,8 @@ def _blocks(path: Path) -> Iterator[_Block]:
         yield block
 
 
-def _numbers(path: Path, line: int, words: list[str], need: str) -> list[float]:
+def numbers_of(path: Path, line: int, words: list[str], need: str) -> list[float]:
+    """Return the words that are not empty as numbers, of which there must be one."""
     try:
         values = [float(word) for word in words if word]
     except ValueError:
@@ -371,29 +285,3 @@ def _numbers(path: Path, line: int, words: list[str], need: str) -> list[float]:
     if not values or not all(abs(value) < 1e15 for value in values):
         raise line_error(path, line, f"{', '.join(words)!r}", need)
     return values
-
-
-@register_writer(".inp", name="Abaqus input", solids=False)
-def write_abaqus(content: Content, path: Path) -> None:
-    """Write a Skeleton as beams B31, mm, with one circular section a radius.
-
-    A beam has the mean of the radii of its ends: the format has no beams that taper.
-    """
-    skeleton = content.skeleton("an .inp file")
-    radii = skeleton.edge_radii.mean(axis=1)
-    rounded = np.array([float(f"{radius:.{SIGNIFICANT}g}") for radius in radii.tolist()])
-    sections, section = np.unique(rounded, return_inverse=True)
-    with path.open("w", encoding="ascii", newline="\n") as file:
-        file.write(f"*HEADING\nscaffold_cad, unit: {content.unit}\n*NODE\n")
-        rows = enumerate(skeleton.nodes.tolist(), start=1)
-        file.writelines(f"{k}, {x!r}, {y!r}, {z!r}\n" for k, (x, y, z) in rows)
-        for number in range(1, len(sections) + 1):
-            file.write(f"*ELEMENT, TYPE=B31, ELSET=S{number}\n")
-            chosen = np.flatnonzero(section == number - 1)
-            pairs = (skeleton.edges[chosen] + 1).tolist()
-            file.writelines(
-                f"{k + 1}, {a}, {b}\n" for k, (a, b) in zip(chosen.tolist(), pairs, strict=True)
-            )
-        file.write("*MATERIAL, NAME=M\n*ELASTIC\n210000., 0.3\n")
-        for number, radius in enumerate(sections.tolist(), start=1):
-            file.write(f"*BEAM SECTION, ELSET=S{number}, MATERIAL=M, SECTION=CIRC\n{radius!r}\n")
