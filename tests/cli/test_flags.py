@@ -64,6 +64,11 @@ LINES = {
         f"tripod.json --strict {SHAPE} --no-open -o b.html",
         "tripod.json --as frame --strut-radius 0.3 --no-open -o c.html",
     ],
+    "slice": [
+        f"bare.obj {INPUT} --layer 2 --pixel 1 -o a.zip",
+        "tripod.json --strict --layer 1 --blend 1 --ends open --wall 0.5 --sides 8 --text -o b.cli",
+        "tripod.json --layer 1 --inside box.step --skin 1 --output c.cli",
+    ],
     "formats": ["--quiet"],
     "info": ["bare.obj --quiet --units cm --scale 0.5 --max-nodes 9"],
 }
