@@ -28,6 +28,7 @@ from scaffold_cad import (
     cells,
     partition_sphere,
     round_struts,
+    slices,
     thicken,
     tile,
     to_solid,
@@ -393,6 +394,28 @@ def _sheet(pictures: dict[str, Image.Image], columns: int) -> Image.Image:
     return sheet
 
 
+def draw_layers() -> None:
+    """Draw layers of a hollow node, from its arms up to where they meet."""
+    tips = [[9, 0, 2], [-7, 5, 0], [-3, -8, -2], [0, 0, 9], [7, 6, 6]]
+    edges = [[0, k] for k in range(1, 6)]
+    node = Skeleton([[0, 0, 0], *tips], edges, 1.6)
+    struts = round_struts(node, blend=1.2, wall=0.5, ends="open")
+    heights = [-1.6, -0.4, 0.9, 2.2, 3.4, 6.0]
+    low, pixels = np.array([-9.0, -10.0]), (260, 250)
+    pictures = {}
+    for layer in slices(struts, heights, sides=64):
+        scale = FINENESS * pixels[0] / 20.0
+        picture = Image.new("RGB", (FINENESS * pixels[0], FINENESS * pixels[1]), "white")
+        pen = ImageDraw.Draw(picture)
+        for loop, area in zip(layer.loops, layer.areas, strict=True):
+            x, y = ((loop - low) * scale).T
+            corners = list(zip(x.tolist(), (FINENESS * pixels[1] - y).tolist(), strict=True))
+            pen.polygon(corners, fill=SAND if area > 0 else "white", outline=INK, width=FINENESS)
+        label = f"{layer.height:g} mm"
+        pictures[label] = picture.resize(pixels, Image.Resampling.LANCZOS)
+    _save(_sheet(pictures, columns=3), "layers")
+
+
 def draw_round_stick_woman() -> None:
     """Draw the stick woman of round struts, which overlap in places."""
     stage = Stage((-0.32, -1.0, 0.16), 780, 1060)
@@ -473,6 +496,7 @@ PICTURES: dict[str, Callable[[], None]] = {
     "round_star": draw_round_star,
     "cells": draw_cells,
     "options": draw_options,
+    "layers": draw_layers,
     "page": draw_page,
     "convolution": draw_convolution,
     "canopy": draw_canopy,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import runpy
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from scaffold_cad import (
     to_solid,
 )
 from scaffold_cad.base.arrays import Floats
+from tests.io.test_stacks import area, read_binary_cli
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 SCRIPTS = sorted(path.stem for path in EXAMPLES.glob("[!_]*.py"))
@@ -64,7 +66,21 @@ def check_step(path: Path) -> None:
     assert solid.volume > 0
 
 
-CHECKS = {".stl": check_stl, ".step": check_step}
+def check_cli(path: Path) -> None:
+    """Layers with polygons around something."""
+    layers = read_binary_cli(path)
+    assert layers
+    assert all(area(polygons) > 0 for _, polygons, _ in layers)
+
+
+def check_svg(path: Path) -> None:
+    """A drawing with a path a layer."""
+    paths = ElementTree.parse(path).getroot().findall("{*}g/{*}path")
+    assert paths
+    assert all(one.attrib["d"] for one in paths)
+
+
+CHECKS = {".stl": check_stl, ".step": check_step, ".cli": check_cli, ".svg": check_svg}
 
 
 def test_every_skeleton_is_used_by_an_example() -> None:

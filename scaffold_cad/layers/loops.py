@@ -23,7 +23,18 @@ class Loops(Frozen):
     offsets: Ints
     """Where each polygon begins in `points`, and their number at the end, shape (l + 1,)."""
     levels: Ints
-    """Number of the height of each polygon, ascending, shape (l,)."""
+    """Number of the height of each polygon, ascending where it is not said, shape (l,)."""
+
+    def taken(self, polygons: Ints) -> Loops:
+        """Return some of the polygons (k,) in another order."""
+        counts = np.diff(self.offsets)[polygons]
+        points = self.points[ranges(self.offsets[:-1][polygons], counts)]
+        return Loops(points, np.concatenate([[0], np.cumsum(counts)]), self.levels[polygons])
+
+    def moved(self, steps: Floats, levels: Ints) -> Loops:
+        """Return the polygons moved by `steps` (l, 2), mm, to other levels (l,), ascending."""
+        points = self.points + np.repeat(steps, np.diff(self.offsets), axis=0)
+        return Loops(points, self.offsets, levels)
 
     def by_level(self, count: int) -> Iterator[list[Floats]]:
         """Yield the polygons at each of `count` heights, each (k, 2)."""
@@ -34,8 +45,18 @@ class Loops(Frozen):
             yield [self.points[a:b] for a, b in pairwise(marks)]
 
 
-class MeshSections:
-    """The sections of a closed triangle mesh, from the lowest up."""
+def joined(parts: list[Loops]) -> Loops:
+    """Return the polygons of all of `parts` at the same heights."""
+    levels = np.concatenate([part.levels for part in parts])
+    order = np.argsort(levels, kind="stable")
+    before = np.cumsum([0, *(len(part.points) for part in parts)])
+    starts = [part.offsets[:-1] + at for part, at in zip(parts, before[:-1], strict=True)]
+    offsets = np.concatenate([*starts, before[-1:]])
+    return Loops(np.concatenate([part.points for part in parts]), offsets, levels).taken(order)
+
+
+class Surface:
+    """A closed surface of triangles, to be cut at heights."""
 
     def __init__(self, mesh: TriangleMesh) -> None:
         """Take a mesh, each side of whose triangles is that of one other."""
@@ -43,14 +64,12 @@ class MeshSections:
         self._triangles = mesh.triangles
         self._across = neighbors(mesh.triangles, len(mesh.vertices))
         corners = self._z[mesh.triangles]  # (t, 3)
-        self._low, self._high = corners.min(axis=1), corners.max(axis=1)
-        self._sweep = Sweep(self._low, self._high)
+        self.low: Floats = corners.min(axis=1)
+        """Lowest height of each triangle, shape (t,), mm."""
+        self.high: Floats = corners.max(axis=1)
+        """Highest height of each triangle, shape (t,), mm."""
         # Of the pairs of a triangle and a height: the first of each triangle, less its height.
-        self._pair = np.zeros(len(self._low), dtype=np.intp)
-
-    def count(self, heights: Floats) -> Ints:
-        """Return how many triangles there are at each height, shape (h,)."""
-        return count_at(heights, self._low, self._high)
+        self._pair = np.zeros(len(self.low), dtype=np.intp)
 
     @property
     def box(self) -> Floats:
@@ -60,17 +79,19 @@ class MeshSections:
     @property
     def bounds(self) -> tuple[float, float]:
         """Lowest and highest vertex, mm."""
-        return float(self._low.min()), float(self._high.max())
+        return float(self.low.min()), float(self.high.max())
 
-    def loops(self, heights: Floats) -> list[Loops]:
-        """Return the sections at ascending heights (h,), above those before.
+    def cut(self, heights: Floats, active: Ints) -> Loops:
+        """Return the sections at ascending heights (h,), counter-clockwise around the inside.
 
-        They are counter-clockwise around the inside. A vertex at a height counts as above it: so
-        each section is a whole number of loops.
+        A vertex at a height counts as above it: so each section is a whole number of loops.
+
+        Parameters
+        ----------
+        active : the triangles that reach there, and any others, ascending
         """
-        active = self._sweep.between(float(heights[0]), float(heights[-1]))
-        first = np.searchsorted(heights, self._low[active], side="right")
-        count = np.searchsorted(heights, self._high[active], side="right") - first
+        first = np.searchsorted(heights, self.low[active], side="right")
+        count = np.searchsorted(heights, self.high[active], side="right") - first
         self._pair[active] = np.cumsum(count) - count - first
         triangle = np.repeat(active, count)  # (q,)
         level = ranges(first, count)
@@ -89,7 +110,25 @@ class MeshSections:
         order = np.lexsort((rank, label, level))
         begins = np.flatnonzero(rank[order] == 0)
         offsets = np.append(begins, len(order))
-        return [Loops(points[order], offsets, level[order[begins]])]
+        return Loops(points[order], offsets, level[order[begins]])
+
+
+class MeshSections(Surface):
+    """The sections of a closed triangle mesh, from the lowest up."""
+
+    def __init__(self, mesh: TriangleMesh) -> None:
+        """Take a mesh, each side of whose triangles is that of one other."""
+        super().__init__(mesh)
+        self._sweep = Sweep(self.low, self.high)
+
+    def count(self, heights: Floats) -> Ints:
+        """Return how many triangles there are at each height, shape (h,)."""
+        return count_at(heights, self.low, self.high)
+
+    def loops(self, heights: Floats) -> list[Loops]:
+        """Return the sections at ascending heights (h,), above those before."""
+        active = self._sweep.between(float(heights[0]), float(heights[-1]))
+        return [self.cut(heights, active)]
 
 
 def neighbors(triangles: Ints, count: int) -> Ints:

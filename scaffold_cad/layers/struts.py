@@ -10,9 +10,11 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints
-from scaffold_cad.layers.loops import Loops, MeshSections
+from scaffold_cad.layers.loops import Loops
+from scaffold_cad.layers.nodes import NODES_AT_ONCE, EqualNodeSections, NodeSections
 from scaffold_cad.layers.rounds import Balls, Cones, swell
 from scaffold_cad.layers.sweep import Sweep, count_at
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.struts import RoundStruts
 from scaffold_cad.struts.bodies import NodeBodies
 
@@ -22,9 +24,6 @@ a gap would be left."""
 
 OPENING = 0.1
 """How far the inside of hollow struts reaches beyond an open end, in its radii."""
-
-NODES_AT_ONCE = 256
-"""Nodes whose bodies are made together, those that follow each other in height."""
 
 
 class StrutSections:
@@ -43,10 +42,14 @@ class StrutSections:
         self._cone_sweep = Sweep(*self._cones.extents())
         self._ball_sweep = Sweep(*self._balls.extents())
         self._bodies = NodeBodies(struts, sides)
-        batch = np.arange(0, len(self._bodies), NODES_AT_ONCE)
-        high = np.maximum.reduceat(self._bodies.high[:, 2], batch) if len(batch) else np.zeros(0)
-        self._batch_sweep = Sweep(self._bodies.low[batch, 2], high)
-        self._made: dict[int, MeshSections] = {}
+        alone = np.flatnonzero(self._bodies.kinds < 0)
+        self._nodes: list[NodeSections | EqualNodeSections] = [NodeSections(self._bodies, alone)]
+        for kind in range(self._bodies.kinds.max(initial=-1) + 1):
+            equal = np.flatnonzero(self._bodies.kinds == kind)
+            places = self._bodies.nodes[equal]
+            first = self._bodies.mesh(equal[:1])
+            at_zero = TriangleMesh(first.vertices - places[0], first.triangles)
+            self._nodes.append(EqualNodeSections(at_zero, places))
 
     def count(self, heights: Floats) -> Ints:
         """Return how many parts there are at each height, about, shape (h,)."""
@@ -91,18 +94,9 @@ class StrutSections:
             self._cones[self._cone_sweep.between(*between)].loops(heights, self._sides),
             self._balls[self._ball_sweep.between(*between)].loops(heights, self._sides),
         ]
-        batches = self._batch_sweep.between(*between).tolist()
-        self._made = {number: self._batch(number) for number in batches}
-        for made in self._made.values():
-            found += made.loops(heights)
+        for nodes in self._nodes:
+            found += nodes.loops(heights)
         return found
-
-    def _batch(self, number: int) -> MeshSections:
-        made = self._made.get(number)
-        if made is not None:
-            return made
-        first = number * NODES_AT_ONCE
-        return MeshSections(self._bodies.mesh(slice(first, first + NODES_AT_ONCE)))
 
 
 def cones_of(struts: RoundStruts, is_inside: bool) -> Cones:

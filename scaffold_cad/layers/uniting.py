@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Ints
+from scaffold_cad.base.arrays import Bools, Floats, Ints
+from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.layers.layer import Layer
-from scaffold_cad.layers.loops import Loops
+from scaffold_cad.layers.loops import Loops, joined
 
 if TYPE_CHECKING:
     from manifold3d import CrossSection
@@ -61,17 +62,50 @@ class Solid:
 
     def layers(self, planes: Floats, thickness: float) -> Iterator[Layer]:
         """Yield what is solid at each of ascending heights as layers."""
-        for height, section in zip(planes.tolist(), self.sections(planes), strict=True):
-            yield layer_of(section, height, thickness)
+        if self._hollow is not None:
+            for height, section in zip(planes.tolist(), self.sections(planes), strict=True):
+                yield layer_of(section, height, thickness)
+            return
+        for some in _blocks(self._parts, planes):
+            loops = joined(self._parts.loops(some))
+            alone = _alone(loops)
+            apart = loops.taken(np.flatnonzero(alone))
+            rest = loops.taken(np.flatnonzero(~alone)).by_level(len(some))
+            pairs = zip(some.tolist(), apart.by_level(len(some)), rest, strict=True)
+            for height, single, others in pairs:
+                yield _layer([*single, *united(others).to_polygons()], height, thickness)
+
+
+def _blocks(parts: Sections, planes: Floats) -> Iterator[Floats]:
+    """Yield heights that follow each other, with about `PARTS_AT_ONCE` sections of parts."""
+    block = np.cumsum(parts.count(planes) + 1) // PARTS_AT_ONCE
+    yield from np.split(planes, np.flatnonzero(np.diff(block)) + 1) if len(planes) else []
 
 
 def _united(parts: Sections, planes: Floats) -> Iterator[CrossSection]:
-    """Yield the union of parts at each of some heights, made some heights at once."""
-    block = np.cumsum(parts.count(planes) + 1) // PARTS_AT_ONCE
-    for some in np.split(planes, np.flatnonzero(np.diff(block)) + 1):
-        lists = [loops.by_level(len(some)) for loops in parts.loops(some)] if len(some) else []
-        for found in zip(*lists, strict=True):
-            yield united([loop for loops in found for loop in loops])
+    """Yield the union of parts at each of some heights."""
+    for some in _blocks(parts, planes):
+        for found in joined(parts.loops(some)).by_level(len(some)):
+            yield united(found)
+
+
+def _alone(loops: Loops) -> Bools:
+    """Return whether the box of each polygon meets no other at its height, shape (l,)."""
+    alone = np.ones(len(loops.levels), dtype=np.bool_)
+    if len(alone) == 0:
+        return alone
+    low = np.minimum.reduceat(loops.points, loops.offsets[:-1])  # (l, 2)
+    high = np.maximum.reduceat(loops.points, loops.offsets[:-1])
+    level = loops.levels[:, None].astype(np.float64)
+    boxes = np.concatenate([low, level], axis=1), np.concatenate([high, level], axis=1)
+    for i, j in overlapping_boxes(*boxes):
+        # Those of a block of heights that nearly meet may be no pair in another block.
+        meet = (loops.levels[i] == loops.levels[j]) & (low[i] <= high[j]).all(axis=1)
+        meet &= (low[j] <= high[i]).all(axis=1)
+        alone[i[meet]] = False
+        alone[j[meet]] = False
+    alone &= (low < high).all(axis=1)
+    return alone
 
 
 def united(loops: list[Floats]) -> CrossSection:
@@ -83,7 +117,10 @@ def united(loops: list[Floats]) -> CrossSection:
 
 def layer_of(section: CrossSection, height: float, thickness: float) -> Layer:
     """Return the polygons of a section as a layer."""
-    loops = section.to_polygons()
+    return _layer(section.to_polygons(), height, thickness)
+
+
+def _layer(loops: list[Floats], height: float, thickness: float) -> Layer:
     offsets = np.cumsum([0, *map(len, loops)])
     points = np.concatenate(loops) if loops else np.zeros((0, 2))
     return Layer(height, thickness, points, offsets)

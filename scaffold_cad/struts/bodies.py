@@ -7,7 +7,13 @@ import numpy as np
 from scaffold_cad.base.arrays import Ints, Points, Triangles
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
-from scaffold_cad.struts.surface import node_surface, own_rings, ring_centers, sized_rings
+from scaffold_cad.struts.surface import Sized, node_surface, own_rings, ring_centers, sized_rings
+
+OFTEN, MOST_KINDS = 8, 256
+"""How many equal nodes are told so, at least, and most kinds of them."""
+
+SAME = 1e-6
+"""Rings whose size agrees to this part of their radius are equally large."""
 
 
 class NodeBodies:
@@ -22,7 +28,9 @@ class NodeBodies:
         """
         self._struts, self._sides = struts, sides
         self._sized = sized_rings(struts, sides)
-        lows, highs, groups, rows = [np.zeros((0, 3))], [np.zeros((0, 3))], [], []
+        lows, highs = [np.zeros((0, 3))], [np.zeros((0, 3))]
+        groups, nodes, kinds = [], [], []
+        rows: list[Ints] = []
         for number, group in enumerate(struts.blended):
             row = np.flatnonzero(~struts.crowded[group.nodes])
             # A patch lies among its control points.
@@ -31,6 +39,10 @@ class NodeBodies:
             node, which = struts.runs.nodes[group.nodes[row]], group.shape_of[row]
             lows.append(node + control.min(axis=1)[which] - growth)
             highs.append(node + control.max(axis=1)[which] + growth)
+            nodes.append(group.nodes[row])
+            kinds.append(
+                _equal(which, self._sized, group.half_runs[row]) + sum(len(one) for one in rows)
+            )
             groups.append(np.full(len(row), number))
             rows.append(row)
         low = np.concatenate(lows)
@@ -40,6 +52,10 @@ class NodeBodies:
         self.high: Points = np.concatenate(highs)[order]
         """Highest corner of that box, shape (m, 3), mm."""
         none = np.zeros(0, dtype=np.intp)
+        self.nodes: Points = struts.runs.nodes[np.concatenate([none, *nodes])[order]]
+        """Positions of the nodes, shape (m, 3), mm."""
+        self.kinds: Ints = _kinds(np.concatenate([none, *kinds]))[order]
+        """Equal for bodies that are equal but for their place; -1 for those with few like them."""
         self._group_of = np.concatenate([none, *groups])[order]
         self._row_of = np.concatenate([none, *rows])[order]
 
@@ -72,6 +88,24 @@ class NodeBodies:
         discs = np.stack(fans, axis=-1).reshape(-1, 3)
         points = np.concatenate([placed, ring_centers(struts, half_runs)])
         return points, np.concatenate([triangles, discs])
+
+
+def _equal(shape_of: Ints, sized: Sized, half_runs: Ints) -> Ints:
+    """Return the same number for nodes with the same blend and rings as large, shape (m,)."""
+    if len(shape_of) == 0:
+        return shape_of
+    growth = np.rint(sized.growth[half_runs] / (SAME * sized.radius[half_runs]))  # (m, N)
+    rows = np.concatenate([shape_of[:, None], growth], axis=1)
+    _, number = np.unique(rows, axis=0, return_inverse=True)
+    return number.reshape(-1)
+
+
+def _kinds(numbers: Ints) -> Ints:
+    """Return numbers (m,) from 0 on for those that occur often, and -1 for others."""
+    _, place, count = np.unique(numbers, return_inverse=True, return_counts=True)
+    often = count >= max(OFTEN, len(numbers) / MOST_KINDS)
+    found: Ints = np.where(often, np.cumsum(often) - 1, -1)[place.reshape(-1)]
+    return found
 
 
 def _some_of(group: BlendedNodes, rows: Ints) -> BlendedNodes:

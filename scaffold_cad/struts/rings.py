@@ -7,10 +7,11 @@ the last level is the ring at its collar. A ring has `sides` points, a quarter o
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, UnitVectors
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, UnitVectors, read_only
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.struts.blend import Solved
@@ -95,6 +96,7 @@ def first_rings(quads: Ints, steps: int) -> Ints:
     return rings.reshape(count, valency, 4 * steps)
 
 
+@cache
 def quarter_parameters(steps: int) -> Floats:
     """Return the parameters in [0, 1) at which the quarter circle is at equal angles, (steps,).
 
@@ -104,7 +106,7 @@ def quarter_parameters(steps: int) -> Floats:
     # The same numbers from both ends, to the last bit.
     found[1:] = (found[1:] + (1 - found[:0:-1])) / 2
     found[0] = 0.0
-    return found
+    return read_only(found)
 
 
 def parameters_at(angles: Floats) -> Floats:

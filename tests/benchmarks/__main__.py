@@ -37,6 +37,11 @@ def main() -> None:
                 if theirs is None
                 else f"{theirs.seconds:>7.1f} s{theirs.seconds / ours.seconds:>8.0f}×"
             )
+        if row.count:
+            line += f"   {row.count / ours.seconds:,.0f} {row.unit} a second"
+        if row.times > 1:
+            hours = row.times * ours.seconds / 3600
+            line += f"; all of it, {row.times:g} times as much: {hours:.1f} h (not measured)"
         print(line, flush=True)
 
 

@@ -11,17 +11,22 @@ from dataclasses import dataclass
 from multiprocessing import Pipe, get_context
 from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from scaffold_cad.filling import voronoi_foam
 from scaffold_cad.io.write import write
-from scaffold_cad.lattice import tile
+from scaffold_cad.lattice import PeriodicLattice, tile
+from scaffold_cad.layers import slices
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import to_solid
-from scaffold_cad.struts import round_struts
+from scaffold_cad.struts import RoundStruts, round_struts
 from tests.benchmarks import peers
+
+LAYER = 0.04
+"""Thickness of layers, mm."""
 
 BOX = np.array([[0.0, 0.0, 0.0], [100.0, 100.0, 100.0]])
 
@@ -78,18 +83,43 @@ def _written(skeleton: Skeleton, suffix: str) -> None:
         write(made.mesh, Path(folder) / f"out{suffix}")
 
 
+def struts(cell: str, count: int, radius: float) -> RoundStruts:
+    return round_struts(tile(cell, 1.0, count, radius=radius))
+
+
+def layers_of_struts(made: RoundStruts) -> None:
+    top = float(made.skeleton.nodes[:, 2].max())
+    for _ in slices(made, np.arange(LAYER / 2, top, LAYER)):
+        pass
+
+
+def layers_of_lattice(lattice: PeriodicLattice) -> None:
+    """Cut as many layers as a layer of cells has, in the middle."""
+    middle = lattice.counts[2] // 2
+    for _ in slices(lattice, middle + LAYER * (np.arange(round(1 / LAYER)) + 0.5)):
+        pass
+
+
 @dataclass(frozen=True)
 class Row:
     """One line of the table."""
 
     name: str
-    make: Callable[[], Skeleton]
-    ours: Callable[[Skeleton], None]
+    make: Callable[[], Any]
+    ours: Callable[[Any], None]
     aim: float
     """Time to reach, s."""
     peer: Callable[[Skeleton], None] | None = None
     package: str = ""
     """What the peer needs."""
+    count: int = 0
+    """Of the things that are made, to tell how many a second."""
+    unit: str = ""
+    """What they are."""
+    small: Callable[[], Any] = lambda: bcc(1)
+    """What is worked on first, for the imports, which count for nobody."""
+    times: float = 1.0
+    """How often the work would have to be done for all of it, which is not measured."""
 
 
 FEQ, UNION, FUSE = peers.pygel_feq, peers.manifold_union, peers.build123d_fuse
@@ -110,6 +140,35 @@ ROWS = [
     Row("STEP, octet 2³", lambda: octet(2), step, 1.2),
     Row("round STEP, BCC 6³", lambda: bcc(6), round_step, 2.0),
     Row("STL, BCC 50³", lambda: bcc(50), stl, 20.0),
+    # Four struts of a cell are at each height of BCC, eight or twelve of octet.
+    Row(
+        "layers, BCC 8³, 40 µm",
+        lambda: struts("bcc", 8, 0.07),
+        layers_of_struts,
+        0.5,
+        count=4 * 8**3 * 25,
+        unit="sections",
+        small=lambda: struts("bcc", 1, 0.07),
+    ),
+    Row(
+        "layers, octet 5³, 40 µm",
+        lambda: struts("octet", 5, 0.05),
+        layers_of_struts,
+        0.3,
+        count=27_500,
+        unit="sections",
+        small=lambda: struts("bcc", 1, 0.07),
+    ),
+    Row(
+        "layers, BCC 500³, 25",
+        lambda: PeriodicLattice("bcc", 1.0, 500, radius=0.1),
+        layers_of_lattice,
+        250.0,
+        count=4 * 500**2 * 25,
+        unit="sections",
+        small=lambda: PeriodicLattice("bcc", 1.0, 1, radius=0.1),
+        times=500,
+    ),
 ]
 
 
@@ -135,7 +194,7 @@ def _run(number: int, is_peer: bool, sender: Connection) -> None:
     row = ROWS[number]
     work = row.peer if is_peer and row.peer is not None else row.ours
     if not is_peer:
-        work(bcc(1))  # imports, which count for nobody
+        work(row.small())
     skeleton = row.make()
     start = time.process_time()
     work(skeleton)

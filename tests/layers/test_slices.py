@@ -27,7 +27,7 @@ from scaffold_cad import (
     write,
 )
 from scaffold_cad.errors import MeshError, OptionError
-from scaffold_cad.layers import struts as parts
+from scaffold_cad.layers import nodes as parts
 from scaffold_cad.layers import uniting
 from scaffold_cad.solid.manifolds import manifold_triangles
 from tests.meshes import CUBE, OPEN_CUBE
