@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
+import tracemalloc
 from collections.abc import Iterable
 from io import BytesIO
 from itertools import pairwise
@@ -148,6 +149,20 @@ def test_layers_do_not_depend_on_how_many_are_made_at_once(monkeypatch: pytest.M
 def test_layers_are_made_while_they_are_asked_for() -> None:
     layers = slices(TRIPOD, np.linspace(0, 10, 10**6))
     assert next(layers).height == 0.0
+
+
+def test_memory_does_not_grow_with_the_layers(monkeypatch: pytest.MonkeyPatch) -> None:
+    struts = round_struts(TETRAPOD)
+    monkeypatch.setattr(uniting, "PARTS_AT_ONCE", 64)
+    peaks = []
+    for count in (100, 1000):
+        layers = slices(struts, np.linspace(-7, 7, count))
+        tracemalloc.start()
+        for _ in layers:
+            pass
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] < 1.3 * peaks[0]
 
 
 def test_layers_begin_at_the_lowest_point_and_end_at_the_highest() -> None:
