@@ -12,7 +12,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.brep import BREP_SUFFIXES
-from scaffold_cad.cli import build, sizes, source
+from scaffold_cad.cli import build, latticelayers, sizes, slicing, source
 from scaffold_cad.cli.maps import add_maps, map_of
 from scaffold_cad.cli.progress import ROUND_RATE, SCAFFOLD_RATE, SOLID_RATE, Progress
 from scaffold_cad.errors import FormatError, OptionError
@@ -102,18 +102,39 @@ def add_parser(
         metavar="OUT",
         help="file to write: .3mf .stl .obj .ply .glb, without part and skin also .step .brep",
     )
+    slicing.add_layer_arguments(parser, required=False)
     source.add_max_nodes(parser, "lattice")
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
     """Fill, build and write."""
+    if options.layer is not None:
+        _write_layers(options)
+        return
+    source.refuse(options, ["pixel", "text"], "is for layers; need --layer")
     check_writable(options.output, solid=not options.beams)
     _check_combination(options)
     product = _product(options, Progress())
     made = isinstance(product, Scaffold | RoundStruts)
     write(product, options.output, **(_written_with(options) if made else {}))
     _log.info("%s written", options.output)
+
+
+def _write_layers(options: argparse.Namespace) -> None:
+    """Write layers, of which no mesh is made."""
+    latticelayers.check(options)
+    mapping = map_of(options)
+    if mapping is not None:
+        _check_bodies(options)
+        latticelayers.write(options, _on_map(mapping, options))
+    elif options.inside is not None:
+        _check_bodies(options)
+        latticelayers.write(options, _body(options.inside))
+    elif options.trim or options.skin is not None or not latticelayers.fills(options.box, options):
+        latticelayers.write(options, _box_mesh(options.box))
+    else:
+        latticelayers.write(options, options.box)
 
 
 def _written_with(options: argparse.Namespace) -> dict[str, Any]:
@@ -128,10 +149,7 @@ def _check_combination(options: argparse.Namespace) -> None:
     """Raise where an option would do nothing, or the format cannot hold what is asked."""
     build.check_round_options(options)
     suffix = options.output.suffix.lower()
-    if options.trim and options.box is None:
-        raise OptionError("--trim cuts struts flush with a box; need --box")
-    if options.skin is not None and options.box is None and options.inside is None:
-        raise OptionError("--skin is the wall of a box or a part; need --box or --inside")
+    _check_bodies(options)
     if options.trim and (options.skin is not None or options.beams):
         raise OptionError("--trim is for struts without a skin; need it without --skin and --beams")
     bodied = options.inside is not None or options.skin is not None or options.trim
@@ -146,6 +164,14 @@ def _check_combination(options: argparse.Namespace) -> None:
         raise OptionError("--beams writes the struts as lines; need it without --round and --skin")
     if suffix not in BEAM_SUFFIXES:
         raise FormatError(f"cannot write {options.output}: --beams need {', '.join(BEAM_SUFFIXES)}")
+
+
+def _check_bodies(options: argparse.Namespace) -> None:
+    """Raise where an option of boxes or parts is given without them."""
+    if options.trim and options.box is None:
+        raise OptionError("--trim cuts struts flush with a box; need --box")
+    if options.skin is not None and options.box is None and options.inside is None:
+        raise OptionError("--skin is the wall of a box or a part; need --box or --inside")
 
 
 def _product(options: argparse.Namespace, progress: Progress) -> Any:

@@ -43,13 +43,7 @@ def add_parser(
         metavar="OUT",
         help="file to write: .cli .3mf .svg, or .zip with PNG images",
     )
-    parser.add_argument(
-        "--layer", required=True, type=float, metavar="T", help="thickness of a layer, mm"
-    )
-    parser.add_argument(
-        "--pixel", type=float, metavar="P", help="side of a pixel of PNG images, mm"
-    )
-    parser.add_argument("--text", action="store_true", help="write a .cli file of text")
+    add_layer_arguments(parser, required=True)
     build.add_strut_arguments(parser)
     parser.add_argument(
         "--inside", type=Path, metavar="PART", help="closed part that the struts are cut to"
@@ -58,6 +52,23 @@ def add_parser(
         "--skin", type=float, metavar="S", help="thickness of a closed wall of that part, mm"
     )
     parser.set_defaults(run=run)
+
+
+def add_layer_arguments(parser: argparse.ArgumentParser, *, required: bool) -> None:
+    """Add the arguments of files of layers; `check_layers` looks at them."""
+    parser.add_argument(
+        "--layer",
+        required=required,
+        type=float,
+        metavar="T",
+        help="thickness of a layer, mm"
+        if required
+        else "write layers of T mm: .cli .3mf .svg .zip",
+    )
+    parser.add_argument(
+        "--pixel", type=float, metavar="P", help="side of a pixel of PNG images, mm"
+    )
+    parser.add_argument("--text", action="store_true", help="write a .cli file of text")
 
 
 def run(options: argparse.Namespace) -> None:
@@ -94,11 +105,16 @@ def _layers(what: TriangleMesh | RoundStruts, options: argparse.Namespace) -> La
 
 def _check(options: argparse.Namespace) -> None:
     """Raise where an option is out of its range, or would do nothing."""
+    check_layers(options)
+    if options.skin is not None and options.inside is None:
+        raise OptionError("--skin is the wall of a part; need --inside")
+
+
+def check_layers(options: argparse.Namespace) -> None:
+    """Raise where an option of a file of layers is out of its range, or would do nothing."""
     suffix = check_stack(options.output)
     check_target(options.output)
     as_number(options.layer, "--layer")
-    if options.skin is not None and options.inside is None:
-        raise OptionError("--skin is the wall of a part; need --inside")
     if options.text and suffix != ".cli":
         raise OptionError("--text is for .cli files")
     if options.pixel is None and suffix == ".zip":

@@ -21,6 +21,7 @@ from scaffold_cad.lattice.maps.cellmap import extents
 from scaffold_cad.lattice.maps.grading import CellSize
 from scaffold_cad.lattice.maps.solids import as_axes
 from scaffold_cad.lattice.meshregion import MeshRegion
+from scaffold_cad.lattice.periodic import PeriodicLattice
 from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.repetition import as_counts, repeated
 from scaffold_cad.lattice.struts import Struts
@@ -35,6 +36,9 @@ if TYPE_CHECKING:
 
 SHORTEST_FRACTION = 1e-3
 """Length below which the rest of a cut strut is given up, as a fraction of the cell's size."""
+
+MOST_CELLS = 1e9
+"""Most cells along a side of a lattice that is not made whole."""
 
 COUNT_SLACK = 1e-6
 """How much larger than whole cells a region may be without a further cell, in cells."""
@@ -191,6 +195,8 @@ def cells_around(
 ) -> tuple[tuple[int, int, int], Points]:
     """Return how many cells along their sides a box meets, and the corner of the first.
 
+    They are not too many to be made; see `lattice_around` for more.
+
     Parameters
     ----------
     bounds : (2, 3) float64, lowest and highest corner of the box, mm
@@ -202,6 +208,36 @@ def cells_around(
     OptionError
         If `origin` is no position, or the cells have too many struts, see `as_counts`.
     """
+    found, corner = _cells_around(bounds, cell, size, origin, axes)
+    return as_counts(cell, found), corner
+
+
+def lattice_around(bounds: Floats, cell: UnitCell, size: Floats, radius: Radius) -> PeriodicLattice:
+    """Return the lattice of all cells that a box meets, of which no strut is made yet.
+
+    Parameters
+    ----------
+    bounds : (2, 3) float64, lowest and highest corner of the box, mm
+
+    Raises
+    ------
+    OptionError
+        If there are too many cells to be counted.
+    """
+    found, corner = _cells_around(bounds, cell, size, None, None)
+    if not (found < MOST_CELLS).all():
+        raise OptionError(
+            f"a cell of {size.tolist()} mm is too small for a box of "
+            f"{(bounds[1] - bounds[0]).tolist()} mm; need fewer than {MOST_CELLS:g} cells aside"
+        )
+    x, y, z = found.astype(np.intp).tolist()
+    return PeriodicLattice(cell, size, (x, y, z), radius=radius, origin=corner)
+
+
+def _cells_around(
+    bounds: Floats, cell: UnitCell, size: Floats, origin: ArrayLike | None, axes: Floats | None
+) -> tuple[Floats, Points]:
+    """Return how many cells along their sides a box meets (3,), and the corner of the first."""
     corner = bounds[0] if origin is None else as_floats(origin, "origin", OptionError)
     if corner.shape != (3,) or not np.isfinite(corner).all():
         raise OptionError(f"origin is {corner.tolist()}; need three numbers, mm")
@@ -214,5 +250,5 @@ def cells_around(
         last = np.ceil(corners.max(axis=0) / size - COUNT_SLACK)
         if cell.is_net:  # struts come from below through the faces of the first cells
             first -= cell.motif.moves.max()
-        counts = as_counts(cell, np.maximum(last - first, 1))
-    return counts, corner + (first * size) @ frame
+        counts: Floats = np.maximum(last - first, 1)
+        return counts, corner + (first * size) @ frame

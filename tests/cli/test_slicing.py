@@ -102,3 +102,52 @@ def test_bad_input_writes_nothing(
     assert main(["slice", tetrapod, *words]) == 2
     assert said in capsys.readouterr().err
     assert [one.name for one in tmp_path.iterdir()] == ["tetrapod.json"]
+
+
+def test_a_lattice_past_memory_is_cut(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "out.cli"
+    words = ["lattice", "--cell", "bcc", "--size", "1", "--radius", "0.1", "--box", "20x20x4000"]
+    assert main([*words, "--layer", "100", "-o", str(out)]) == 0
+    assert "12800000 struts, 41 layers of 100 mm" in capsys.readouterr().err
+    assert len(read_binary_cli(out)) == 41
+
+
+def test_a_box_and_a_part_are_filled_in_layers(cube: str, tmp_path: Path) -> None:
+    out = tmp_path / "out.cli"
+    words = ["lattice", "--cell", "bcc", "--size", "2", "--radius", "0.2", "--layer", "0.5"]
+    words += ["-o", str(out)]
+    assert main([*words, "--inside", cube, "--skin", "0.6"]) == 0
+    layers = read_binary_cli(out)
+    assert len(layers) == 16
+    assert area(layers[0][1]) == pytest.approx(64)
+    assert main([*words, "--box", "7x4x3"]) == 0  # no whole number of cells: cut flush
+    layers = read_binary_cli(out)
+    assert len(layers) == 6
+    corners = [point for _, polygons, _ in layers for one in polygons for point in one.tolist()]
+    assert max(x for x, _ in corners) == pytest.approx(7)
+    assert main([*words, "--cylinder", "6x8x3", "--blend", "0.3"]) == 0
+    assert len(read_binary_cli(out)) > 16
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--layer", "1", "-o", "a.stl"], "layers need .3mf, .cli"),
+        (["--layer", "1", "-o", "a.3mf", "--beams"], "--beams is not for --layer"),
+        (["--layer", "1", "-o", "a.cli", "--wall", "0.1"], "--wall is not for layers of a box"),
+        (["--text", "-o", "a.3mf"], "--text is for layers; need --layer"),
+        (["--layer", "1", "-o", "a.cli", "--size", "1e-9"], "is too small for a box of"),
+    ],
+)
+def test_options_that_do_not_go_with_layers_are_refused(
+    words: list[str],
+    said: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    given = ["lattice", "--cell", "bcc", "--size", "1", "--radius", "0.1", "--box", "4"]
+    assert main([*given, *words]) == 2
+    assert said in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,74 @@
+"""`scaffold-cad lattice --layer`: a lattice of any size, cut into layers without a mesh."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+from typing import Any
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Floats, Points
+from scaffold_cad.cli import build, slicing, source
+from scaffold_cad.cli.progress import SECTION_RATE, Progress
+from scaffold_cad.filling.fill import lattice_around
+from scaffold_cad.io.stacks import write_layers
+from scaffold_cad.lattice import PeriodicLattice
+from scaffold_cad.lattice.registry import unit_cell
+from scaffold_cad.lattice.tiling import cell_size
+from scaffold_cad.layers import slices
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.struts import round_struts
+
+WHOLE = 1e-9
+"""Part of a cell by which a box may be off a whole number of cells."""
+
+_log = logging.getLogger(__name__)
+
+
+def check(options: argparse.Namespace) -> None:
+    """Raise where an option is out of its range, or would do nothing."""
+    slicing.check_layers(options)
+    source.refuse(options, ["beams", "overlaps", "max_nodes"], "is not for --layer")
+    if options.box is not None or options.inside is not None:
+        why = "is not for layers of a box or a part, whose nodes are all blended alike"
+        source.refuse(options, ["blend", "ends", "wall"], why)
+
+
+def write(options: argparse.Namespace, where: Skeleton | TriangleMesh | Floats) -> None:
+    """Cut and write.
+
+    Parameters
+    ----------
+    where : a lattice on a map; a part to fill; or the box around a box
+    """
+    given: dict[str, Any] = {"skin": options.skin, "sides": options.sides}
+    if isinstance(where, Skeleton):
+        what: Any = round_struts(where, **build.round_options(options))
+        struts = len(where.edges)
+    else:
+        cell = unit_cell(options.cell)
+        corners = where.vertices if isinstance(where, TriangleMesh) else where
+        bounds = np.stack([corners.min(axis=0), corners.max(axis=0)])
+        what = lattice_around(bounds, cell, cell_size(cell, options.size), options.radius)
+        struts = what.strut_count
+        if isinstance(where, TriangleMesh):
+            given["region"] = where
+    layers = slices(what, thickness=options.layer, **given)
+    _log.info("%d struts, %d layers of %g mm", struts, len(layers), options.layer)
+    with Progress().stage("layers", struts * len(layers), "sections", SECTION_RATE):
+        write_layers(layers, options.output, text=options.text, pixel=options.pixel)
+    _log.info("%s written", options.output)
+
+
+def fills(box: Points, options: argparse.Namespace) -> bool:
+    """Return whether whole cells fill a box (2, 3), so that nothing is to be cut off."""
+    cell = unit_cell(options.cell)
+    if cell.is_net or not np.array_equal(cell.axes, np.eye(3)):
+        return False
+    lattice: PeriodicLattice = lattice_around(
+        box, cell, cell_size(cell, options.size), options.radius
+    )
+    off = lattice.size * lattice.counts - (box[1] - box[0])
+    return bool((np.abs(off) < WHOLE * lattice.size).all())
