@@ -56,15 +56,10 @@ def add_parser(
 
 def add_layer_arguments(parser: argparse.ArgumentParser, *, required: bool) -> None:
     """Add the arguments of files of layers; `check_layers` looks at them."""
-    parser.add_argument(
-        "--layer",
-        required=required,
-        type=float,
-        metavar="T",
-        help="thickness of a layer, mm"
-        if required
-        else "write layers of T mm: .cli .3mf .svg .zip",
-    )
+    about = "thickness of a layer, mm"
+    if not required:
+        about += ": writes layers, as .cli .3mf .svg or .zip"
+    parser.add_argument("--layer", required=required, type=float, metavar="T", help=about)
     parser.add_argument(
         "--pixel", type=float, metavar="P", help="side of a pixel of PNG images, mm"
     )

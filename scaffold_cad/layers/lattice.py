@@ -121,20 +121,23 @@ class RepeatedLattice:
         keys = np.rint((planes - self._origin) / (SAME * self._rise[2])).astype(np.int64).tolist()
         known = {key: self._kept[key] for key in keys if key in self._kept}
         fresh = np.array([key not in known for key in keys], dtype=np.bool_)
-        solid = Solid(StrutSections(self._struts, self._sides))
-        made = solid.layers(planes[fresh], 0.0)
+        made = self._few(planes[fresh])
         parts: StrutSections | None = None
         for key, plane, is_fresh in zip(keys, planes, fresh.tolist(), strict=True):
+            points, offsets = next(made) if is_fresh else known[key]
             if is_fresh:
-                layer = next(made)
-                known[key] = layer.points, layer.offsets
-                self._keep(key, known[key])
-            points, offsets = known[key]
+                self._keep(key, (points, offsets))
             found = self._stamp.repeated(points, offsets)
             if found is None:
                 parts = StrutSections(self._struts, self._sides) if parts is None else parts
                 found = self._united(parts, plane)
             yield (found[0] + shift if shift.any() else found[0]), found[1]
+
+    def _few(self, planes: Floats) -> Iterator[tuple[Floats, Ints]]:
+        """Yield the polygons of the few cells at each of ascending heights."""
+        if len(planes):
+            for layer in Solid(StrutSections(self._struts, self._sides)).layers(planes, 0.0):
+                yield layer.points, layer.offsets
 
     def _keep(self, key: int, polygons: tuple[Floats, Ints]) -> None:
         """Keep the polygons of a height, and forget the first of too many."""
