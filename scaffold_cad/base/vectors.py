@@ -82,6 +82,30 @@ def sums_by_row(values: Floats, rows: Ints, count: int) -> Floats:
     return table.reshape(count, *each)
 
 
+def running_sums(values: Floats, position: Ints) -> Floats:
+    """Return the sum of each of `values` (k,) and of those before it in its own run, (k,).
+
+    A run's sums are the same to the last bit whatever other runs there are.
+
+    Parameters
+    ----------
+    values : (k,) float64, run after run
+    position : (k,) intp, number of values before each one in its run
+
+    Examples
+    --------
+    >>> running_sums(np.array([1.0, 2.0, 3.0, 5.0]), np.array([0, 1, 2, 0])).tolist()
+    [1.0, 3.0, 6.0, 5.0]
+    """
+    total = values.copy()
+    reach = 1
+    while reach <= position.max(initial=0):
+        late = np.flatnonzero(position >= reach)
+        total[late] = total[late] + total[late - reach]
+        reach *= 2
+    return total
+
+
 def rotate(vectors: Floats, axes: UnitVectors, angles: Floats) -> Floats:
     """Return `vectors` turned about `axes` by `angles` (rad, right-handed): Rodrigues."""
     cosine = np.cos(angles)[..., None]

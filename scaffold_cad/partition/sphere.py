@@ -101,7 +101,7 @@ def partition_spheres(
 ) -> Partitions:
     """Return certified partitions around the directions of M stars of valency N.
 
-    Each distinct star is partitioned once: stars whose directions agree within some 1e-6, in
+    Each distinct star is partitioned once: stars whose directions agree within some 1e-9, in
     whatever order, get the same vertices. The result for a star does not depend on the others,
     nor on the order of its directions.
 

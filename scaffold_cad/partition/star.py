@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arrays import Floats, Ints, UnitVectors, as_floats
 from scaffold_cad.base.blocks import blocks
-from scaffold_cad.base.vectors import angle_between, length
+from scaffold_cad.base.vectors import angle_between, length, normalize
 from scaffold_cad.errors import PartitionError
 from scaffold_cad.skeleton.overlaps import LEAST_ANGLE
 
@@ -21,10 +21,13 @@ MIN_VALENCY = 3
 PAIR_BYTES = 640
 """What a pair of directions takes where its angle is calculated."""
 KEY_STEPS = 1_000_000
-"""Directions that agree when rounded to 1/KEY_STEPS belong to one distinct star.
+"""Directions are put in a common order by their coordinates rounded to 1/KEY_STEPS.
 
 A coordinate then takes 2 000 001 values, which is less than 2**21: a direction fits 63 bits.
 """
+FINE_STEPS = 1000 * KEY_STEPS
+"""Directions that agree when rounded to 1/FINE_STEPS belong to one distinct star, and are
+partitioned as rounded: so what a star gets depends on no other star, to the last bit."""
 
 
 def as_stars(values: ArrayLike) -> UnitVectors:
@@ -84,8 +87,9 @@ class DistinctStars:
     """Directions of each star in the group's common order, shape (M, N)."""
 
     def representatives(self, stars: UnitVectors) -> UnitVectors:
-        """Return one star a group, its directions in the common order, shape (U, N, 3)."""
-        return stars[self.first[:, None], self.order[self.first]]
+        """Return each group's star, rounded, its directions in the common order, (U, N, 3)."""
+        chosen = stars[self.first[:, None], self.order[self.first]]
+        return normalize(np.rint(chosen * FINE_STEPS))
 
     def ranks(self) -> Ints:
         """Return the place of each direction of each star in the common order, shape (M, N)."""
@@ -98,13 +102,16 @@ def distinct_stars(stars: UnitVectors) -> DistinctStars:
     """Return the groups of `stars` (M, N, 3) that agree up to the order of their directions."""
     keys = direction_keys(stars)
     order = np.argsort(keys, axis=1, kind="stable")
-    first, group = unique_rows(np.take_along_axis(keys, order, axis=1))
+    rows = np.concatenate(
+        [np.take_along_axis(part, order, axis=1) for part in (keys, _fine_keys(stars))], axis=1
+    )
+    first, group = unique_rows(rows)
     return DistinctStars(first, group, order)
 
 
 def ordered_stars(stars: UnitVectors, keys: Ints) -> DistinctStars:
     """Return the groups of `stars` that agree in order, and in `keys` (M, K)."""
-    rows = np.concatenate([direction_keys(stars), keys], axis=1)
+    rows = np.concatenate([direction_keys(stars), _fine_keys(stars), keys], axis=1)
     return DistinctStars(*unique_rows(rows), _given_order(stars))
 
 
@@ -120,9 +127,19 @@ def _given_order(stars: UnitVectors) -> Ints:
 
 def direction_keys(stars: UnitVectors) -> Ints:
     """Return a number for each direction, the same for those that round alike, (M, N)."""
-    steps = np.rint(stars * KEY_STEPS).astype(np.int64) + KEY_STEPS
-    keys: Ints = (steps[..., 0] << 42) | (steps[..., 1] << 21) | steps[..., 2]
-    return keys
+    return _packed(np.rint(stars * KEY_STEPS).astype(np.int64) + KEY_STEPS)
+
+
+def _fine_keys(stars: UnitVectors) -> Ints:
+    """Return what the finer rounding of each direction adds to its key, (M, N)."""
+    coarse, fine = (np.rint(stars * steps).astype(np.int64) for steps in (KEY_STEPS, FINE_STEPS))
+    return _packed(fine - coarse * (FINE_STEPS // KEY_STEPS) + FINE_STEPS // KEY_STEPS)
+
+
+def _packed(steps: Ints) -> Ints:
+    """Return three numbers (M, N, 3) in 0..2**21 - 1 as one, (M, N)."""
+    packed: Ints = (steps[..., 0] << 42) | (steps[..., 1] << 21) | steps[..., 2]
+    return packed
 
 
 def unique_rows(rows: Ints) -> tuple[Ints, Ints]:

@@ -25,7 +25,7 @@ LEAST_STRUT = 0.25
 """Least length of strut between two collars, in radii; below it the strut gets one or none."""
 
 RESOLUTION = 1e-9
-"""Least distance of a collar from a node, in largest coordinates."""
+"""Least distance of a collar from a node, in the largest coordinate of its strut."""
 
 MOST_SQUEEZED = 0.9
 """Part of an edge that its collars and what lies before them may take when they must stay."""
@@ -159,7 +159,8 @@ def collar_distances(
         squeezed: Floats = wanted * squeeze[:, None]
         return squeezed
     # Collars closer than that to a node could not be told from it.
-    least = np.maximum(LEAST_STRUT * radii.max(axis=1), RESOLUTION * np.abs(skeleton.nodes).max())
+    coordinate = np.abs(skeleton.nodes[skeleton.edges]).max(axis=(1, 2))  # (m,)
+    least = np.maximum(LEAST_STRUT * radii.max(axis=1), RESOLUTION * coordinate)
     wanted[wanted < least[:, None]] = np.nan
     fits = lengths - np.nansum(wanted, axis=1) >= least
     room = lengths - extents.sum(axis=1)

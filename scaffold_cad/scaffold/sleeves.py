@@ -18,7 +18,14 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.base.topology import Chains
-from scaffold_cad.base.vectors import any_perpendicular, dot, length, normalize, rotate
+from scaffold_cad.base.vectors import (
+    any_perpendicular,
+    dot,
+    length,
+    normalize,
+    rotate,
+    running_sums,
+)
 from scaffold_cad.scaffold.frames import accumulate, bisectors, double_reflection, multiply, turn
 from scaffold_cad.skeleton import Skeleton
 
@@ -246,10 +253,8 @@ def _end_twist(
 
 def _arc_fraction(skeleton: Skeleton, walk: Walk) -> Floats:
     """Return the part of its branch's length that lies before the head of each step, (m,)."""
-    run = np.cumsum(skeleton.lengths[walk.half_edge >> 1])
-    before = np.where(walk.first > 0, run[walk.first - 1], 0.0)
-    total = run[walk.last] - before
-    fraction: Floats = (run - before[walk.branch]) / total[walk.branch]
+    run = running_sums(skeleton.lengths[walk.half_edge >> 1], walk.position)
+    fraction: Floats = run / run[walk.last][walk.branch]
     return fraction
 
 
