@@ -65,4 +65,5 @@ def round_ends(
     tip = np.broadcast_to((first + block - 1)[:, None], last.shape)
     fans = np.stack([np.roll(last, -1, axis=1), last, tip], axis=-1)
     vertices = np.concatenate([inner.reshape(number, -1, 3), pole[:, None]], axis=1)
-    return vertices.reshape(-1, 3), np.concatenate([bands.reshape(-1, 3), fans.reshape(-1, 3)])
+    closing = np.concatenate([bands.reshape(number, 2 * (levels - 1) * sides, 3), fans], axis=1)  # end by end
+    return vertices.reshape(-1, 3), closing.reshape(-1, 3)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints, UnitVectors
+from scaffold_cad.base.products import row_products
 from scaffold_cad.base.vectors import any_perpendicular
 from scaffold_cad.partition.certificate import corners_of
 from scaffold_cad.struts.blend import Solved, Stars
@@ -159,18 +160,19 @@ def _fitted(
     samples = near + (far - near) * layout.at_v  # (3, m, 4 N, n, n)
     wanted = union.projected(samples.reshape(3, nodes, -1), FIRST_STEPS)
     given = rows.reshape(3, nodes, -1)[:, :, system.given].reshape(3 * nodes, -1)
-    fixed = given @ system.samples_of_given
+    fixed = row_products(given, system.samples_of_given)
     before = None
     for stiffness, rounds in recipe.rounds:
         fit = fit_of(twins, layout, stiffness)
-        start = given @ fit.free_of_given
+        start = row_products(given, fit.free_of_given)
         for _ in range(rounds):
-            free = wanted.reshape(3 * nodes, -1) @ fit.free_of_samples + start
-            samples = (free @ system.samples_of_free + fixed).reshape(3, nodes, -1)
+            free = row_products(wanted.reshape(3 * nodes, -1), fit.free_of_samples) + start
+            samples = (row_products(free, system.samples_of_free) + fixed).reshape(3, nodes, -1)
             ahead = samples if before is None else samples + recipe.momentum * (samples - before)
             before = samples
             wanted = union.projected(ahead, 1, recipe.urge)
-    points = free @ system.points_of_free + given @ system.points_of_given
+    points = row_products(free, system.points_of_free)
+    points += row_products(given, system.points_of_given)
     return points.reshape(3, nodes, -1)
 
 

@@ -8,12 +8,14 @@ whole arrays, a block in each thread.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Ints, UnitVectors
+from scaffold_cad.base.arrays import Floats, Ints, UnitVectors
 from scaffold_cad.base.blocks import CACHE, blocks, cut
 from scaffold_cad.base.threads import in_order
+from scaffold_cad.base.vectors import normalize
 from scaffold_cad.partition.arcs import side_twins
 from scaffold_cad.struts.blend import Blends, Solved, Stars
 from scaffold_cad.struts.evenness import even
@@ -27,8 +29,13 @@ STAR_BYTES = 2048
 """What a partition takes where its vertices are moved."""
 UNPROVED = 1e3
 """What not to be proved counts when the best recipe is chosen, as a depth."""
-SAME = 1e-9
-"""Nodes whose numbers agree to this part of a radius are solved once."""
+ROOM = 1e-9
+"""Part of a radius that room for collars is rounded to: it is found by bisection."""
+MOST_ROOM = 1e6
+"""Room for a collar above which it is without end, in radii."""
+SAME = 1e-11
+"""Nodes whose numbers agree to this part of a radius are solved once, with their numbers rounded:
+so what a node gets depends on no other node, to the last bit."""
 
 
 def blends(stars: Stars, recipes: Iterable[Recipe] = RECIPES) -> tuple[Blends, ...]:
@@ -52,7 +59,7 @@ def blends(stars: Stars, recipes: Iterable[Recipe] = RECIPES) -> tuple[Blends, .
     ((1, 12, 6, 6, 3), array([ True]))
     """
     first, shape_of = _distinct(stars)
-    own = stars[first]
+    own = _rounded(stars[first])
     best: list[Solved] = []
     chosen = np.full(len(own), -1, dtype=np.intp)
     place = np.zeros(len(own), dtype=np.intp)
@@ -72,14 +79,15 @@ def blends(stars: Stars, recipes: Iterable[Recipe] = RECIPES) -> tuple[Blends, .
         chosen[open_nodes[better]], place[open_nodes[better]] = trial, np.flatnonzero(better)
         score[open_nodes[better]] = value[better]
         open_nodes = open_nodes[(score[open_nodes] > MOST_DEPTH) & found.has_room]
-    return tuple(_grouped(stars, own, shape_of, best, chosen, place))
+    return tuple(_grouped(stars, first, shape_of, best, chosen, place))
 
 
 def _grouped(
-    stars: Stars, own: Stars, shape_of: Ints, best: list[Solved], chosen: Ints, place: Ints
+    stars: Stars, first: Ints, shape_of: Ints, best: list[Solved], chosen: Ints, place: Ints
 ) -> list[Blends]:
     """Return the chosen blends by layout."""
     groups = []
+    own, size = stars[first], _size(stars[first])
     layouts = [found.layout for found in best]
     for layout in dict.fromkeys(layouts):
         trials = [trial for trial, other in enumerate(layouts) if other == layout]
@@ -96,7 +104,7 @@ def _grouped(
                 nodes,
                 number[shape_of[nodes]],
                 side_twins(own.quads[shapes]),
-                Solved.joined(parts),
+                _enlarged(Solved.joined(parts), size[shapes]),
             )
         )
     return groups
@@ -131,15 +139,52 @@ def _evened(own: Stars, openness: float) -> UnitVectors:
     return np.concatenate(list(in_order(work, blocks(len(own), STAR_BYTES, CACHE))))
 
 
+def _size(stars: Stars) -> Floats:
+    """Return the power of ten nearest to the radii at each node, mm, (M, 1).
+
+    Equal nodes have the same.
+    """
+    size: Floats = 10 ** np.round(np.log10(stars.radii.mean(axis=1, keepdims=True)))
+    return size
+
+
+def _rounded(stars: Stars) -> Stars:
+    """Return the stars with the numbers by which equal ones are known, lengths in their size."""
+    size = _size(stars)
+    alone = size[:, 0]
+    return Stars(
+        normalize(np.rint(stars.directions / SAME)),
+        np.rint(stars.radii / (SAME * size)) * SAME,
+        np.rint(stars.slopes / SAME) * SAME,
+        np.rint(stars.blends / (SAME * alone)) * SAME,
+        np.rint(stars.balls / (SAME * alone)) * SAME,
+        np.where(
+            stars.most < MOST_ROOM * size, np.rint(stars.most / (ROOM * size)) * ROOM, np.inf
+        ),
+        normalize(np.rint(stars.vertices / SAME)),
+        stars.quads,
+    )
+
+
+def _enlarged(made: Solved, size: Floats) -> Solved:
+    """Return blends (U) with their lengths multiplied by sizes (U, 1)."""
+    return replace(
+        made,
+        control=made.control * size[:, :, None, None, None],
+        collar_distances=made.collar_distances * size,
+        collar_radii=made.collar_radii * size,
+        rho=made.rho * size[:, 0],
+    )
+
+
 def _distinct(stars: Stars) -> tuple[Ints, Ints]:
     """Return one node of each kind of equal nodes, (U,), and the kind of each node, (M,)."""
-    size = stars.radii.mean(axis=1, keepdims=True)
-    unit = SAME * 10 ** np.round(np.log10(size))  # (M, 1), mm: the same for nodes that are equal
-    count = len(stars)
-    most = np.minimum(stars.most, 1e6 * size)
-    lengths = [stars.radii, most, stars.blends[:, None], stars.balls[:, None]]
+    size, count = _size(stars), len(stars)
+    most = np.minimum(stars.most, MOST_ROOM * size)
+    lengths = [stars.radii, stars.blends[:, None], stars.balls[:, None]]
     ratios = [stars.directions, stars.slopes, stars.vertices]
-    rows = [np.rint(each / unit) for each in lengths] + [np.log10(unit)]
+    rows = [np.rint(each / (SAME * size)) for each in lengths]
+    rows += [np.rint(most / (ROOM * size)), np.log10(size)]
     rows += [np.rint(each.reshape(count, -1) / SAME) for each in ratios]
     rows.append(stars.quads.reshape(count, -1).astype(np.float64))
     table = np.ascontiguousarray(np.concatenate(rows, axis=1) + 0.0)  # no -0.0

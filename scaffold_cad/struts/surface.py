@@ -41,6 +41,8 @@ class Triangulated(Frozen):
     """Node that each triangle of a node stands around, shape (t',)."""
     shift: Ints
     """How the rings of each run are joined, see `Matching`, shape (k,)."""
+    owner: Ints
+    """What each triangle belongs to: node v as v, run i as -1 - i, shape (t,)."""
 
 
 def triangulated(struts: RoundStruts, sides: int) -> Triangulated:
@@ -58,12 +60,15 @@ def triangulated(struts: RoundStruts, sides: int) -> Triangulated:
     inside, inner_rings = _shell(struts.inner, sides)
     count = len(outer.mesh.vertices)
     faces = [outer.mesh.triangles, inside.mesh.triangles[:, ::-1] + count]
+    owners = [outer.owner, inside.owner]
     if struts.options.ends == "open":
         faces.append(_annuli(rings, inner_rings + count))
+        ends = np.flatnonzero(struts.runs.valency[struts.runs.tails] == 1)
+        owners.append(np.tile(-1 - np.repeat(ends >> 1, sides), 2))
     mesh = TriangleMesh(
         np.concatenate([outer.mesh.vertices, inside.mesh.vertices]), np.concatenate(faces)
     )
-    return Triangulated(mesh, outer.node, outer.shift)
+    return Triangulated(mesh, outer.node, outer.shift, np.concatenate(owners))
 
 
 def _annuli(outer: Ints, inner: Ints) -> Triangles:
@@ -87,6 +92,7 @@ def _shell(struts: RoundStruts, sides: int) -> tuple[Triangulated, Ints]:
     rings = np.empty((len(struts.collar), sides), dtype=np.intp)
     at_nodes = np.empty((count, 3))
     nodes: list[Ints] = []
+    along: list[Ints] = []
     faces: list[Triangles] = []
     for group in struts.blended:
         half_runs = group.half_runs
@@ -108,13 +114,15 @@ def _shell(struts: RoundStruts, sides: int) -> tuple[Triangulated, Ints]:
         extra, closing = make(struts.runs, ends, sized.radius[ends], rings[ends], own[ends], count)
         points.append(extra)
         faces.append(closing)
+        along.append(np.repeat(ends >> 1, len(closing) // max(len(ends), 1)))
     faces.append(band_triangles(rings[0::2], rings[1::2], sized.shift, sized.twist))
+    along.append(np.repeat(np.arange(len(sized.shift)), 2 * sides))
     around = np.concatenate(nodes) if nodes else np.empty(0, dtype=np.intp)
-    triangles = np.concatenate(faces)
+    triangles, owner = np.concatenate(faces), np.concatenate([around, -1 - np.concatenate(along)])
     if model is not None:
-        around, triangles = model.node, model.mesh.triangles
+        around, triangles, owner = model.node, model.mesh.triangles, model.owner
     return Triangulated(
-        TriangleMesh(np.concatenate(points), triangles), around, sized.shift
+        TriangleMesh(np.concatenate(points), triangles), around, sized.shift, owner
     ), rings[ends]
 
 
