@@ -28,6 +28,7 @@ FLOORS = (
     ("io",),
     ("webpage", "viewers", "filling"),
     ("parts", "printability", "mechanics"),
+    ("tiles",),
     ("cli",),
 )
 """Wings from the bottom up. A wing imports those below it, and none beside it."""

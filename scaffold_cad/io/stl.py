@@ -135,13 +135,55 @@ def _write(blocks: Iterable[np.ndarray], path: Path, unit: str = "mm") -> None:
     with path.open("wb") as file:
         file.write(HEADER.format(unit).encode("ascii")[:80].ljust(80) + bytes(4))
         for corners in blocks:
-            facets = np.zeros(len(corners), dtype=_FACET)
-            facets["corners"] = corners
-            facets["normal"] = _normals(corners)
-            file.write(facets.tobytes())
+            file.write(_records(corners))
             count += len(corners)
         file.seek(80)
         file.write(np.uint32(count).astype("<u4").tobytes())
+
+
+def _records(corners: np.ndarray) -> bytes:
+    """Return the records of facets with 32-bit corners (t, 3, 3)."""
+    facets = np.zeros(len(corners), dtype=_FACET)
+    facets["corners"] = corners
+    facets["normal"] = _normals(corners)
+    data: bytes = facets.tobytes()
+    return data
+
+
+def facets_of(corners: np.ndarray) -> bytes:
+    """Return the content of a binary file of triangles with 32-bit corners (t, 3, 3), in mm."""
+    _check_count(len(corners))
+    count: bytes = np.uint32(len(corners)).astype("<u4").tobytes()
+    return HEADER.format("mm").encode("ascii").ljust(80) + count + _records(corners)
+
+
+def join_stl(files: Iterable[Path], path: Path) -> None:
+    """Write the triangles of binary files in mm into one, in the order of the files.
+
+    Raises
+    ------
+    FormatError
+        If a file is not whole, or there are more triangles than the header can count.
+    """
+    count = 0
+    with path.open("wb") as joined:
+        joined.write(HEADER.format("mm").encode("ascii").ljust(80) + bytes(4))
+        for file in files:
+            with file.open("rb") as part:
+                facets = int.from_bytes(part.read(_HEADER)[80:], "little")
+                copied = 0
+                while piece := part.read(CHUNK * _FACET.itemsize):
+                    joined.write(piece)
+                    copied += len(piece)
+            if copied != facets * _FACET.itemsize:
+                raise FormatError(
+                    f"{file} has {copied} bytes of triangles; need {facets * _FACET.itemsize}, as "
+                    "its header says"
+                )
+            count += facets
+            _check_count(count)
+        joined.seek(80)
+        joined.write(np.uint32(count).astype("<u4").tobytes())
 
 
 def _chunks(mesh: TriangleMesh) -> Iterator[np.ndarray]:

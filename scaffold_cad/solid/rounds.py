@@ -55,6 +55,20 @@ def round_mesh(struts: RoundStruts, sides: int = SIDES) -> TriangleMesh:
     return made.mesh
 
 
+def faulty_runs(struts: RoundStruts, made: Triangulated, sides: int) -> Bools:
+    """Return which runs have no sound triangles of their own, or end at a node that has none, (k,).
+
+    Parameters
+    ----------
+    made : the triangles with so many `sides`
+    """
+    faulty = struts.crowded.copy()
+    faulty[made.node[~_seen_from_nodes(struts, made)]] = True
+    runs = struts.crowded_runs | faulty[struts.runs.edges].any(axis=1)
+    runs[_polygons_crossing(struts, sides)] = True
+    return np.asarray(runs)
+
+
 def coarse_union(struts: RoundStruts) -> TriangleMesh:
     """Return the union of round struts with few triangles, for formats where each is a face."""
     check_kind(struts, RoundStruts)

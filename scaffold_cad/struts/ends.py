@@ -64,6 +64,10 @@ def round_ends(
     last = stack[:, -1]
     tip = np.broadcast_to((first + block - 1)[:, None], last.shape)
     fans = np.stack([np.roll(last, -1, axis=1), last, tip], axis=-1)
-    vertices = np.concatenate([inner.reshape(number, -1, 3), pole[:, None]], axis=1)
-    closing = np.concatenate([bands.reshape(number, 2 * (levels - 1) * sides, 3), fans], axis=1)  # end by end
+    vertices = np.concatenate(
+        [inner.reshape(number, (levels - 1) * sides, 3), pole[:, None]], axis=1
+    )
+    closing = np.concatenate(
+        [bands.reshape(number, 2 * (levels - 1) * sides, 3), fans], axis=1
+    )  # end by end
     return vertices.reshape(-1, 3), closing.reshape(-1, 3)

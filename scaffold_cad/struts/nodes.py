@@ -158,9 +158,7 @@ def _rounded(stars: Stars) -> Stars:
         np.rint(stars.slopes / SAME) * SAME,
         np.rint(stars.blends / (SAME * alone)) * SAME,
         np.rint(stars.balls / (SAME * alone)) * SAME,
-        np.where(
-            stars.most < MOST_ROOM * size, np.rint(stars.most / (ROOM * size)) * ROOM, np.inf
-        ),
+        np.where(stars.most < MOST_ROOM * size, np.rint(stars.most / (ROOM * size)) * ROOM, np.inf),
         normalize(np.rint(stars.vertices / SAME)),
         stars.quads,
     )

@@ -258,6 +258,12 @@ def _system(key: tuple[int, ...], layout: Layout) -> System:
     )
 
 
+def forget_systems() -> None:
+    """Let all matrices be made anew: their last bits depend on how many threads made them."""
+    _system.cache_clear()
+    _fit.cache_clear()
+
+
 @lru_cache(maxsize=4 * KEPT_SYSTEMS)
 def _fit(key: tuple[int, ...], layout: Layout, stiffness: float) -> Fit:
     system = _system(key, layout)

@@ -30,6 +30,10 @@ def test_rows_are_the_nearest_decimals() -> None:
     assert np.abs(found - values).max() <= 0.5000001e-6
 
 
+def name_of(cell: str | UnitCell) -> str:
+    return cell if isinstance(cell, str) else cell.name
+
+
 def places(skeleton: Skeleton) -> list[tuple[tuple[float, ...], ...]]:
     """Return the ends of all struts, in an order of their own."""
     ends = skeleton.nodes[skeleton.edges].round(4) + 0.0
@@ -37,7 +41,7 @@ def places(skeleton: Skeleton) -> list[tuple[tuple[float, ...], ...]]:
 
 
 @pytest.mark.parametrize("layers", [1, 10**6])
-@pytest.mark.parametrize("cell", [*cells(), CHAIN], ids=str)
+@pytest.mark.parametrize("cell", [*cells(), CHAIN], ids=name_of)
 def test_beams_written_by_layers_are_those_of_the_lattice(
     cell: str | UnitCell, layers: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -50,7 +54,7 @@ def test_beams_written_by_layers_are_those_of_the_lattice(
     np.testing.assert_array_equal(found.edge_radii, 0.5)
 
 
-@pytest.mark.parametrize("cell", [*cells(), CHAIN], ids=str)
+@pytest.mark.parametrize("cell", [*cells(), CHAIN], ids=name_of)
 def test_repeated_blocks_have_each_beam_once(cell: str | UnitCell, tmp_path: Path) -> None:
     lattice = PeriodicLattice(cell, 8.0, (5, 2, 3), radius=0.5, origin=(1, -2, 30))
     write_repeated(lattice, tmp_path / "a.3mf", block=2)

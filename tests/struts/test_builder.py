@@ -119,3 +119,26 @@ def test_options_out_of_range_are_refused(options: dict[str, Any], message: str)
 def test_skeletons_that_cannot_be_built_on_are_refused() -> None:
     with pytest.raises(SkeletonError, match="no edges"):
         round_struts(Skeleton([[0, 0, 0]], [], 1.0))
+
+
+def test_a_node_beside_one_with_a_ball_has_its_own_blend() -> None:
+    beside = TRIPOD.moved(TRIPOD.nodes + [50.0, 0.0, 0.0])
+    radii = np.concatenate([TRIPOD.radii, beside.radii])
+    radii[0] *= 1.8
+    both = Skeleton(
+        np.concatenate([TRIPOD.nodes, beside.nodes]),
+        np.concatenate([TRIPOD.edges, TRIPOD.edges + len(TRIPOD.nodes)]),
+        radii,
+        np.concatenate([TRIPOD.edge_radii, TRIPOD.edge_radii]),
+    )
+    found = round_struts(both)
+    alone = round_struts(TRIPOD).blended[0].shapes.control[0]
+    (group,) = found.blended
+    shape = group.shape_of[group.nodes.tolist().index(len(TRIPOD.nodes))]
+    np.testing.assert_array_equal(group.shapes.control[shape], alone)
+    assert np.isfinite(group.shapes.misfit).all()
+
+
+def test_struts_without_ends_may_end_round() -> None:
+    mesh = triangulated(round_struts(K4, ends="round"), 8).mesh
+    mesh.check_closed()

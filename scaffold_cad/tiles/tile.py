@@ -1,0 +1,43 @@
+"""Tile: struts of one's own, and those around them that decide what they become."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Bools, Frozen, Ints
+from scaffold_cad.skeleton import Skeleton
+
+
+@dataclass(frozen=True, eq=False)
+class Tile(Frozen):
+    """A part of a skeleton whose own struts have the surface that they have in the whole.
+
+    All tiles together own each strut once. Nodes and struts are in the order of the whole.
+    """
+
+    number: int
+    """Which of the tiles it is."""
+    skeleton: Skeleton
+    """Its own struts and those around them."""
+    own: Bools
+    """Which struts are its own, shape (m,)."""
+
+    @cached_property
+    def first_strut(self) -> Ints:
+        """The first strut of each node, shape (n,)."""
+        first = np.full(len(self.skeleton.nodes), len(self.skeleton.edges), dtype=np.intp)
+        for ends in self.skeleton.edges.T:
+            np.minimum.at(first, ends, np.arange(len(ends)))
+        return first
+
+    @cached_property
+    def own_nodes(self) -> Bools:
+        """Which nodes are its own: those whose first strut is, shape (n,).
+
+        A node of an own strut has all its struts here, so that tiles agree on whose it is.
+        """
+        own: Bools = self.own[self.first_strut]
+        return own

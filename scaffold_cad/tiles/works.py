@@ -1,0 +1,128 @@
+"""What can be done with a tile: its surface built, its struts checked or loaded, each as a file.
+
+A work is a frozen dataclass, so that it can be sent to another process and told apart from others
+by its fields. It makes the content of a tile's file, and puts the files of all tiles together.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol, get_args
+
+import numpy as np
+
+from scaffold_cad.base.arguments import check_choice
+from scaffold_cad.io.stl import facets_of, join_stl
+from scaffold_cad.printability.processes import process_named
+from scaffold_cad.printability.struts import narrow_gaps
+from scaffold_cad.scaffold import build_scaffold
+from scaffold_cad.solid.rounds import SIDES, check_sides
+from scaffold_cad.tiles.surfaces import (
+    TileOverlaps,
+    overlapping_struts,
+    round_triangles,
+    square_triangles,
+)
+from scaffold_cad.tiles.tile import Tile
+
+
+class Work(Protocol):
+    """What is done with each tile."""
+
+    @property
+    def suffix(self) -> str:
+        """Of the tiles' files."""
+
+    def made(self, tile: Tile) -> bytes:
+        """Return the content of a tile's file; the same tile gives the same bytes."""
+
+    def join(self, files: Iterable[Path], path: Path) -> None:
+        """Put the files of all tiles, in their order, together in one."""
+
+
+@dataclass(frozen=True)
+class Build:
+    """The surface of all struts as one STL file: the triangles that the whole has."""
+
+    round: bool = False
+    """Whether struts are round, with blends, or square."""
+    options: dict[str, Any] = field(default_factory=dict)
+    """Of `round_struts` or of `build_scaffold`."""
+    sides: int = SIDES
+    """Of the polygons that stand for the circles of round struts, a multiple of 4."""
+    overlaps: TileOverlaps = "refuse"
+    """What becomes of struts that overlap, which tiles do not unite: "refuse" them, or "allow"
+    faces that cross, which slicers unite."""
+
+    suffix = ".stl"
+
+    def __post_init__(self) -> None:
+        check_choice(self.overlaps, "overlaps", get_args(TileOverlaps))
+        check_sides(self.sides)
+
+    def made(self, tile: Tile) -> bytes:
+        """Return a binary STL file of the tile's own triangles, open where others go on."""
+        if self.round:
+            return facets_of(round_triangles(tile, self.options, self.sides, self.overlaps))
+        return facets_of(square_triangles(tile, self.options, self.overlaps))
+
+    def join(self, files: Iterable[Path], path: Path) -> None:
+        """Write the triangles of all tiles as one STL file."""
+        join_stl(files, path)
+
+
+@dataclass(frozen=True)
+class Check:
+    """What a printing process asks of struts: thick, stout, apart, none overlapping."""
+
+    process: str = "sls"
+    """A name in `PROCESSES`."""
+    options: dict[str, Any] = field(default_factory=dict)
+    """Of `build_scaffold`, by which struts are found that overlap."""
+
+    suffix = ".json"
+
+    def made(self, tile: Tile) -> bytes:
+        """Return numbers and extremes of the tile's own struts, as JSON."""
+        process, skeleton = process_named(self.process), tile.skeleton
+        thickness = 2.0 * skeleton.edge_radii.min(axis=1)  # (m,)
+        slenderness = skeleton.lengths / thickness
+        gaps = narrow_gaps(skeleton, process.least_gap)
+        # A pair belongs to the tile of its first strut.
+        widths = gaps.widths[tile.own[np.minimum(gaps.first, gaps.second)]]
+        overlapping = overlapping_struts(build_scaffold(skeleton, **self.options))
+        own = tile.own
+        thin = thickness[own] < process.least_diameter * (1 - 1e-9)
+        slender = slenderness[own] > process.greatest_slenderness
+        found = {
+            "struts": int(own.sum()),
+            "thin": int(thin.sum()),
+            "slender": int(slender.sum()),
+            "narrow_gaps": int((widths > 0).sum()),
+            "touching": int((widths <= 0).sum()),
+            "overlapping": int(overlapping[own].sum()),
+            "least_diameter_mm": float(thickness[own].min()),
+            "greatest_slenderness": float(slenderness[own].max()),
+            "least_gap_mm": float(widths[widths > 0].min()) if (widths > 0).any() else None,
+        }
+        return _json(found)
+
+    def join(self, files: Iterable[Path], path: Path) -> None:
+        """Write numbers and extremes of all struts, as JSON."""
+        rows = [json.loads(file.read_text("utf-8")) for file in files]
+        joined: dict[str, Any] = {"process": self.process}
+        for name in rows[0]:
+            values = [row[name] for row in rows if row[name] is not None]
+            if name.startswith("least"):
+                joined[name] = min(values, default=None)
+            else:
+                joined[name] = max(values) if name.startswith("greatest") else sum(values)
+        joined["printable"] = joined["thin"] == 0
+        path.write_bytes(_json(joined))
+
+
+def _json(found: dict[str, Any]) -> bytes:
+    return (json.dumps(found, indent=1, allow_nan=False) + "\n").encode()
