@@ -22,5 +22,5 @@ def row_products(rows: Floats, matrix: Floats) -> Floats:
     stacks = -(-count // ROWS)
     padded = np.zeros((stacks * ROWS, rows.shape[1]))
     padded[:count] = rows
-    product: Floats = padded.reshape(stacks, ROWS, -1) @ matrix
-    return product.reshape(stacks * ROWS, -1)[:count]
+    product: Floats = padded.reshape(stacks, ROWS, len(matrix)) @ matrix
+    return product.reshape(stacks * ROWS, matrix.shape[1])[:count]
