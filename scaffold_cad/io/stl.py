@@ -157,6 +157,10 @@ def facets_of(corners: np.ndarray) -> bytes:
     return HEADER.format("mm").encode("ascii").ljust(80) + count + _records(corners)
 
 
+COPIED = 1 << 22
+"""Bytes copied at a time."""
+
+
 def join_stl(files: Iterable[Path], path: Path) -> None:
     """Write the triangles of binary files in mm into one, in the order of the files.
 
@@ -172,7 +176,7 @@ def join_stl(files: Iterable[Path], path: Path) -> None:
             with file.open("rb") as part:
                 facets = int.from_bytes(part.read(_HEADER)[80:], "little")
                 copied = 0
-                while piece := part.read(CHUNK * _FACET.itemsize):
+                while piece := part.read(COPIED):
                     joined.write(piece)
                     copied += len(piece)
             if copied != facets * _FACET.itemsize:

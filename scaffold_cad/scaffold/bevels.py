@@ -289,7 +289,8 @@ def _fits(made: Sleeving, bends: _Bends, rings: _Rings) -> Bools:
     plane = refined.valency[refined.edges[far_edge, far_slot]] < 3
     fits = (ahead > least) & ((behind > least) | ~plane)
     fits &= bends.meeting(bends.most)[1][:, :, 0] < bends.room
-    fits &= rings.start > RESOLUTION * np.abs(refined.nodes).max()
+    coordinates = np.abs(refined.nodes[refined.edges[far_edge]]).max(axis=(2, 3))  # (j, 2)
+    fits &= rings.start > RESOLUTION * coordinates
     return np.asarray(fits.all(axis=1))
 
 
