@@ -14,7 +14,7 @@ from typing import Any, Protocol, get_args
 
 import numpy as np
 
-from scaffold_cad.base.arguments import check_choice
+from scaffold_cad.base.arguments import check_choice, checks_keywords
 from scaffold_cad.io.stl import facets_of, join_stl
 from scaffold_cad.printability.processes import process_named
 from scaffold_cad.printability.struts import narrow_gaps
@@ -43,6 +43,7 @@ class Work(Protocol):
         """Put the files of all tiles, in their order, together in one."""
 
 
+@checks_keywords()
 @dataclass(frozen=True)
 class Build:
     """The surface of all struts as one STL file: the triangles that the whole has."""
@@ -74,6 +75,7 @@ class Build:
         join_stl(files, path)
 
 
+@checks_keywords()
 @dataclass(frozen=True)
 class Check:
     """What a printing process asks of struts: thick, stout, apart, none overlapping."""
