@@ -55,7 +55,7 @@ class QuadMesh(Frozen, Shown):
         return f"QuadMesh: {vertices}, {quads}, {size_text(self.vertices)}"
 
     def moved(self, vertices: ArrayLike) -> QuadMesh:
-        """Return the same quads on other vertices, shape (v, 3), mm.
+        """Return the same quads, split along the same diagonals, on other vertices (v, 3), mm.
 
         Raises
         ------
@@ -67,6 +67,7 @@ class QuadMesh(Frozen, Shown):
             raise MeshError(f"{len(points)} vertices given; need {len(self.vertices)}")
         mesh = object.__new__(QuadMesh)
         mesh._keep(vertices=points, quads=self.quads)
+        mesh.__dict__["fans"] = self.fans
         return mesh
 
     @cached_property

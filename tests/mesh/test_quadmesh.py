@@ -185,3 +185,11 @@ def test_a_quad_turned_round_is_refused() -> None:
     message = "the edge between vertices 2 and 3 is run along twice in the same direction"
     with pytest.raises(MeshError, match=message):
         QuadMesh(CORNERS, quads).check_closed()
+
+
+def test_quads_on_other_vertices_are_split_along_the_same_diagonals() -> None:
+    rhombus = np.array([[0, 0, 0], [3, -1, 0], [6, 0, 0], [3, 1, 0]], dtype=float)
+    mesh = QuadMesh(rhombus, [[0, 1, 2, 3]])
+    tall = mesh.moved(rhombus * [1, 9, 1])
+    assert tall.triangles.tolist() == mesh.triangles.tolist()
+    assert tall.triangles.tolist() != QuadMesh(tall.vertices, tall.quads).triangles.tolist()
