@@ -19,6 +19,7 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.field import FieldStruts, field_solid, field_struts
 from scaffold_cad.struts.apart import crossing_runs
 from scaffold_cad.struts.bands import enlargement
+from scaffold_cad.struts.curverings import largest_growth, rings_hold
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.options import BLEND
 from scaffold_cad.struts.surface import Triangulated, triangulated
@@ -50,7 +51,7 @@ def round_mesh(struts: RoundStruts, sides: int = SIDES) -> TriangleMesh:
     if struts.crowded.any() or len(_polygons_crossing(struts, sides)):
         return _field(struts)
     made = triangulated(struts, sides)
-    if not _seen_from_nodes(struts, made).all():
+    if not (_seen_from_nodes(struts, made).all() and _in_order(made).all()):
         return _field(struts)
     return made.mesh
 
@@ -69,8 +70,10 @@ def check_sides(sides: int) -> None:
 
 
 def _polygons_crossing(struts: RoundStruts, sides: int) -> Ints:
-    slack = float(enlargement(np.array([np.pi / sides]), sides)[0]) - 1.0
-    return crossing_runs(struts.runs, struts.blended, struts.collar, slack)
+    slack = max(
+        float(enlargement(np.array([np.pi / sides]), sides)[0]) - 1.0, largest_growth(sides)
+    )
+    return crossing_runs(struts.runs, struts.blended, struts.curves, struts.collar, slack)
 
 
 def _seen_from_nodes(struts: RoundStruts, made: Triangulated) -> Bools:
@@ -79,6 +82,14 @@ def _seen_from_nodes(struts: RoundStruts, made: Triangulated) -> Bools:
     a, b, c = np.moveaxis(corners - struts.runs.nodes[made.node][:, None], 1, 0)
     size: Floats = length(a) * length(b) * length(c)
     return np.asarray(triple(a, b, c) > MARGIN * size)
+
+
+def _in_order(made: Triangulated) -> Bools:
+    """Return whether the rings of curves follow each other in 32-bit coordinates, (l,)."""
+    rings = made.curve_rings
+    start = len(made.node)
+    triangles = made.mesh.triangles[start : start + 2 * rings.low.size]
+    return rings_hold(made.mesh.single_precision().vertices, rings, triangles)
 
 
 def _field(struts: RoundStruts) -> TriangleMesh:

@@ -6,7 +6,7 @@ and each collar's four arcs are shared with the strut's one face.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from scaffold_cad.brep.analytic import (
 )
 from scaffold_cad.brep.joining import PlaneRings, hollow
 from scaffold_cad.partition.arcs import side_twins
+from scaffold_cad.struts.curvefaces import CurveParts
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.options import Ends
 from scaffold_cad.struts.rings import parameters_at
@@ -38,6 +39,8 @@ def brep_of_struts(struts: RoundStruts) -> AnalyticBrep:
 
     Struts that overlap make faces that cross: `RoundStruts.overlapping` names them.
     """
+    struts = struts if struts.inner is None else replace(struts, inner=struts.inner.straight)
+    struts = struts.straight
     plan = _Plan.of(struts)
     outer = _shells_of(plan)
     if struts.inner is None:
@@ -45,9 +48,7 @@ def brep_of_struts(struts: RoundStruts) -> AnalyticBrep:
     inside = _Plan.of(struts.inner)
     is_open = np.zeros(len(outer.solid), dtype=np.bool_)
     ends = np.arange(len(plan.ends) if struts.options.ends == "open" else 0)
-    part = component_labels(plan.struts.runs.edges, len(plan.struts.runs.nodes))
-    _, shell = np.unique(part[plan.struts.runs.edges[:, 0]], return_inverse=True)
-    shell = shell.reshape(-1)[plan.ends[ends] >> 1]
+    shell = _shell_of_nodes(struts)[struts.runs.tails[plan.ends[ends]]]
     is_open[shell] = True
     runs = struts.runs
     rings = PlaneRings(
@@ -64,7 +65,7 @@ def brep_of_struts(struts: RoundStruts) -> AnalyticBrep:
 
 def _shells_of(plan: _Plan) -> AnalyticBrep:
     """Return the outer faces of struts, but for the ends of open ones."""
-    uses = [_patch_uses(plan), _strut_uses(plan)]
+    uses = [_patch_uses(plan), _strut_uses(plan), _curve_uses(plan)]
     if plan.caps == "flat":
         uses.append(_cap_uses(plan))
     elif plan.caps == "round":
@@ -74,7 +75,7 @@ def _shells_of(plan: _Plan) -> AnalyticBrep:
     )
     sorting = np.lexsort((order, face))
     count = int(face.max()) + 1
-    shell = _shells(plan)
+    shell = _shell_of_nodes(plan.struts)[_nodes_of_faces(plan)]
     return AnalyticBrep(
         _points(plan),
         _edges(plan),
@@ -120,6 +121,8 @@ class _Plan(Frozen):
     """How struts end."""
     run_face: Ints
     """Place of each run's face among those of all runs, cylinders first, shape (k,)."""
+    curves: CurveParts
+    """Parts of curves."""
 
     @staticmethod
     def of(struts: RoundStruts) -> _Plan:
@@ -135,10 +138,21 @@ class _Plan(Frozen):
         ranks = [_rank(members, count) for members in (ringed, split, ends)]
         caps = struts.options.ends
         return _Plan(
-            struts, found, ringed, ranks[0], split, ranks[1], ends, ranks[2], caps, run_face
+            struts,
+            found,
+            ringed,
+            ranks[0],
+            split,
+            ranks[1],
+            ends,
+            ranks[2],
+            caps,
+            run_face,
+            CurveParts.of(struts.curves),
         )
 
-    # Edges: seams, base arcs, rests of split arcs, end rings, meridians, arcs and spokes of nodes.
+    # Edges: seams, base arcs, rests of split arcs, end rings, meridians, rings of closed curves,
+    # arcs and spokes of nodes, spokes of curves.
 
     @property
     def base_arcs(self) -> int:
@@ -157,10 +171,22 @@ class _Plan(Frozen):
         return self.end_rings + len(self.ends)
 
     @property
-    def node_edges(self) -> int:
+    def curve_rings(self) -> int:
         return self.meridians + (len(self.ends) if self.caps == "round" else 0)
 
-    # Vertices: collar corners, splits, ends of struts, poles, corners of nodes.
+    @property
+    def node_edges(self) -> int:
+        return self.curve_rings + 4 * len(self.curves.own)
+
+    @property
+    def curve_spokes(self) -> int:
+        return self.node_edges + 6 * self.node_half_runs
+
+    @property
+    def node_half_runs(self) -> int:
+        return sum(group.half_runs.size for group in self.struts.blended)
+
+    # Vertices: collar corners, splits, ends of struts, poles, corners of nodes, of closed curves.
 
     @property
     def split_vertices(self) -> int:
@@ -178,7 +204,12 @@ class _Plan(Frozen):
     def node_vertices(self) -> int:
         return self.poles + (len(self.ends) if self.caps == "round" else 0)
 
-    # Faces: discs, struts, domes, patches.
+    @property
+    def curve_vertices(self) -> int:
+        corners = sum(group.half_runs.size + 2 * len(group.nodes) for group in self.struts.blended)
+        return self.node_vertices + corners
+
+    # Faces: discs, struts, domes, patches of nodes, those of curves.
 
     @property
     def strut_faces(self) -> int:
@@ -191,6 +222,10 @@ class _Plan(Frozen):
     @property
     def patch_faces(self) -> int:
         return self.domes + (len(self.ends) if self.caps == "round" else 0)
+
+    @property
+    def curve_faces(self) -> int:
+        return self.patch_faces + 4 * self.node_half_runs
 
     def seam_vertex(self, half_runs: Ints) -> Ints:
         """Return the vertex at which the seam meets the ring of each of some half-runs."""
@@ -245,7 +280,7 @@ def _points(plan: _Plan) -> Points:
         points.append(center - size[:, None] * plan.struts.runs.directions[plan.ends])
     for group, *_ in _groups(plan):
         points.append(_placed(plan, group)[0].reshape(-1, 3))
-    return np.concatenate(points)
+    return np.concatenate([*points, plan.curves.ring_points])
 
 
 def _placed(plan: _Plan, group: BlendedNodes) -> tuple[Points, Floats]:
@@ -293,11 +328,19 @@ def _edges(plan: _Plan) -> BrepEdges:
         radii.append(size)
         circles.append(np.stack([latitude, np.full(len(ends), QUARTER)], axis=1))
         pairs.append(np.stack([ring[:, 0], plan.poles + np.arange(len(ends))], axis=1))
+    rings = plan.curves.ring_axes
+    origin, z, x = [*origin, rings.origin], [*z, rings.z], [*x, rings.x]
+    radii.append(plan.curves.ring_radii)
+    circles.append(plan.curves.ring_angles)
+    number = np.arange(4 * len(plan.curves.own))
+    pairs.append(plan.curve_vertices + np.stack([number, number & ~3 | (number + 1) & 3], axis=1))
     curves = []
     for group, vertex, *_ in _groups(plan):
         for made_pairs, table in _node_curves(plan, group, vertex):
             pairs.append(made_pairs)
             curves.append(table)
+    pairs.append(_curve_corners(plan).reshape(-1, 2))
+    curves += plan.curves.spokes
     return BrepEdges(
         np.concatenate(pairs),
         Axes(np.concatenate(origin), np.concatenate(z), np.concatenate(x)),
@@ -368,6 +411,7 @@ def _surfaces(plan: _Plan) -> tuple[Ints, Axes, Floats, tuple[SplinePatches, ...
         sizes.append(np.stack([size, np.zeros(len(ends))], axis=1))
         kinds.append(np.full(len(ends), Surface.SPHERE))
     patches = [_patch_table(plan, group) for group, *_ in _groups(plan)]
+    patches += plan.curves.patches
     kinds.append(np.full(sum(len(table.control) for table in patches), Surface.SPLINE))
     return (
         np.concatenate(kinds).astype(np.intp),
@@ -409,30 +453,72 @@ def _patch_uses(plan: _Plan) -> Uses:
         faces = (face + np.arange(nodes * 4 * valency)).reshape(nodes, -1)
         half_run = np.repeat(group.half_runs, 4, axis=1)
         quarter = np.tile(np.arange(4), (nodes, valency))
-        base = plan.base_arcs + 4 * plan.rank[half_run] + quarter
-        split = plan.split_rank[half_run]
-        is_split = (split >= 0) & (plan.seams.quarter[half_run] == quarter)
-        at = np.ones(half_run.shape)
-        at[is_split] = parameters_at(
-            plan.seams.angle[half_run[is_split]] - QUARTER * quarter[is_split]
-        )
-        zero, one = np.zeros_like(at), np.ones_like(at)
+        zero, one = np.zeros(half_run.shape), np.ones(half_run.shape)
         ahead = np.where(owns, 0.0, 1.0)
         parts.append(_rows(faces, 0, arcs + own_arc, owns, (ahead, zero, 1 - ahead, zero)))
         parts.append(_rows(faces, 1, spokes + following, True, (one, zero, one, one)))
-        chosen = is_split
-        parts.append(
-            _rows(
-                faces[chosen],
-                2,
-                plan.rest_arcs + split[chosen],
-                False,
-                (at[chosen], one[chosen], one[chosen], one[chosen]),
-            )
-        )
-        parts.append(_rows(faces, 3, base, False, (zero, one, at, one)))
+        parts += _arc_uses(plan, faces, 2, half_run, quarter, 1)
         parts.append(_rows(faces, 4, spokes + side, False, (zero, zero, zero, one)))
     return _joined(parts)
+
+
+def _curve_corners(plan: _Plan) -> Ints:
+    """Return the vertices at which the spokes of curves begin and end, shape (q, 4, 2)."""
+    parts, quarter = plan.curves, np.arange(4)
+    # Half-runs at the start run against the curve: their corners come the other way round.
+    corners = np.stack([-quarter % 4, quarter], axis=1)  # (4, 2)
+    found = plan.curve_vertices + 4 * parts.rings[:, None] + quarter[:, None]
+    at_struts = np.flatnonzero(parts.half_runs[:, 0] >= 0)
+    found[at_struts] = 4 * plan.rank[parts.half_runs[at_struts]][:, None] + corners
+    return found
+
+
+def _curve_uses(plan: _Plan) -> Uses:
+    """Return the edges around the patches of curves: a circle, a spoke, a circle, a spoke."""
+    parts, quarter = plan.curves, np.arange(4)
+    count = len(parts.first)
+    number = np.arange(count)[:, None]
+    faces = plan.curve_faces + 4 * number + quarter  # (q, 4)
+    spokes = plan.curve_spokes + 4 * number
+    zero, one = np.zeros((count, 4)), np.ones((count, 4))
+    found = [
+        _rows(faces, 10, spokes + (quarter + 1) % 4, True, (one, zero, one, one)),
+        _rows(faces, 30, spokes + quarter, False, (zero, zero, zero, one)),
+    ]
+    own = parts.rings[:, 0] >= 0
+    rings = plan.curve_rings + 4 * parts.rings[own][:, :, None] + quarter  # (q', 2, 4)
+    none, all_of_it = zero[own], one[own]
+    ahead = (none, none, all_of_it, none)
+    found.append(_rows(faces[own], 0, rings[:, 0], True, ahead))
+    ahead = (none, all_of_it, all_of_it, all_of_it)
+    found.append(_rows(faces[own], 20, rings[:, 1], False, ahead))
+    for side in (0, 1):
+        half_run = np.repeat(parts.half_runs[~own, side, None], 4, axis=1)
+        own_quarter = np.broadcast_to(quarter if side else 3 - quarter, half_run.shape)
+        found += _arc_uses(plan, faces[~own], 20 * side, half_run, own_quarter, side)
+    return _joined(found)
+
+
+def _arc_uses(
+    plan: _Plan, faces: Ints, place: int, half_run: Ints, quarter: Ints, side: int
+) -> list[Uses]:
+    """Return the uses, against their direction, of quarters of circles by patches at v = `side`.
+
+    A quarter that a seam splits is two edges. At v = 0 the patch runs against it too.
+    """
+    base = plan.base_arcs + 4 * plan.rank[half_run] + quarter
+    split = plan.split_rank[half_run]
+    is_split = (split >= 0) & (plan.seams.quarter[half_run] == quarter)
+    at = np.ones(half_run.shape)
+    at[is_split] = parameters_at(plan.seams.angle[half_run[is_split]] - QUARTER * quarter[is_split])
+    v, zero, one = np.full_like(at, side), np.zeros_like(at), np.ones_like(at)
+    if side == 0:
+        at, zero, one = 1 - at, one, zero
+    rest = (at[is_split], v[is_split], one[is_split], v[is_split])
+    return [
+        _rows(faces[is_split], place, plan.rest_arcs + split[is_split], False, rest),
+        _rows(faces, place + 1, base, False, (zero, v, at, v)),
+    ]
 
 
 def _strut_uses(plan: _Plan) -> Uses:
@@ -549,17 +635,18 @@ def _nodes_of_faces(plan: _Plan) -> Ints:
     patches = [
         np.repeat(group.nodes, 4 * group.half_runs.shape[1]) for group in plan.struts.blended
     ]
+    of_curves = plan.struts.curves.nodes[plan.curves.curves.pieces[plan.curves.first] + 1]
+    patches.append(np.repeat(of_curves, 4))
     before = at_ends if plan.caps == "flat" else at_ends[:0]
     after = at_ends if plan.caps == "round" else at_ends[:0]
     return np.concatenate([before, struts, after, *patches])
 
 
-def _shells(plan: _Plan) -> Ints:
-    """Return the shell of each face: the connected part of the skeleton, shape (f,)."""
-    runs = plan.struts.runs
-    part = component_labels(runs.edges, len(runs.nodes))
-    _, shell = np.unique(part[_nodes_of_faces(plan)], return_inverse=True)
-    return shell.reshape(-1)
+def _shell_of_nodes(struts: RoundStruts) -> Ints:
+    """Return the shell of each node: the connected part of the skeleton that has edges, (n,)."""
+    part = component_labels(struts.skeleton.edges, len(struts.runs.nodes))
+    used = np.unique(part[struts.skeleton.edges])
+    return np.searchsorted(used, part)
 
 
 def _names(plan: _Plan) -> Ints:
@@ -571,17 +658,24 @@ def _names(plan: _Plan) -> Ints:
     own = np.empty(struts, dtype=np.intp)
     own[plan.run_face] = np.arange(struts)
     number[first : first + struts] = own
+    curves = np.repeat(plan.curves.curve, 4)
+    number[plan.curve_faces :] = struts + len(runs.nodes) + curves
     return number
 
 
 def _texts(plan: _Plan) -> tuple[str, ...]:
-    """Return the names of runs, then those of nodes."""
+    """Return the names of runs, then those of nodes and of curves."""
     runs = plan.struts.runs
     edge = np.full(len(runs.edges), len(runs.run_of_edge))
-    np.minimum.at(edge, runs.run_of_edge, np.arange(len(runs.run_of_edge)))
+    straight = np.flatnonzero(runs.run_of_edge >= 0)
+    np.minimum.at(edge, runs.run_of_edge[straight], straight)
+    curves = plan.curves.curves
+    joints = np.where(curves.nodes >= 0, curves.nodes, len(runs.nodes))
+    lowest = np.minimum.reduceat(joints, curves.offsets[:-1]) if len(joints) else joints
     of_node = np.where(runs.valency == 1, "end", "node")
     names = [f"strut {number}" for number in edge.tolist()]
     return (
         *names,
         *(f"{kind} {node}" for node, kind in enumerate(of_node.tolist())),
+        *(f"curve {node}" for node in lowest.tolist()),
     )

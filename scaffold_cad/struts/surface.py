@@ -9,6 +9,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, Triangles
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.struts.bands import band_triangles, enlargement, matching, twist_of
+from scaffold_cad.struts.curverings import CurveRings, curve_rings
 from scaffold_cad.struts.ends import flat_ends, round_ends
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.rings import block_size, stacks
@@ -36,9 +37,11 @@ class Triangulated(Frozen):
     """Triangles of round struts, and what they stand around."""
 
     mesh: TriangleMesh
-    """The triangles, those of nodes first."""
+    """The triangles, those of nodes first, then those of curves."""
     node: Ints
     """Node that each triangle of a node stands around, shape (t',)."""
+    curve_rings: CurveRings
+    """The rings of curves; the triangles between two follow each other."""
     shift: Ints
     """How the rings of each run are joined, see `Matching`, shape (k,)."""
 
@@ -63,7 +66,7 @@ def triangulated(struts: RoundStruts, sides: int) -> Triangulated:
     mesh = TriangleMesh(
         np.concatenate([outer.mesh.vertices, inside.mesh.vertices]), np.concatenate(faces)
     )
-    return Triangulated(mesh, outer.node, outer.shift)
+    return Triangulated(mesh, outer.node, outer.curve_rings, outer.shift)
 
 
 def _annuli(outer: Ints, inner: Ints) -> Triangles:
@@ -77,9 +80,10 @@ def _annuli(outer: Ints, inner: Ints) -> Triangles:
 def _shell(struts: RoundStruts, sides: int) -> tuple[Triangulated, Ints]:
     """Return the outer surface, and the rings at the ends of struts, (e, sides).
 
-    Vertices come node by node, by valency and number, then those of ends: they do not depend on
-    how the patches are cut.
+    Vertices come node by node, by valency and number, then those of ends and of curves: they do not
+    depend on how the patches are cut.
     """
+    struts = struts.straight
     model = None if struts.like is None else _shell(struts.like, sides)[0]
     sized = sized_rings(struts, sides, None if model is None else model.shift)
     own = own_rings(struts, np.arange(len(struts.collar)), sized, sides)  # (2 k, sides, 3)
@@ -101,10 +105,17 @@ def _shell(struts: RoundStruts, sides: int) -> tuple[Triangulated, Ints]:
         rings[half_runs] = place[last]
     ends = np.flatnonzero(struts.runs.valency[struts.runs.tails] == 1)
     rings[ends] = count + np.arange(len(ends) * sides).reshape(-1, sides)
+    count += len(ends) * sides
     points = [at_nodes, own[ends].reshape(-1, 3)]
+    at_curves = struts.curves.half_runs[~struts.curves.closed].reshape(-1)
+    rings[at_curves] = count + np.arange(len(at_curves) * sides).reshape(-1, sides)
+    count += len(at_curves) * sides
+    passed = curve_rings(struts.curves, _turns(struts), rings, count, sides)
+    count += len(passed.points)
+    points += [own[at_curves].reshape(-1, 3), passed.points]
+    faces.append(_ring_triangles(np.concatenate(points), passed.low, passed.high))
     if struts.options.ends != "open":
         make = flat_ends if struts.options.ends == "flat" else round_ends
-        count += len(ends) * sides
         extra, closing = make(struts.runs, ends, sized.radius[ends], rings[ends], own[ends], count)
         points.append(extra)
         faces.append(closing)
@@ -113,9 +124,15 @@ def _shell(struts: RoundStruts, sides: int) -> tuple[Triangulated, Ints]:
     triangles = np.concatenate(faces)
     if model is not None:
         around, triangles = model.node, model.mesh.triangles
-    return Triangulated(
-        TriangleMesh(np.concatenate(points), triangles), around, sized.shift
-    ), rings[ends]
+    mesh = TriangleMesh(np.concatenate(points), triangles)
+    return Triangulated(mesh, around, passed, sized.shift), rings[ends]
+
+
+def _turns(struts: RoundStruts) -> Floats:
+    """Return the turns of pieces of curves that their intervals go by, those of the first model."""
+    while struts.like is not None:
+        struts = struts.like
+    return struts.curves.turns
 
 
 def _blocks(struts: RoundStruts, sides: int) -> tuple[Ints, int]:
