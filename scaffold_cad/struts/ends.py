@@ -64,5 +64,7 @@ def round_ends(
     last = stack[:, -1]
     tip = np.broadcast_to((first + block - 1)[:, None], last.shape)
     fans = np.stack([np.roll(last, -1, axis=1), last, tip], axis=-1)
-    vertices = np.concatenate([inner.reshape(number, -1, 3), pole[:, None]], axis=1)
+    vertices = np.concatenate(
+        [inner.reshape(number, (levels - 1) * sides, 3), pole[:, None]], axis=1
+    )
     return vertices.reshape(-1, 3), np.concatenate([bands.reshape(-1, 3), fans.reshape(-1, 3)])
