@@ -32,7 +32,7 @@ SAMPLED_RISE = 0.25
 MOST_TURN = np.pi / 2
 """Greatest turn at which a strut can run on through a joint, rad."""
 
-MOST_BEND = 0.8
+MOST_BEND = 0.95
 """Greatest curvature at a joint, times the radius: at 1 the inside of the strut is a crease."""
 
 TURNING = 4.0
