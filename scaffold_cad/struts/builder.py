@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,6 +27,7 @@ from scaffold_cad.struts.options import BLEND, Ends, Joints, StrutOptions
 from scaffold_cad.struts.recipes import RECIPES, WHOLE, Recipe
 from scaffold_cad.struts.room import allotted
 from scaffold_cad.struts.runs import Runs, straight_runs
+from scaffold_cad.struts.sockets import sockets_of
 from scaffold_cad.struts.walls import without_wall
 
 MOST_IN_PIECES = 4
@@ -41,6 +42,7 @@ def round_struts(
     ends: Ends = "flat",
     wall: float | None = None,
     joints: Joints = "auto",
+    sockets: Mapping[int, tuple[float, float]] | None = None,
     like: RoundStruts | None = None,
 ) -> RoundStruts:
     """Return the struts of `skeleton` as exact cylinders and cones, blended at its nodes.
@@ -58,6 +60,8 @@ def round_struts(
         angle, where they can; by default the latter where a joint is a sample of a curve: it turns
         by at most 45°, the shorter edge is at most 6 radii long, and the arc over it rises a
         quarter of the radius at most; or where its edges are too short for a bend
+    sockets : inner radius and depth, mm, of open ends of hollow struts that take tubes, by node:
+        `{3: (14.375, 25)}`
     like : struts of the same skeleton with its nodes elsewhere: partitions and triangles stay, for
         animation and optimization
 
@@ -80,19 +84,19 @@ def round_struts(
     ([True, True, True], 0.4)
     """
     check_skeleton(skeleton)
-    options = StrutOptions(blend, ends, wall, joints)
+    options = StrutOptions(blend, ends, wall, joints, sockets)
     if like is not None:
         _check_like(skeleton, options, like)
     outer = _built(skeleton, options, like)
     if wall is None:
         return outer
-    inside = without_wall(skeleton, wall, at_ends=wall if ends == "flat" else 0.0)
-    bare = replace(options, wall=None, ends="flat")
+    bored = sockets_of(sockets, skeleton, wall)
+    at_ends = np.full(len(skeleton.nodes), wall if ends == "flat" else 0.0)
+    at_ends[bored.nodes] = bored.depths
+    inside = without_wall(skeleton, wall, at_ends)
+    bare = replace(options, wall=None, ends="flat", sockets=None)
     inner = _built(inside, bare, None if like is None else like.inner, outer)
-    x = inner.x.copy()
-    ends_of = np.flatnonzero(inner.runs.valency[inner.runs.tails] == 1)
-    x[ends_of] = outer.x[ends_of]  # where an end is open, both circles begin alike
-    return replace(outer, inner=replace(inner, x=x, options=options))
+    return replace(outer, sockets=bored, inner=replace(inner, options=options))
 
 
 def _check_like(skeleton: Skeleton, options: StrutOptions, like: RoundStruts) -> None:
@@ -109,6 +113,9 @@ def _check_like(skeleton: Skeleton, options: StrutOptions, like: RoundStruts) ->
         raise OptionError(
             f"like has ends={like.options.ends!r} and wall={like.options.wall}; need the same"
         )
+    nodes = [sorted(each.sockets or {}) for each in (options, like.options)]
+    if nodes[0] != nodes[1]:
+        raise OptionError(f"like has sockets at nodes {nodes[1]}, not {nodes[0]}; need the same")
 
 
 def _built(
@@ -164,7 +171,7 @@ def _planned(
         groups = _groups(runs, at)
         wanted = [_stars(skeleton, runs, group, options, outer, like) for group in groups]
         full, least = _collars(runs, groups, wanted)
-        closed = options.wall if options.wall and options.ends == "flat" else 0.0
+        closed = _shortening(options)
         curved = None if model is None else model.curves.curved
         joints = curved_joints(runs, at, full, closed, curved)
         if outer is not None:
@@ -177,6 +184,12 @@ def _planned(
         if model is not None or options.joints != "auto" or not more.any():
             return _Plan(groups, wanted, joints, limits, no_room)
         at = at | more
+
+
+def _shortening(options: StrutOptions) -> float:
+    """Return by how much the inside of struts is shorter at extremities, at most, mm."""
+    flat = options.wall if options.wall and options.ends == "flat" else 0.0
+    return max([flat, *(depth for _, depth in (options.sockets or {}).values())])
 
 
 def _recipes(valency: int) -> list[Recipe]:
@@ -239,7 +252,7 @@ def _stars(
     blend = BLEND * thin if options.blend is None else np.full(len(thin), options.blend)
     if outer is not None:
         blend = outer.fillet[group.nodes] + (outer.options.wall or 0.0)
-    vertices, quads = _partitions(directions, group, like)
+    vertices, quads = _partitions(directions, group, like or outer)
     most = np.full(radii.shape, np.inf)
     slopes = runs.slopes[group.half_runs]
     return Stars(directions, radii, slopes, blend, ball, most, vertices, quads)

@@ -22,7 +22,7 @@ from scaffold_cad.brep.analytic import (
     SplinePatches,
     Surface,
 )
-from scaffold_cad.brep.joining import PlaneRings, hollow
+from scaffold_cad.brep.joining import PlaneRings, edge_numbers, extended, hollow
 from scaffold_cad.struts.faceplan import (
     FacePlan,
     curve_corners,
@@ -42,6 +42,7 @@ from scaffold_cad.struts.faceuses import (
 )
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.seams import QUARTER
+from scaffold_cad.struts.sockets import bores
 from scaffold_cad.struts.splines import Spline
 
 
@@ -56,22 +57,63 @@ def brep_of_struts(struts: RoundStruts) -> AnalyticBrep:
     outer = _shells_of(plan)
     if struts.inner is None:
         return outer
-    inside = FacePlan.of(struts.inner)
     is_open = np.zeros(len(outer.solid), dtype=np.bool_)
-    ends = np.arange(len(plan.ends) if struts.options.ends == "open" else 0)
-    shell = _shell_of_nodes(struts)[struts.runs.tails[plan.ends[ends]]]
+    inside = FacePlan.of(struts.inner)
+    void = _shells_of(inside)
+    if struts.options.ends != "open":
+        return hollow(outer, void, PlaneRings.none(), is_open)
+    runs, ends, inner_rings = struts.runs, plan.ends, inside.end_rings + np.arange(len(plan.ends))
+    shell = _shell_of_nodes(struts)[runs.tails[ends]]
     is_open[shell] = True
-    runs = struts.runs
+    if len(struts.sockets.nodes):
+        void, inner_rings = _bored(struts, struts.inner, void, ends, inner_rings)
     rings = PlaneRings(
-        runs.nodes[runs.tails[plan.ends[ends]]],
-        -runs.directions[plan.ends[ends]],
-        struts.x[plan.ends[ends]],
-        np.stack([plan.end_rings + ends, inside.end_rings + ends], axis=1),
-        np.stack([np.zeros(len(ends), dtype=np.bool_), np.ones(len(ends), dtype=np.bool_)], axis=1),
+        runs.nodes[runs.tails[ends]],
+        -runs.directions[ends],
+        struts.x[ends],
+        np.stack([plan.end_rings + np.arange(len(ends)), inner_rings], axis=1),
+        np.tile([False, True], (len(ends), 1)),
+        np.zeros(len(ends), dtype=np.bool_),
         shell,
-        len(runs.edges) + runs.tails[plan.ends[ends]],
+        len(runs.edges) + runs.tails[ends],
     )
-    return hollow(outer, _shells_of(inside), rings, is_open)
+    return hollow(outer, void, rings, is_open)
+
+
+def _bored(
+    struts: RoundStruts, inner: RoundStruts, void: AnalyticBrep, ends: Ints, rings: Ints
+) -> tuple[AnalyticBrep, Ints]:
+    """Return the inside of struts with sockets, and its circles at all ends, (e,).
+
+    Parameters
+    ----------
+    void : the inside without sockets
+    ends : (e,) half-runs at extremities
+    rings : (e,) circles of `void` there
+    """
+    runs, sockets = struts.runs, struts.sockets
+    place = np.flatnonzero(np.isin(runs.tails[ends], sockets.nodes))
+    place = place[np.argsort(runs.tails[ends[place]])]
+    half_run, count = ends[place], len(place)
+    inward, x = runs.directions[half_run], struts.x[half_run]
+    shell = _shell_of_nodes(struts)[sockets.nodes]
+    parts = bores(runs.nodes[sockets.nodes], inward, x, sockets, shell, len(void.solid))
+    circles = count + np.arange(2 * count).reshape(-1, 2)  # at the shoulder and at the end
+    wide = sockets.radii > inner.runs.radii.reshape(-1)[half_run]
+    shoulders = PlaneRings(
+        inner.runs.nodes[sockets.nodes],
+        np.where(wide[:, None], inward, -inward),
+        x,
+        np.stack([rings[place], circles[:, 0]], axis=1),
+        np.stack([np.zeros_like(wide), np.ones_like(wide)], axis=1),
+        wide,
+        shell,
+        len(runs.edges) + sockets.nodes,
+    )
+    numbers = edge_numbers(void, parts)
+    rings = numbers[0][rings]
+    rings[place] = numbers[1][circles[:, 1]]
+    return extended(void, parts, shoulders), rings
 
 
 def _shells_of(plan: FacePlan) -> AnalyticBrep:

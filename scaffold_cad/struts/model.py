@@ -15,6 +15,7 @@ from scaffold_cad.struts.blend import Solved
 from scaffold_cad.struts.curves import Curves
 from scaffold_cad.struts.options import StrutOptions
 from scaffold_cad.struts.runs import Runs
+from scaffold_cad.struts.sockets import NO_SOCKETS, Sockets
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +71,8 @@ class RoundStruts(Frozen, Shown):
     """Runs that have no surface of their own, shape (k,): both of their nodes are crowded."""
     like: RoundStruts | None = None
     """Struts of the same skeleton, moved, whose partitions and triangles these have."""
+    sockets: Sockets = NO_SOCKETS
+    """Sockets at open ends of hollow struts."""
     inner: RoundStruts | None = None
     """The inside of hollow struts, thinner by their wall; None for solid ones."""
 

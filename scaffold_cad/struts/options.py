@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, TypeAlias, get_args
 
@@ -31,6 +32,8 @@ class StrutOptions:
     """Thickness of the wall of hollow struts, mm; None for solid ones."""
     joints: Joints = "auto"
     """How struts pass joints of two edges."""
+    sockets: Mapping[int, tuple[float, float]] | None = None
+    """Inner radius and depth of sockets, mm, by the extremity at which they are."""
 
     def __post_init__(self) -> None:
         if self.blend is not None:
@@ -41,3 +44,5 @@ class StrutOptions:
             as_number(self.wall, "wall")
         elif self.ends == "open":
             raise OptionError("ends is 'open' without a wall; need wall=, mm, or ends='flat'")
+        if self.sockets and self.ends != "open":
+            raise OptionError(f"sockets with ends={self.ends!r}; need ends='open', and a wall")

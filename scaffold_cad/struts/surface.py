@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from scaffold_cad.struts.curverings import CurveRings, curve_rings
 from scaffold_cad.struts.ends import flat_ends, round_ends
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.rings import block_size, stacks
+from scaffold_cad.struts.sockets import socket_triangles
 
 LEVELS = 4
 """Intervals of a patch from its arc to its collar, for 16 sides."""
@@ -58,15 +59,48 @@ def triangulated(struts: RoundStruts, sides: int) -> Triangulated:
     outer, rings = _shell(struts, sides)
     if struts.inner is None:
         return outer
-    inside, inner_rings = _shell(struts.inner, sides)
+    inside, inner_rings = _shell(_inside(struts), sides)
     count = len(outer.mesh.vertices)
     faces = [outer.mesh.triangles, inside.mesh.triangles[:, ::-1] + count]
+    points = [outer.mesh.vertices, inside.mesh.vertices]
     if struts.options.ends == "open":
-        faces.append(_annuli(rings, inner_rings + count))
-    mesh = TriangleMesh(
-        np.concatenate([outer.mesh.vertices, inside.mesh.vertices]), np.concatenate(faces)
-    )
+        inner_rings = inner_rings + count
+        places, bored = _sockets(struts, sides)
+        first = len(points[0]) + len(points[1])
+        number = first + np.arange(places.size // 3).reshape(-1, 2, sides)  # at shoulder and end
+        points.append(places.reshape(-1, 3))
+        faces.append(socket_triangles(number[:, 0], number[:, 1], inner_rings[bored]))
+        inner_rings[bored] = number[:, 1]
+        faces.append(_annuli(rings, inner_rings))
+    mesh = TriangleMesh(np.concatenate(points), np.concatenate(faces))
     return Triangulated(mesh, outer.node, outer.curve_rings, outer.shift)
+
+
+def _inside(struts: RoundStruts) -> RoundStruts:
+    """Return the inside of hollow struts, with rings at the ends that begin as those outside."""
+    assert struts.inner is not None
+    x, runs = struts.inner.x.copy(), struts.runs
+    ends = np.flatnonzero(runs.valency[runs.tails] == 1)
+    x[ends] = struts.x[ends]
+    like = None if struts.like is None else _inside(struts.like)
+    return replace(struts.inner, x=x, like=like)
+
+
+def _sockets(struts: RoundStruts, sides: int) -> tuple[Points, Ints]:
+    """Return the rings of sockets, (q, 2, sides, 3), mm, and their places among ends, (q,)."""
+    runs, sockets = struts.runs, struts.sockets
+    ends = np.flatnonzero(runs.valency[runs.tails] == 1)
+    place = np.flatnonzero(np.isin(runs.tails[ends], sockets.nodes))
+    place = place[np.argsort(runs.tails[ends[place]])]
+    half_run = ends[place]
+    inward, x = runs.directions[half_run], struts.x[half_run]
+    angle = 2 * np.pi / sides * np.arange(sides)
+    axes = np.stack([x, np.cross(inward, x)], axis=1)  # (q, 2, 3)
+    around = np.einsum("ks,qkx->qsx", np.stack([np.cos(angle), np.sin(angle)]), axes)
+    wide = sockets.radii * enlargement(np.zeros(1), sides)[0]
+    deep = np.stack([sockets.depths, 0 * sockets.depths], axis=1)  # (q, 2)
+    centers = runs.nodes[sockets.nodes][:, None] + deep[..., None] * inward[:, None]
+    return centers[:, :, None] + wide[:, None, None, None] * around[:, None], place
 
 
 def _annuli(outer: Ints, inner: Ints) -> Triangles:
