@@ -20,7 +20,7 @@ from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.brep.bernstein import bernstein
-from scaffold_cad.struts.curves import ALONG, Curves
+from scaffold_cad.struts.curved import ALONG, Curves
 from scaffold_cad.struts.model import BlendedNodes
 from scaffold_cad.struts.quarter import DEGREE
 from scaffold_cad.struts.runs import Runs

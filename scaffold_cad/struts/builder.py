@@ -17,9 +17,9 @@ from scaffold_cad.struts.apart import crossing_runs
 from scaffold_cad.struts.bends import bend_partitions
 from scaffold_cad.struts.blend import Stars
 from scaffold_cad.struts.collars import LEAST_BLEND, collar_distances
+from scaffold_cad.struts.curved import Curves, curves
 from scaffold_cad.struts.curvedjoints import CurvedJoints, curved_joints, possible, sampled
 from scaffold_cad.struts.curveproof import proved
-from scaffold_cad.struts.curves import Curves, curves
 from scaffold_cad.struts.distances import Union
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.nodes import blends

@@ -12,7 +12,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
 from scaffold_cad.brep.analytic import Axes, Knots, SplineCurves, SplinePatches
-from scaffold_cad.struts.curves import ALONG, Curves
+from scaffold_cad.struts.curved import ALONG, Curves
 from scaffold_cad.struts.quarter import ARC, DEGREE
 
 QUARTER = np.pi / 2

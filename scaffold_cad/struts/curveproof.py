@@ -18,7 +18,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.brep.bernstein import bernstein, elevation
-from scaffold_cad.struts.curves import ALONG, Curves
+from scaffold_cad.struts.curved import ALONG, Curves
 
 DEPTH = 4
 """How often pieces are halved before no is said."""

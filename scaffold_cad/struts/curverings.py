@@ -14,7 +14,7 @@ from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Triang
 from scaffold_cad.base.vectors import dot, length, normalize, triple
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.struts.bands import enlargement
-from scaffold_cad.struts.curves import ALONG, Curves
+from scaffold_cad.struts.curved import ALONG, Curves
 
 LEAST_SINE = 1e-9
 """Least sine of the angle at which triangles are seen from the middle between their rings."""

@@ -12,7 +12,7 @@ from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.base.notebook import Shown
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts.blend import Solved
-from scaffold_cad.struts.curves import Curves
+from scaffold_cad.struts.curved import Curves
 from scaffold_cad.struts.options import StrutOptions
 from scaffold_cad.struts.runs import Runs
 from scaffold_cad.struts.sockets import NO_SOCKETS, Sockets

@@ -147,7 +147,7 @@ def _shell(struts: RoundStruts, sides: int) -> tuple[Triangulated, Ints]:
     passed = curve_rings(struts.curves, _turns(struts), rings, count, sides)
     count += len(passed.points)
     points += [own[at_curves].reshape(-1, 3), passed.points]
-    faces.append(_ring_triangles(np.concatenate(points), passed.low, passed.high))
+    faces.append(ring_triangles(np.concatenate(points), passed.low, passed.high))
     if struts.options.ends != "open":
         make = flat_ends if struts.options.ends == "flat" else round_ends
         extra, closing = make(struts.runs, ends, sized.radius[ends], rings[ends], own[ends], count)

@@ -8,7 +8,7 @@ import pytest
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts import round_struts
-from scaffold_cad.struts.curves import ALONG, Curves
+from scaffold_cad.struts.curved import ALONG, Curves
 from tests.skeletons import NAMED, TREFOIL
 from tests.struts.chains import HOOK, TAPERED, circle, helix
 

@@ -19,7 +19,7 @@ circles, and four faces a curve, splines of two continuous derivatives less alon
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
@@ -40,6 +40,9 @@ from scaffold_cad.struts.runs import Runs
 
 ALONG = 3
 """Degree of pieces along the curve."""
+
+
+_NOT_OF_CIRCLES = ("offsets", "half_runs", "curved")
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +89,15 @@ class Curves(Frozen):
             *(no_numbers, no_numbers, rows, rows, rows, empty, empty, rows, empty),
             np.zeros(runs, dtype=np.bool_),
         )
+
+    def chosen(self, keep: Bools) -> Curves:
+        """Return some of the curves, for `keep` (c,)."""
+        counts = np.diff(self.offsets)
+        rows = np.repeat(keep, counts)
+        own = [each.name for each in fields(self) if each.name not in _NOT_OF_CIRCLES]
+        per_circle = {name: getattr(self, name)[rows] for name in own}
+        offsets = np.concatenate([[0], np.cumsum(counts[keep])])
+        return replace(self, offsets=offsets, half_runs=self.half_runs[keep], **per_circle)
 
     @cached_property
     def closed(self) -> Bools:
