@@ -105,11 +105,22 @@ def crossing_runs(
     collar : (2 k,) distance of each half-run's collar from its node, mm
     slack : how much thicker all are taken to be, in radii: polygons reach beyond their circles
     """
-    pieces = _joined([_struts(runs, collar), *(_node_parts(runs, group) for group in blended)])
+    pieces = pieces_of(runs, blended, collar)
+    pairs = pieces.run[meeting(pieces, slack)]
+    return np.unique(np.sort(pairs, axis=1), axis=0)
+
+
+def pieces_of(runs: Runs, blended: tuple[BlendedNodes, ...], collar: Floats) -> Pieces:
+    """Return the pieces of runs: first the struts, then what lies between nodes and collars."""
+    return joined([_struts(runs, collar), *(_node_parts(runs, group) for group in blended)])
+
+
+def meeting(pieces: Pieces, slack: float = 0.0) -> Edges:
+    """Return the pairs i < j of pieces that are not known to keep apart, shape (p, 2)."""
     pieces = pieces.thickened(1.0 + slack)
     reach = pieces.radius[:, None]
     low, high = np.minimum(pieces.start, pieces.end) - reach, np.maximum(pieces.start, pieces.end)
-    found = []
+    found = [np.empty((0, 2), dtype=np.intp)]
     for i, j in overlapping_boxes(low, high + reach):
         i, j = _without_neighbors(pieces, i, j)
         a, b = nearest_on_segments(pieces.start[i], pieces.end[i], pieces.start[j], pieces.end[j])
@@ -118,9 +129,8 @@ def crossing_runs(
         for block in blocks(len(i), PAIR_BYTES, CACHE):
             one, other = i[block], j[block]
             meets = ~_apart(pieces, one, other, slack)
-            found.append(np.stack([pieces.run[one[meets]], pieces.run[other[meets]]], axis=1))
-    pairs = np.concatenate(found) if found else np.empty((0, 2), dtype=np.intp)
-    return np.unique(np.sort(pairs, axis=1), axis=0)
+            found.append(np.stack([one[meets], other[meets]], axis=1))
+    return np.concatenate(found)
 
 
 def _without_neighbors(pieces: Pieces, i: Ints, j: Ints) -> tuple[Ints, Ints]:
@@ -198,8 +208,8 @@ def _node_parts(runs: Runs, group: BlendedNodes) -> Pieces:
     )
 
 
-def _joined(parts: list[Pieces]) -> Pieces:
-    """Return all pieces, and their hulls with as many points each."""
+def joined(parts: list[Pieces]) -> Pieces:
+    """Return all pieces, their hulls with as many points each."""
     most = max(part.points.shape[1] for part in parts)
     points, hulls, count = [], [], 0
     for part in parts:

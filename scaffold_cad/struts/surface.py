@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, Triangles
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Triangles
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.struts.bands import band_triangles, enlargement, matching, twist_of
 from scaffold_cad.struts.ends import flat_ends, round_ends
@@ -43,6 +43,18 @@ class Triangulated(Frozen):
     """How the rings of each run are joined, see `Matching`, shape (k,)."""
 
 
+@dataclass(frozen=True, eq=False)
+class Shell(Frozen):
+    """One surface of round struts, and the rings at the ends of struts."""
+
+    made: Triangulated
+    """Its triangles."""
+    ends: Ints
+    """Half-runs that leave the nodes where struts end, ascending, shape (e,)."""
+    rings: Ints
+    """Vertices of the ring at each of these, counter-clockwise about the half-run, (e, sides)."""
+
+
 def triangulated(struts: RoundStruts, sides: int) -> Triangulated:
     """Return the surface of round struts as triangles; hollow ones have theirs inside too.
 
@@ -52,21 +64,21 @@ def triangulated(struts: RoundStruts, sides: int) -> Triangulated:
     ----------
     sides : points of a ring, a multiple of 4
     """
-    outer, rings = _shell(struts, sides)
+    outer = shell_of(struts, sides)
     if struts.inner is None:
-        return outer
-    inside, inner_rings = _shell(struts.inner, sides)
-    count = len(outer.mesh.vertices)
-    faces = [outer.mesh.triangles, inside.mesh.triangles[:, ::-1] + count]
+        return outer.made
+    inner = shell_of(struts.inner, sides)
+    count = len(outer.made.mesh.vertices)
+    faces = [outer.made.mesh.triangles, inner.made.mesh.triangles[:, ::-1] + count]
     if struts.options.ends == "open":
-        faces.append(_annuli(rings, inner_rings + count))
+        faces.append(annuli(outer.rings, inner.rings + count))
     mesh = TriangleMesh(
-        np.concatenate([outer.mesh.vertices, inside.mesh.vertices]), np.concatenate(faces)
+        np.concatenate([outer.made.mesh.vertices, inner.made.mesh.vertices]), np.concatenate(faces)
     )
-    return Triangulated(mesh, outer.node, outer.shift)
+    return Triangulated(mesh, outer.made.node, outer.made.shift)
 
 
-def _annuli(outer: Ints, inner: Ints) -> Triangles:
+def annuli(outer: Ints, inner: Ints) -> Triangles:
     """Return the triangles between rings (e, s) that begin alike, seen from out of the struts."""
     a, b = np.roll(outer, -1, axis=1), outer
     d, c = np.roll(inner, -1, axis=1), inner
@@ -74,13 +86,17 @@ def _annuli(outer: Ints, inner: Ints) -> Triangles:
     return np.concatenate(pairs).reshape(-1, 3)
 
 
-def _shell(struts: RoundStruts, sides: int) -> tuple[Triangulated, Ints]:
-    """Return the outer surface, and the rings at the ends of struts, (e, sides).
+def shell_of(struts: RoundStruts, sides: int, open_at: Bools | None = None) -> Shell:
+    """Return the outer surface of round struts.
 
     Vertices come node by node, by valency and number, then those of ends: they do not depend on
     how the patches are cut.
+
+    Parameters
+    ----------
+    open_at : (n,) nodes where struts end without a disc or a ball; none by default
     """
-    model = None if struts.like is None else _shell(struts.like, sides)[0]
+    model = None if struts.like is None else shell_of(struts.like, sides).made
     sized = sized_rings(struts, sides, None if model is None else model.shift)
     own = own_rings(struts, np.arange(len(struts.collar)), sized, sides)  # (2 k, sides, 3)
     starts, count = _blocks(struts, sides)
@@ -102,10 +118,14 @@ def _shell(struts: RoundStruts, sides: int) -> tuple[Triangulated, Ints]:
     ends = np.flatnonzero(struts.runs.valency[struts.runs.tails] == 1)
     rings[ends] = count + np.arange(len(ends) * sides).reshape(-1, sides)
     points = [at_nodes, own[ends].reshape(-1, 3)]
-    if struts.options.ends != "open":
+    closed = np.full(len(ends), struts.options.ends != "open")
+    if open_at is not None:
+        closed &= ~open_at[struts.runs.tails[ends]]
+    if closed.any():
         make = flat_ends if struts.options.ends == "flat" else round_ends
         count += len(ends) * sides
-        extra, closing = make(struts.runs, ends, sized.radius[ends], rings[ends], own[ends], count)
+        some = ends[closed]
+        extra, closing = make(struts.runs, some, sized.radius[some], rings[some], own[some], count)
         points.append(extra)
         faces.append(closing)
     faces.append(band_triangles(rings[0::2], rings[1::2], sized.shift, sized.twist))
@@ -113,9 +133,8 @@ def _shell(struts: RoundStruts, sides: int) -> tuple[Triangulated, Ints]:
     triangles = np.concatenate(faces)
     if model is not None:
         around, triangles = model.node, model.mesh.triangles
-    return Triangulated(
-        TriangleMesh(np.concatenate(points), triangles), around, sized.shift
-    ), rings[ends]
+    made = Triangulated(TriangleMesh(np.concatenate(points), triangles), around, sized.shift)
+    return Shell(made, ends, rings[ends])
 
 
 def _blocks(struts: RoundStruts, sides: int) -> tuple[Ints, int]:
