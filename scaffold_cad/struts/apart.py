@@ -75,6 +75,19 @@ class Pieces(Frozen):
             self.offset,
         )
 
+    def chosen(self, keep: Bools) -> Pieces:
+        """Return some of the pieces."""
+        return Pieces(
+            self.start[keep],
+            self.end[keep],
+            self.radius[keep],
+            self.nodes[keep],
+            self.run[keep],
+            self.hull[keep],
+            self.points,
+            self.offset[keep],
+        )
+
     def furthest(self, piece: Ints, directions: Floats, around: Floats) -> Points:
         """Return the point of each of some pieces that is furthest in a direction, (p, 3).
 
@@ -112,7 +125,7 @@ def crossing_runs(
 
 def pieces_of(runs: Runs, blended: tuple[BlendedNodes, ...], collar: Floats) -> Pieces:
     """Return the pieces of runs: first the struts, then what lies between nodes and collars."""
-    return joined([_struts(runs, collar), *(_node_parts(runs, group) for group in blended)])
+    return joined([strut_pieces(runs, collar), node_pieces(runs, blended)])
 
 
 def meeting(pieces: Pieces, slack: float = 0.0) -> Edges:
@@ -164,7 +177,7 @@ def _apart(pieces: Pieces, i: Ints, j: Ints, slack: float) -> Bools:
     return apart
 
 
-def _struts(runs: Runs, collar: Floats) -> Pieces:
+def strut_pieces(runs: Runs, collar: Floats) -> Pieces:
     """Return the struts between their collars, cones in pieces."""
     cone = runs.slopes[0::2] != 0
     pieces = np.where(cone, PIECES, 1)
@@ -179,6 +192,15 @@ def _struts(runs: Runs, collar: Floats) -> Pieces:
     return Pieces(
         start, end, radius, runs.edges[run], run, no_hull, np.empty((0, 1, 3)), np.zeros_like(start)
     )
+
+
+def node_pieces(runs: Runs, blended: tuple[BlendedNodes, ...]) -> Pieces:
+    """Return what lies between nodes and collars."""
+    empty, none = np.empty((0, 3)), np.empty(0, dtype=np.intp)
+    nothing = Pieces(
+        empty, empty, empty[:, 0], none.reshape(0, 2), none, none, np.empty((0, 1, 3)), empty
+    )
+    return joined([nothing, *(_node_parts(runs, group) for group in blended)])
 
 
 def _node_parts(runs: Runs, group: BlendedNodes) -> Pieces:

@@ -18,7 +18,7 @@ from scaffold_cad.base.vectors import length
 from scaffold_cad.solid.clusters.remainder import Remainder, remainder
 from scaffold_cad.solid.clusters.spans import Spans, merged, no_spans, radii_at, tail_length
 from scaffold_cad.solid.clusters.stumps import GAP, stumps
-from scaffold_cad.struts.apart import Pieces, joined, meeting, pieces_of
+from scaffold_cad.struts.apart import Pieces, joined, meeting, node_pieces, strut_pieces
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.runs import Runs
 
@@ -65,11 +65,12 @@ def clusters_of(
     slack : how much thicker all are taken to be, in radii
     """
     runs = struts.runs
+    bodies = node_pieces(runs, struts.blended)
     while True:
         nodes, spans, reached = _settled(struts, fillets, nodes, seeds)
         blend = _span_fillets(struts, spans, reached, fillets)
         rest = remainder(struts, nodes, spans)
-        found = _Found(struts, rest, spans, reached, blend, nodes)
+        found = _Found(struts, bodies, rest, spans, reached, blend, nodes)
         joining, near = found.meeting(slack)
         settled = spans.covers(near, SETTLED * runs.radii.min(axis=1)[near.run]).all()
         if settled and not (joining & ~nodes).any():
@@ -129,6 +130,7 @@ class _Found:
     """Looks for what comes near to what."""
 
     struts: RoundStruts
+    bodies: Pieces
     rest: Remainder
     spans: Spans
     reached: Floats
@@ -163,13 +165,14 @@ class _Found:
         radii = [part.radius for part in parts]
         pieces = [_padded(joined(parts), 0.5 * np.concatenate(blends))]
         if len(rest.run):
-            left = pieces_of(rest.struts.runs, rest.struts.blended, rest.struts.collar)
-            of_run, is_node = rest.run[left.run], left.hull >= 0
-            ends = np.where(is_node[:, None], left.nodes, runs.edges[of_run])
-            pieces.append(replace(left, nodes=ends, run=of_run))
-            kinds.append(np.where(is_node, NODE, STRUT))
-            radii.append(left.radius)
-            blends.append(np.zeros(len(left.radius)))
+            left = strut_pieces(rest.struts.runs, rest.struts.collar)
+            of_run = rest.run[left.run]
+            left = replace(left, nodes=runs.edges[of_run], run=of_run)
+            bodies = self.bodies.chosen(~self.nodes[self.bodies.nodes[:, 0]])
+            pieces += [left, bodies]
+            kinds += [np.full(len(left.run), STRUT), np.full(len(bodies.run), NODE)]
+            radii += [left.radius, bodies.radius]
+            blends.append(np.zeros(len(left.run) + len(bodies.run)))
         kind = np.concatenate(kinds)
         return joined(pieces), kind, np.concatenate(radii), np.concatenate(blends)
 
