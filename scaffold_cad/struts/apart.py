@@ -164,16 +164,19 @@ def _apart(pieces: Pieces, i: Ints, j: Ints, slack: float) -> Bools:
     middles = [(pieces.start[k] + pieces.end[k]) / 2 for k in (i, j)]
     nearest = middles[0] - middles[1]  # (p, 3), a point of the difference
     scale = pieces.radius[i] + pieces.radius[j]
-    apart = np.zeros(len(i), dtype=np.bool_)
+    rows = np.arange(len(i))  # pairs that no plane parts yet
     for _ in range(ROUNDS):
-        corner = pieces.furthest(i, -nearest, around[0]) - pieces.furthest(j, nearest, around[1])
-        gap = dot(corner, normalize(nearest))
-        apart |= gap > LEAST_GAP * scale
+        far = pieces.furthest(i[rows], -nearest, around[0][rows])
+        corner = far - pieces.furthest(j[rows], nearest, around[1][rows])
+        meets = dot(corner, normalize(nearest)) <= LEAST_GAP * scale[rows]
+        rows, corner, nearest = rows[meets], corner[meets], nearest[meets]
+        if len(rows) == 0:
+            break
         way = corner - nearest
         share = -dot(nearest, way) / np.maximum(dot(way, way), 1e-300)
         nearest = nearest + np.clip(share, 0.0, 1.0)[:, None] * way
-        if apart.all():
-            break
+    apart = np.ones(len(i), dtype=np.bool_)
+    apart[rows] = False
     return apart
 
 
