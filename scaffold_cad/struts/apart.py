@@ -85,6 +85,21 @@ class Pieces(Frozen):
             self.discs,
         )
 
+    def chosen(self, keep: Bools) -> Pieces:
+        """Return some of the pieces."""
+        return Pieces(
+            self.start[keep],
+            self.end[keep],
+            self.radius[keep],
+            self.nodes[keep],
+            self.run[keep],
+            self.hull[keep],
+            self.points,
+            self.offset[keep],
+            self.curve[keep],
+            self.discs,
+        )
+
     def furthest(self, piece: Ints, directions: Floats, around: Floats) -> Points:
         """Return the point of each of some pieces that is furthest in a direction, (p, 3).
 
@@ -134,12 +149,25 @@ def crossing_runs(
     collar : (2 k,) distance of each half-run's collar from its node, mm
     slack : how much thicker all are taken to be, in radii: polygons reach beyond their circles
     """
-    parts = [_struts(runs, curves.curved, collar), *(_node_parts(runs, group) for group in blended)]
-    pieces = _joined([*parts, _curve_parts(curves)])
+    pieces = pieces_of(runs, blended, curves, collar)
+    pairs = pieces.run[meeting(pieces, slack)]
+    return np.unique(np.sort(pairs, axis=1), axis=0)
+
+
+def pieces_of(
+    runs: Runs, blended: tuple[BlendedNodes, ...], curves: Curves, collar: Floats
+) -> Pieces:
+    """Return the pieces of runs: struts, what lies between nodes and collars, and curves."""
+    struts = strut_pieces(runs, curves.curved, collar)
+    return joined([struts, node_pieces(runs, blended), curve_pieces(curves)])
+
+
+def meeting(pieces: Pieces, slack: float = 0.0) -> Edges:
+    """Return the pairs i < j of pieces that are not known to keep apart, shape (p, 2)."""
     pieces = pieces.thickened(1.0 + slack)
     reach = pieces.radius[:, None]
     low, high = np.minimum(pieces.start, pieces.end) - reach, np.maximum(pieces.start, pieces.end)
-    found = []
+    found = [np.empty((0, 2), dtype=np.intp)]
     for i, j in overlapping_boxes(low, high + reach):
         i, j = _without_neighbors(pieces, i, j)
         a, b = nearest_on_segments(pieces.start[i], pieces.end[i], pieces.start[j], pieces.end[j])
@@ -148,9 +176,8 @@ def crossing_runs(
         for block in blocks(len(i), PAIR_BYTES, CACHE):
             one, other = i[block], j[block]
             meets = ~_apart(pieces, one, other, slack)
-            found.append(np.stack([pieces.run[one[meets]], pieces.run[other[meets]]], axis=1))
-    pairs = np.concatenate(found) if found else np.empty((0, 2), dtype=np.intp)
-    return np.unique(np.sort(pairs, axis=1), axis=0)
+            found.append(np.stack([one[meets], other[meets]], axis=1))
+    return np.concatenate(found)
 
 
 def _without_neighbors(pieces: Pieces, i: Ints, j: Ints) -> tuple[Ints, Ints]:
@@ -171,20 +198,23 @@ def _apart(pieces: Pieces, i: Ints, j: Ints, slack: float) -> Bools:
     middles = [(pieces.start[k] + pieces.end[k]) / 2 for k in (i, j)]
     nearest = middles[0] - middles[1]  # (p, 3), a point of the difference
     scale = pieces.radius[i] + pieces.radius[j]
-    apart = np.zeros(len(i), dtype=np.bool_)
+    rows = np.arange(len(i))  # pairs that no plane parts yet
     for _ in range(ROUNDS):
-        corner = pieces.furthest(i, -nearest, around[0]) - pieces.furthest(j, nearest, around[1])
-        gap = dot(corner, normalize(nearest))
-        apart |= gap > LEAST_GAP * scale
+        far = pieces.furthest(i[rows], -nearest, around[0][rows])
+        corner = far - pieces.furthest(j[rows], nearest, around[1][rows])
+        meets = dot(corner, normalize(nearest)) <= LEAST_GAP * scale[rows]
+        rows, corner, nearest = rows[meets], corner[meets], nearest[meets]
+        if len(rows) == 0:
+            break
         way = corner - nearest
         share = -dot(nearest, way) / np.maximum(dot(way, way), 1e-300)
         nearest = nearest + np.clip(share, 0.0, 1.0)[:, None] * way
-        if apart.all():
-            break
+    apart = np.ones(len(i), dtype=np.bool_)
+    apart[rows] = False
     return apart
 
 
-def _struts(runs: Runs, curved: Bools, collar: Floats) -> Pieces:
+def strut_pieces(runs: Runs, curved: Bools, collar: Floats) -> Pieces:
     """Return the struts between their collars, cones in pieces, but for curved ones."""
     cone = runs.slopes[0::2] != 0
     pieces = np.where(curved, 0, np.where(cone, PIECES, 1))
@@ -210,7 +240,7 @@ def _struts(runs: Runs, curved: Bools, collar: Floats) -> Pieces:
     )
 
 
-def _curve_parts(curves: Curves) -> Pieces:
+def curve_pieces(curves: Curves) -> Pieces:
     """Return the pieces of curves: the hulls of the discs that control them."""
     first = curves.pieces
     start, end, discs = curves.centers[first], curves.centers[first + 1], curves.frames
@@ -234,6 +264,24 @@ def _curve_parts(curves: Curves) -> Pieces:
         np.arange(len(first)),
         discs,
     )
+
+
+def node_pieces(runs: Runs, blended: tuple[BlendedNodes, ...]) -> Pieces:
+    """Return what lies between nodes and collars."""
+    empty, none = np.empty((0, 3)), np.empty(0, dtype=np.intp)
+    nothing = Pieces(
+        empty,
+        empty,
+        empty[:, 0],
+        none.reshape(0, 2),
+        none,
+        none,
+        np.empty((0, 1, 3)),
+        empty,
+        none,
+        _NO_DISCS,
+    )
+    return joined([nothing, *(_node_parts(runs, group) for group in blended)])
 
 
 def _node_parts(runs: Runs, group: BlendedNodes) -> Pieces:
@@ -265,8 +313,8 @@ def _node_parts(runs: Runs, group: BlendedNodes) -> Pieces:
     )
 
 
-def _joined(parts: list[Pieces]) -> Pieces:
-    """Return all pieces, and their hulls with as many points each."""
+def joined(parts: list[Pieces]) -> Pieces:
+    """Return all pieces, their hulls with as many points each."""
     most = max(part.points.shape[1] for part in parts)
     points, hulls, count = [], [], 0
     curves, discs = [], 0

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, Triangles
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Triangles
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.struts.bands import band_triangles, enlargement, matching, twist_of
 from scaffold_cad.struts.curverings import CurveRings, curve_rings
@@ -47,6 +47,18 @@ class Triangulated(Frozen):
     """How the rings of each run are joined, see `Matching`, shape (k,)."""
 
 
+@dataclass(frozen=True, eq=False)
+class Shell(Frozen):
+    """One surface of round struts, and the rings at the ends of struts."""
+
+    made: Triangulated
+    """Its triangles."""
+    ends: Ints
+    """Half-runs that leave the nodes where struts end, ascending, shape (e,)."""
+    rings: Ints
+    """Vertices of the ring at each of these, counter-clockwise about the half-run, (e, sides)."""
+
+
 def triangulated(struts: RoundStruts, sides: int) -> Triangulated:
     """Return the surface of round struts as triangles; hollow ones have theirs inside too.
 
@@ -56,54 +68,71 @@ def triangulated(struts: RoundStruts, sides: int) -> Triangulated:
     ----------
     sides : points of a ring, a multiple of 4
     """
-    outer, rings = _shell(struts, sides)
+    outer = shell_of(struts, sides)
     if struts.inner is None:
-        return outer
-    inside, inner_rings = _shell(_inside(struts), sides)
-    count = len(outer.mesh.vertices)
-    faces = [outer.mesh.triangles, inside.mesh.triangles[:, ::-1] + count]
-    points = [outer.mesh.vertices, inside.mesh.vertices]
+        return outer.made
+    inside = shell_of(inside_of(struts), sides)
+    count = len(outer.made.mesh.vertices)
+    faces = [outer.made.mesh.triangles, inside.made.mesh.triangles[:, ::-1] + count]
+    points = [outer.made.mesh.vertices, inside.made.mesh.vertices]
     if struts.options.ends == "open":
-        inner_rings = inner_rings + count
-        places, bored = _sockets(struts, sides)
-        first = len(points[0]) + len(points[1])
-        number = first + np.arange(places.size // 3).reshape(-1, 2, sides)  # at shoulder and end
-        points.append(places.reshape(-1, 3))
-        faces.append(socket_triangles(number[:, 0], number[:, 1], inner_rings[bored]))
-        inner_rings[bored] = number[:, 1]
-        faces.append(_annuli(rings, inner_rings))
+        more, closing = open_ends(struts, outer.ends, outer.rings, inside.rings + count, points)
+        points.append(more)
+        faces.append(closing)
     mesh = TriangleMesh(np.concatenate(points), np.concatenate(faces))
-    return Triangulated(mesh, outer.node, outer.curve_rings, outer.shift)
+    made = outer.made
+    return Triangulated(mesh, made.node, made.curve_rings, made.shift)
 
 
-def _inside(struts: RoundStruts) -> RoundStruts:
+def open_ends(
+    struts: RoundStruts, ends: Ints, outer: Ints, inner: Ints, points: list[Points]
+) -> tuple[Points, Triangles]:
+    """Return the vertices of sockets, and the triangles of open ends.
+
+    Parameters
+    ----------
+    ends : (e,) half-runs at ends that are open
+    outer, inner : (e, sides) vertices of the rings there
+    points : those so far
+    """
+    sides = outer.shape[1]
+    places, bored = _sockets(struts, ends, sides)
+    first = sum(len(each) for each in points)
+    number = first + np.arange(places.size // 3).reshape(-1, 2, sides)  # at shoulder and end
+    faces = [socket_triangles(number[:, 0], number[:, 1], inner[bored])]
+    inner = inner.copy()
+    inner[bored] = number[:, 1]
+    return places.reshape(-1, 3), np.concatenate([*faces, annuli(outer, inner)])
+
+
+def inside_of(struts: RoundStruts) -> RoundStruts:
     """Return the inside of hollow struts, with rings at the ends that begin as those outside."""
     assert struts.inner is not None
     x, runs = struts.inner.x.copy(), struts.runs
     ends = np.flatnonzero(runs.valency[runs.tails] == 1)
     x[ends] = struts.x[ends]
-    like = None if struts.like is None else _inside(struts.like)
+    like = None if struts.like is None else inside_of(struts.like)
     return replace(struts.inner, x=x, like=like)
 
 
-def _sockets(struts: RoundStruts, sides: int) -> tuple[Points, Ints]:
+def _sockets(struts: RoundStruts, ends: Ints, sides: int) -> tuple[Points, Ints]:
     """Return the rings of sockets, (q, 2, sides, 3), mm, and their places among ends, (q,)."""
     runs, sockets = struts.runs, struts.sockets
-    ends = np.flatnonzero(runs.valency[runs.tails] == 1)
     place = np.flatnonzero(np.isin(runs.tails[ends], sockets.nodes))
-    place = place[np.argsort(runs.tails[ends[place]])]
     half_run = ends[place]
+    row = np.searchsorted(sockets.nodes, runs.tails[half_run])
+    radii, depths = sockets.radii[row], sockets.depths[row]
     inward, x = runs.directions[half_run], struts.x[half_run]
     angle = 2 * np.pi / sides * np.arange(sides)
     axes = np.stack([x, np.cross(inward, x)], axis=1)  # (q, 2, 3)
     around = np.einsum("ks,qkx->qsx", np.stack([np.cos(angle), np.sin(angle)]), axes)
-    wide = sockets.radii * enlargement(np.zeros(1), sides)[0]
-    deep = np.stack([sockets.depths, 0 * sockets.depths], axis=1)  # (q, 2)
-    centers = runs.nodes[sockets.nodes][:, None] + deep[..., None] * inward[:, None]
+    wide = radii * enlargement(np.zeros(1), sides)[0]
+    deep = np.stack([depths, 0 * depths], axis=1)  # (q, 2)
+    centers = runs.nodes[runs.tails[half_run]][:, None] + deep[..., None] * inward[:, None]
     return centers[:, :, None] + wide[:, None, None, None] * around[:, None], place
 
 
-def _annuli(outer: Ints, inner: Ints) -> Triangles:
+def annuli(outer: Ints, inner: Ints) -> Triangles:
     """Return the triangles between rings (e, s) that begin alike, seen from out of the struts."""
     a, b = np.roll(outer, -1, axis=1), outer
     d, c = np.roll(inner, -1, axis=1), inner
@@ -111,14 +140,19 @@ def _annuli(outer: Ints, inner: Ints) -> Triangles:
     return np.concatenate(pairs).reshape(-1, 3)
 
 
-def _shell(struts: RoundStruts, sides: int) -> tuple[Triangulated, Ints]:
-    """Return the outer surface, and the rings at the ends of struts, (e, sides).
+def shell_of(struts: RoundStruts, sides: int, open_at: Bools | None = None) -> Shell:
+    """Return the outer surface of round struts.
 
     Vertices come node by node, by valency and number, then those of ends and of curves: they do not
     depend on how the patches are cut.
+
+    Parameters
+    ----------
+    open_at : (n,) nodes where struts end without a disc or a ball; none by default
     """
+    number = np.flatnonzero(np.repeat(~struts.curves.curved, 2))  # of the half-runs left
     struts = struts.straight
-    model = None if struts.like is None else _shell(struts.like, sides)[0]
+    model = None if struts.like is None else shell_of(struts.like, sides).made
     sized = sized_rings(struts, sides, None if model is None else model.shift)
     own = own_rings(struts, np.arange(len(struts.collar)), sized, sides)  # (2 k, sides, 3)
     starts, count = _blocks(struts, sides)
@@ -148,9 +182,13 @@ def _shell(struts: RoundStruts, sides: int) -> tuple[Triangulated, Ints]:
     count += len(passed.points)
     points += [own[at_curves].reshape(-1, 3), passed.points]
     faces.append(ring_triangles(np.concatenate(points), passed.low, passed.high))
-    if struts.options.ends != "open":
+    closed = np.full(len(ends), struts.options.ends != "open")
+    if open_at is not None:
+        closed &= ~open_at[struts.runs.tails[ends]]
+    if closed.any():
         make = flat_ends if struts.options.ends == "flat" else round_ends
-        extra, closing = make(struts.runs, ends, sized.radius[ends], rings[ends], own[ends], count)
+        some = ends[closed]
+        extra, closing = make(struts.runs, some, sized.radius[some], rings[some], own[some], count)
         points.append(extra)
         faces.append(closing)
     faces.append(band_triangles(rings[0::2], rings[1::2], sized.shift, sized.twist))
@@ -159,7 +197,7 @@ def _shell(struts: RoundStruts, sides: int) -> tuple[Triangulated, Ints]:
     if model is not None:
         around, triangles = model.node, model.mesh.triangles
     mesh = TriangleMesh(np.concatenate(points), triangles)
-    return Triangulated(mesh, around, passed, sized.shift), rings[ends]
+    return Shell(Triangulated(mesh, around, passed, sized.shift), number[ends], rings[ends])
 
 
 def _turns(struts: RoundStruts) -> Floats:

@@ -77,7 +77,7 @@ def test_a_node_larger_than_its_struts_is_a_ball() -> None:
     assert solid.volume() == pytest.approx(volume, rel=3e-3)
 
 
-def test_struts_that_overlap_become_one_field_solid() -> None:
+def test_struts_that_overlap_become_one_solid() -> None:
     solid = solidified(round_struts(CLOSE))
     assert solid.united_edges.tolist() == [0, 1]
     check_solid_of(CLOSE, solid.manifold)
@@ -89,7 +89,7 @@ def test_a_union_for_faces_has_few_triangles_and_nearly_the_volume() -> None:
     struts = round_struts(CLOSE)
     coarse, fine = coarse_union(struts), round_mesh(struts)
     check_as_written(coarse)
-    assert len(coarse.triangles) < 10_000 < len(fine.triangles)
+    assert len(coarse.triangles) < 10_000
     assert coarse.signed_volume == pytest.approx(fine.signed_volume, rel=0.005)
 
 

@@ -1,0 +1,6 @@
+"""Clusters of crowded struts as fields, joined to the struts beside them."""
+
+from scaffold_cad.solid.clusters.fields import whole_struts
+from scaffold_cad.solid.clusters.surface import surface_of
+
+__all__ = ["surface_of", "whole_struts"]
