@@ -31,8 +31,6 @@ def test_cylinders_and_cones_have_their_volume(sides: int) -> None:
 
 @pytest.mark.parametrize("name", NAMED)
 def test_meshes_are_whole_as_written(name: str) -> None:
-    if name == "trefoil":
-        pytest.skip("a field solid of a million triangles: see the fields' own tests")
     check_as_written(round_mesh(round_struts(NAMED[name]), 8))
 
 
