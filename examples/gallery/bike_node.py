@@ -1,7 +1,7 @@
-"""The bottom bracket of a bicycle's frame: tubes that meet in one hollow node.
+"""The bottom bracket of a bicycle's frame: a hollow node with sockets for the frame's tubes.
 
-Each tube keeps its own radius and its wall up to the node, whose blend has the same wall: to be
-printed of metal and brazed.
+Each socket takes its tube with a play of 0.15 mm, down to a shoulder, and the node's blend has the
+same wall as its arms: to be printed of metal and brazed.
 """
 
 import numpy as np
@@ -10,18 +10,18 @@ from scaffold_cad import RoundStruts, Skeleton, round_struts, write
 
 TUBES = np.array(
     [
-        [105, 0, 14.3, 100],  # seat tube
-        [42, 0, 17.5, 100],  # down tube
-        [183, 22, 10.0, 110],  # chain stays
-        [183, -22, 10.0, 110],
-        [0, 90, 20.0, 60],  # both ends of the axle's shell
-        [0, -90, 20.0, 60],
+        [105, 0, 28.6, 100],  # seat tube
+        [42, 0, 35.0, 100],  # down tube
+        [183, 22, 20.0, 110],  # chain stays
+        [183, -22, 20.0, 110],
+        [0, 90, 34.0, 60],  # both ends of the axle's shell
+        [0, -90, 34.0, 60],
     ]
 )
-"""Angle to the road and out of the frame's plane, degrees; radius outside and length, mm."""
+"""Angle to the road and out of the frame's plane, degrees; diameter of the tube and length, mm."""
 
-WALL = 3.0
-"""Thickness of the walls, mm."""
+WALL, PLAY, DEPTH = 3.0, 0.15, 25.0
+"""Thickness of the walls, play of the tubes and depth of their sockets, mm."""
 
 
 def make() -> RoundStruts:
@@ -31,9 +31,10 @@ def make() -> RoundStruts:
     axes = Skeleton(
         np.vstack([np.zeros(3), along * TUBES[:, 3:]]),
         [[0, tip] for tip in range(1, len(TUBES) + 1)],
-        TUBES[:, 2].max(),
-    ).with_edge_radii(np.stack([TUBES[:, 2], TUBES[:, 2]], axis=1))
-    return round_struts(axes, wall=WALL, ends="open")
+        1.0,
+    ).with_edge_radii(TUBES[:, 2] / 2 + WALL - 1.0)
+    sockets = {tip: ((TUBES[tip - 1, 2] + PLAY) / 2, DEPTH) for tip in range(1, 5)}
+    return round_struts(axes, wall=WALL, ends="open", sockets=sockets)
 
 
 if __name__ == "__main__":

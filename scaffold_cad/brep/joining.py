@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,10 +25,19 @@ class PlaneRings(Frozen):
     """The edges around, in the first B-rep and in the second, shape (r, 2)."""
     forward: Bools
     """Whether they are used along or against their direction, shape (r, 2)."""
+    swapped: Bools
+    """Whether the edge in the second B-rep is the larger one, shape (r,)."""
     shell: Ints
     """Shell of each, shape (r,)."""
     name: Ints
     """Name of each among those of the first B-rep, shape (r,)."""
+
+    @staticmethod
+    def none() -> PlaneRings:
+        """Return no rings."""
+        rows, pairs, numbers = np.empty((0, 3)), np.empty((0, 2), np.intp), np.empty(0, np.intp)
+        flags = np.empty(0, dtype=np.bool_)
+        return PlaneRings(rows, rows, rows, pairs, pairs.astype(np.bool_), flags, numbers, numbers)
 
 
 def hollow(
@@ -42,26 +51,63 @@ def hollow(
     rings : plane faces that join both where the inside is open
     open_ : whether the inside of each shell is open, so that both are one shell, shape (s,)
     """
-    counts = np.array([outer.edges.counts, inner.edges.counts])  # (2, 3)
-    numbers = [_edge_numbers(counts, part) for part in (0, 1)]
     shells = len(outer.solid)
     own = np.where(open_, np.arange(shells), shells + np.cumsum(~open_) - 1)
-    used = [numbers[part][faces.edge] for part, faces in enumerate((outer.faces, inner.faces))]
+    names = tuple(f"{name} inside" for name in inner.names)
+    solids = np.concatenate([outer.solid, np.flatnonzero(~open_)])
+    return _joined(outer, replace(inner, names=names), rings, ~inner.faces.outward, own, solids)
+
+
+def extended(body: AnalyticBrep, parts: AnalyticBrep, rings: PlaneRings) -> AnalyticBrep:
+    """Return open shells with further faces, which plane rings join to them.
+
+    Parameters
+    ----------
+    body : open at circles
+    parts : has as many shells, whose faces become those of the shells of `body`
+    rings : plane faces that join both
+    """
+    own = np.arange(len(body.solid))
+    return _joined(body, parts, rings, parts.faces.outward, own, body.solid)
+
+
+def _joined(
+    first: AnalyticBrep,
+    second: AnalyticBrep,
+    rings: PlaneRings,
+    outward: Bools,
+    shells: Ints,
+    solids: Ints,
+) -> AnalyticBrep:
+    """Return two B-reps in one.
+
+    Parameters
+    ----------
+    outward : whether the normals of the second one's surfaces point out of the whole
+    shells : (s,) shell of the whole that each shell of the second one becomes
+    solids : solid of each shell of the whole
+    """
+    numbers = edge_numbers(first, second)
+    used = [numbers[part][faces.edge] for part, faces in enumerate((first.faces, second.faces))]
     ring_edges = np.stack([numbers[k][rings.edges[:, k]] for k in (0, 1)], axis=1)
     parts = [
-        _Rows.of(outer.faces, used[0], outer.faces.outward, outer.faces.shell, 0),
-        _Rows.of(
-            inner.faces, used[1], ~inner.faces.outward, own[inner.faces.shell], len(outer.names)
-        ),
+        _Rows.of(first.faces, used[0], first.faces.outward, first.faces.shell, 0),
+        _Rows.of(second.faces, used[1], outward, shells[second.faces.shell], len(first.names)),
         _Rows.rings(rings, ring_edges),
     ]
     return AnalyticBrep(
-        np.concatenate([outer.vertices, inner.vertices]),
-        _joined_edges(outer.edges, inner.edges, len(outer.vertices)),
-        _joined_faces(parts, outer.faces, inner.faces, rings),
-        np.concatenate([outer.solid, np.flatnonzero(~open_)]),
-        (*outer.names, *(f"{name} inside" for name in inner.names)),
+        np.concatenate([first.vertices, second.vertices]),
+        _joined_edges(first.edges, second.edges, len(first.vertices)),
+        _joined_faces(parts, first.faces, second.faces, rings),
+        solids,
+        (*first.names, *second.names),
     )
+
+
+def edge_numbers(first: AnalyticBrep, second: AnalyticBrep) -> tuple[Ints, Ints]:
+    """Return the new number of each edge of two B-reps when they are joined."""
+    counts = np.array([first.edges.counts, second.edges.counts])  # (2, 3)
+    return _edge_numbers(counts, 0), _edge_numbers(counts, 1)
 
 
 def _edge_numbers(counts: Ints, part: int) -> Ints:
@@ -126,12 +172,15 @@ class _Rows(Frozen):
     @staticmethod
     def rings(rings: PlaneRings, edges: Ints) -> _Rows:
         count = len(rings.origin)
+        swapped = rings.swapped[:, None]
+        edges = np.where(swapped, edges[:, ::-1], edges)
+        forward = np.where(swapped, rings.forward[:, ::-1], rings.forward)
         return _Rows(
             np.full(count, Surface.PLANE, dtype=np.intp),
             np.full(count, 2, dtype=np.intp),
             np.ones(2 * count, dtype=np.intp),
             edges.reshape(-1),
-            rings.forward.reshape(-1),
+            forward.reshape(-1),
             np.full((2 * count, 2, 2), np.nan),
             np.ones(count, dtype=np.bool_),
             rings.shell,

@@ -268,8 +268,10 @@ def _arc_splines(brep: AnalyticBrep) -> Iterator[tuple[int, Geom2d_Curve]]:
         uses = np.flatnonzero(is_arc & in_table)
         circle = faces.edge[uses] - edges.counts[0]
         x, z = edges.circles.x[circle], edges.circles.z[circle]
+        v = faces.parameters[uses, 0, 1]  # circles are at v = 0 or v = 1
+        row = np.where(v > 0.5, table.v.count - 1, 0)
         coefficients = arc_parameters(
-            table.control[face[uses] - first_patch][:, :, -1],  # collars are at v = 1
+            table.control[face[uses] - first_patch, :, row],
             table.u,
             edges.circles.origin[circle],
             x,
@@ -277,19 +279,23 @@ def _arc_splines(brep: AnalyticBrep) -> Iterator[tuple[int, Geom2d_Curve]]:
             edges.angles[circle],
             faces.parameters[uses][:, :, 0],
         )
-        for use, row, (first, last) in zip(
-            uses.tolist(), coefficients.tolist(), edges.angles[circle].tolist(), strict=True
+        for use, poles, height, (first, last) in zip(
+            uses.tolist(),
+            coefficients.tolist(),
+            v.tolist(),
+            edges.angles[circle].tolist(),
+            strict=True,
         ):
-            yield use, _spline(row, first, last)
+            yield use, _spline(poles, height, first, last)
         first_patch += len(table.control)
 
 
-def _spline(row: list[float], first: float, last: float) -> Geom2d_BSplineCurve:
-    """Return the curve at v = 1 whose u is a polynomial on [first, last]."""
+def _spline(row: list[float], v: float, first: float, last: float) -> Geom2d_BSplineCurve:
+    """Return the curve at a height `v` whose u is a polynomial on [first, last]."""
     count = len(row)
     poles, knots, multiplicities = PlanePointRow(1, count), Reals(1, 2), Integers(1, 2)
     for i, u in enumerate(row, start=1):
-        poles.SetValue(i, gp_Pnt2d(u, 1.0))
+        poles.SetValue(i, gp_Pnt2d(u, v))
     for i, knot in ((1, first), (2, last)):
         knots.SetValue(i, knot)
         multiplicities.SetValue(i, count)

@@ -21,7 +21,7 @@ from scaffold_cad.errors import ScaffoldCadError
 COMMANDS = (build, lattice, slicing, cells, check, strength, view, formats, info)
 
 PARAMETER = re.compile(
-    r"\b(overlaps|radius|blend|ends|wall|sides|collars|section|fit|max_nodes)=('?)([\w.]*)\2"
+    r"\b(overlaps|radius|blend|ends|joints|wall|sides|collars|section|fit|max_nodes)=('?)([\w.]*)\2"
 )
 """Parameters of the library that are flags here, as messages give them."""
 

@@ -22,7 +22,7 @@ from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.scaffold.stars import Fit, Section
 from scaffold_cad.solid import frame_skeleton
 from scaffold_cad.solid.rounds import SIDES
-from scaffold_cad.struts import Ends, round_struts
+from scaffold_cad.struts import Ends, Joints, round_struts
 
 if TYPE_CHECKING:
     from scaffold_cad.skeleton import Skeleton
@@ -88,6 +88,12 @@ def add_strut_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--ends", choices=get_args(Ends), help="how round struts end (default: flat)"
+    )
+    parser.add_argument(
+        "--joints",
+        choices=get_args(Joints),
+        help="how round struts pass joints of two edges: on a curve through their nodes, or as a "
+        "bend between two cylinders (default: auto, by how the curve is sampled)",
     )
     parser.add_argument(
         "--wall", type=float, metavar="T", help="thickness of hollow round struts, mm"
@@ -174,7 +180,7 @@ def run(options: argparse.Namespace) -> None:
 
 def round_options(options: argparse.Namespace) -> dict[str, Any]:
     """Return the arguments for `round_struts` that are given."""
-    given = {name: getattr(options, name) for name in ("blend", "ends", "wall")}
+    given = {name: getattr(options, name) for name in ("blend", "ends", "joints", "wall")}
     return {name: value for name, value in given.items() if value is not None}
 
 
@@ -232,7 +238,7 @@ def _check_combination(options: argparse.Namespace) -> None:
 def check_round_options(options: argparse.Namespace) -> None:
     """Raise where an option of round struts is given without them."""
     if not options.round:
-        source.refuse(options, ["blend", "ends", "wall", "sides"], "is for --round")
+        source.refuse(options, ["blend", "ends", "joints", "wall", "sides"], "is for --round")
 
 
 def check_frame_options(options: argparse.Namespace) -> None:

@@ -10,13 +10,13 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints
-from scaffold_cad.layers.loops import Loops
+from scaffold_cad.layers.loops import Loops, MeshSections
 from scaffold_cad.layers.nodes import NODES_AT_ONCE, EqualNodeSections, NodeSections
 from scaffold_cad.layers.rounds import Balls, Cones, swell
 from scaffold_cad.layers.sweep import Sweep, count_at
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.struts import RoundStruts
-from scaffold_cad.struts.bodies import NodeBodies
+from scaffold_cad.struts.bodies import NodeBodies, curve_bodies
 
 OVERLAP = 1e-3
 """How far struts reach into the bodies of their nodes, in their radii: where sections only touched
@@ -50,22 +50,27 @@ class StrutSections:
             first = self._bodies.mesh(equal[:1])
             at_zero = TriangleMesh(first.vertices - places[0], first.triangles)
             self._nodes.append(EqualNodeSections(at_zero, places))
+        curves = curve_bodies(struts, sides)
+        self._curves = MeshSections(curves) if len(curves.triangles) else None
 
     def count(self, heights: Floats) -> Ints:
         """Return how many parts there are at each height, about, shape (h,)."""
         parts = [self._cones.extents(), self._balls.extents()]
         parts.append((self._bodies.low[:, 2], self._bodies.high[:, 2]))
         low, high = (np.concatenate(column) for column in zip(*parts, strict=True))
-        return count_at(heights, low, high)
+        return count_at(heights, low, high) + (self._curves.count(heights) if self._curves else 0)
 
     @property
     def box(self) -> Floats:
         """Lowest and highest corner of a box that holds all polygons, shape (2, 2), mm."""
         low, high = self._straight_box()
+        if self._curves is not None:
+            low[:2] = np.minimum(low[:2], self._curves.box[0])
+            high[:2] = np.maximum(high[:2], self._curves.box[1])
         low = np.minimum(low, self._bodies.low.min(axis=0, initial=np.inf))
         high = np.maximum(high, self._bodies.high.max(axis=0, initial=-np.inf))
         # Polygons reach beyond the circles that they stand for.
-        widest = max(self._cones.radii.max(), self._balls.radii.max(initial=0.0))
+        widest = max(self._cones.radii.max(initial=0.0), self._balls.radii.max(initial=0.0))
         margin = widest * (float(swell(np.array(2 * np.pi / self._sides))) - 1)
         return np.stack([low - margin, high + margin])[:, :2]
 
@@ -73,12 +78,14 @@ class StrutSections:
         """Return the lowest and the highest corner of the box around struts and balls, (2, 3)."""
         parts = [self._cones.boxes(), self._balls.boxes()]
         low, high = (np.concatenate(column) for column in zip(*parts, strict=True))
-        return np.stack([low.min(axis=0), high.max(axis=0)])
+        return np.stack([low.min(axis=0, initial=np.inf), high.max(axis=0, initial=-np.inf)])
 
     @property
     def bounds(self) -> tuple[float, float]:
         """Lowest and highest point, mm."""
         low, high = (float(corner[2]) for corner in self._straight_box())
+        if self._curves is not None:
+            low, high = min(low, self._curves.bounds[0]), max(high, self._curves.bounds[1])
         # What is known of the bodies is only a box around each.
         for bodies in (self._bodies.low[:, 2] < low, self._bodies.high[:, 2] > high):
             some = np.flatnonzero(bodies)
@@ -94,24 +101,41 @@ class StrutSections:
             self._cones[self._cone_sweep.between(*between)].loops(heights, self._sides),
             self._balls[self._ball_sweep.between(*between)].loops(heights, self._sides),
         ]
-        for nodes in self._nodes:
-            found += nodes.loops(heights)
+        for made in [*self._nodes, *([] if self._curves is None else [self._curves])]:
+            found += made.loops(heights)
         return found
 
 
 def cones_of(struts: RoundStruts, is_inside: bool) -> Cones:
-    """Return the straight struts, from a little before their collars."""
-    runs = struts.runs
+    """Return the straight struts, from a little before their collars, and the bores of sockets."""
+    runs, bores = struts.runs, struts.options.sockets or {}
     half_runs = np.arange(len(runs.tails))
     is_end = runs.valency[runs.tails] == 1
     own = ~struts.crowded[runs.tails] & ~is_end
     radius = runs.radii.reshape(-1)
     opening = OPENING * radius if is_inside and struts.options.ends == "open" else 0.0
-    begin = np.where(is_end, -opening, 0.0)
+    begin = np.where(is_end & ~np.isin(runs.tails, list(bores)), -opening, 0.0)
     begin = np.where(own, struts.collar - OVERLAP * radius, begin)
     ends = runs.nodes[runs.tails] + begin[:, None] * runs.directions
     radii = runs.radii_at(half_runs, begin).reshape(-1, 2)
-    return Cones(ends[0::2], ends[1::2], radii)
+    straight = ~struts.curves.curved | struts.crowded_runs
+    cones = Cones(ends[0::2][straight], ends[1::2][straight], radii[straight])
+    return _with_bores(cones, struts) if is_inside and bores else cones
+
+
+def _with_bores(cones: Cones, struts: RoundStruts) -> Cones:
+    """Return the inside of struts with their sockets, from a little before the shoulders."""
+    runs, bores = struts.runs, sorted((struts.options.sockets or {}).items())
+    nodes = np.array([node for node, _ in bores], dtype=np.intp)
+    radii, depths = np.array([size for _, size in bores]).T
+    inward = runs.directions[runs.incidence.at_nodes(nodes, 1)[:, 0]]
+    start = runs.nodes[nodes] + (OVERLAP * radii)[:, None] * inward
+    end = runs.nodes[nodes] - (depths + OPENING * radii)[:, None] * inward
+    return Cones(
+        np.concatenate([cones.starts, start]),
+        np.concatenate([cones.ends, end]),
+        np.concatenate([cones.radii, np.stack([radii, radii], axis=1)]),
+    )
 
 
 def balls_of(struts: RoundStruts) -> Balls:

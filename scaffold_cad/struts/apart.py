@@ -20,6 +20,7 @@ from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.brep.bernstein import bernstein
+from scaffold_cad.struts.curved import ALONG, Curves
 from scaffold_cad.struts.model import BlendedNodes
 from scaffold_cad.struts.quarter import DEGREE
 from scaffold_cad.struts.runs import Runs
@@ -39,6 +40,9 @@ PAIR_BYTES = 512
 
 LEAST_GAP = 1e-9
 """Gap between pieces that is more than rounding, in their radii."""
+
+
+_NO_DISCS = np.empty((0, ALONG + 1, 3, 3))
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +65,10 @@ class Pieces(Frozen):
     """Points of the hulls relative to their node, shape (h, k, 3), mm."""
     offset: Points
     """Node of each piece with a hull, shape (c, 3), mm."""
+    curve: Ints
+    """Row of `discs` whose hull it is, or -1, shape (c,)."""
+    discs: Floats
+    """Centers and half-diameters of ellipses, shape (d, 4, 3, 3), mm."""
 
     def thickened(self, factor: float) -> Pieces:
         """Return the pieces with radii multiplied by `factor` ≥ 1, and as much around hulls."""
@@ -73,6 +81,23 @@ class Pieces(Frozen):
             self.hull,
             self.points,
             self.offset,
+            self.curve,
+            self.discs,
+        )
+
+    def chosen(self, keep: Bools) -> Pieces:
+        """Return some of the pieces."""
+        return Pieces(
+            self.start[keep],
+            self.end[keep],
+            self.radius[keep],
+            self.nodes[keep],
+            self.run[keep],
+            self.hull[keep],
+            self.points,
+            self.offset[keep],
+            self.curve[keep],
+            self.discs,
         )
 
     def furthest(self, piece: Ints, directions: Floats, around: Floats) -> Points:
@@ -92,11 +117,30 @@ class Pieces(Frozen):
         best = np.einsum("qkx,qx->qk", points, directions[hulls]).argmax(axis=1)
         corner = points[np.arange(len(hulls)), best] + self.offset[piece[hulls]]
         found[hulls] = corner + around[hulls, None] * normalize(directions[hulls])
+        curves = np.flatnonzero(self.curve[piece] >= 0)
+        corner = _furthest_of_discs(self.discs[self.curve[piece[curves]]], directions[curves])
+        found[curves] = corner + around[curves, None] * normalize(directions[curves])
         return found
 
 
+def _furthest_of_discs(discs: Floats, directions: Floats) -> Points:
+    """Return the furthest points of the hulls of ellipses (q, 4, 3, 3) in directions (q, 3)."""
+    along = np.einsum("qjkx,qx->qjk", discs, directions)  # of centers and half-diameters
+    width = np.hypot(along[..., 1], along[..., 2])  # (q, 4)
+    row = np.arange(len(discs))
+    best = (along[..., 0] + width).argmax(axis=1)
+    place = along[row, best, 1:] / np.maximum(width[row, best], 1e-300)[:, None]  # (q, 2)
+    chosen = discs[row, best]
+    points: Points = chosen[:, 0] + np.einsum("qk,qkx->qx", place, chosen[:, 1:])
+    return points
+
+
 def crossing_runs(
-    runs: Runs, blended: tuple[BlendedNodes, ...], collar: Floats, slack: float = 0.0
+    runs: Runs,
+    blended: tuple[BlendedNodes, ...],
+    curves: Curves,
+    collar: Floats,
+    slack: float = 0.0,
 ) -> Edges:
     """Return the pairs of runs that are not known to keep apart, each once, shape (p, 2).
 
@@ -105,11 +149,25 @@ def crossing_runs(
     collar : (2 k,) distance of each half-run's collar from its node, mm
     slack : how much thicker all are taken to be, in radii: polygons reach beyond their circles
     """
-    pieces = _joined([_struts(runs, collar), *(_node_parts(runs, group) for group in blended)])
+    pieces = pieces_of(runs, blended, curves, collar)
+    pairs = pieces.run[meeting(pieces, slack)]
+    return np.unique(np.sort(pairs, axis=1), axis=0)
+
+
+def pieces_of(
+    runs: Runs, blended: tuple[BlendedNodes, ...], curves: Curves, collar: Floats
+) -> Pieces:
+    """Return the pieces of runs: struts, what lies between nodes and collars, and curves."""
+    struts = strut_pieces(runs, curves.curved, collar)
+    return joined([struts, node_pieces(runs, blended), curve_pieces(curves)])
+
+
+def meeting(pieces: Pieces, slack: float = 0.0) -> Edges:
+    """Return the pairs i < j of pieces that are not known to keep apart, shape (p, 2)."""
     pieces = pieces.thickened(1.0 + slack)
     reach = pieces.radius[:, None]
     low, high = np.minimum(pieces.start, pieces.end) - reach, np.maximum(pieces.start, pieces.end)
-    found = []
+    found = [np.empty((0, 2), dtype=np.intp)]
     for i, j in overlapping_boxes(low, high + reach):
         i, j = _without_neighbors(pieces, i, j)
         a, b = nearest_on_segments(pieces.start[i], pieces.end[i], pieces.start[j], pieces.end[j])
@@ -118,9 +176,8 @@ def crossing_runs(
         for block in blocks(len(i), PAIR_BYTES, CACHE):
             one, other = i[block], j[block]
             meets = ~_apart(pieces, one, other, slack)
-            found.append(np.stack([pieces.run[one[meets]], pieces.run[other[meets]]], axis=1))
-    pairs = np.concatenate(found) if found else np.empty((0, 2), dtype=np.intp)
-    return np.unique(np.sort(pairs, axis=1), axis=0)
+            found.append(np.stack([one[meets], other[meets]], axis=1))
+    return np.concatenate(found)
 
 
 def _without_neighbors(pieces: Pieces, i: Ints, j: Ints) -> tuple[Ints, Ints]:
@@ -141,23 +198,26 @@ def _apart(pieces: Pieces, i: Ints, j: Ints, slack: float) -> Bools:
     middles = [(pieces.start[k] + pieces.end[k]) / 2 for k in (i, j)]
     nearest = middles[0] - middles[1]  # (p, 3), a point of the difference
     scale = pieces.radius[i] + pieces.radius[j]
-    apart = np.zeros(len(i), dtype=np.bool_)
+    rows = np.arange(len(i))  # pairs that no plane parts yet
     for _ in range(ROUNDS):
-        corner = pieces.furthest(i, -nearest, around[0]) - pieces.furthest(j, nearest, around[1])
-        gap = dot(corner, normalize(nearest))
-        apart |= gap > LEAST_GAP * scale
+        far = pieces.furthest(i[rows], -nearest, around[0][rows])
+        corner = far - pieces.furthest(j[rows], nearest, around[1][rows])
+        meets = dot(corner, normalize(nearest)) <= LEAST_GAP * scale[rows]
+        rows, corner, nearest = rows[meets], corner[meets], nearest[meets]
+        if len(rows) == 0:
+            break
         way = corner - nearest
         share = -dot(nearest, way) / np.maximum(dot(way, way), 1e-300)
         nearest = nearest + np.clip(share, 0.0, 1.0)[:, None] * way
-        if apart.all():
-            break
+    apart = np.ones(len(i), dtype=np.bool_)
+    apart[rows] = False
     return apart
 
 
-def _struts(runs: Runs, collar: Floats) -> Pieces:
-    """Return the struts between their collars, cones in pieces."""
+def strut_pieces(runs: Runs, curved: Bools, collar: Floats) -> Pieces:
+    """Return the struts between their collars, cones in pieces, but for curved ones."""
     cone = runs.slopes[0::2] != 0
-    pieces = np.where(cone, PIECES, 1)
+    pieces = np.where(curved, 0, np.where(cone, PIECES, 1))
     run = np.repeat(np.arange(len(pieces)), pieces)
     piece = np.arange(len(run)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
     first, last = collar[0::2][run], (runs.lengths - collar[1::2])[run]
@@ -167,8 +227,61 @@ def _struts(runs: Runs, collar: Floats) -> Pieces:
     radius = np.maximum(*(runs.radii_at(2 * run, bound) for bound in bounds))
     no_hull = np.full(len(run), -1, dtype=np.intp)
     return Pieces(
-        start, end, radius, runs.edges[run], run, no_hull, np.empty((0, 1, 3)), np.zeros_like(start)
+        start,
+        end,
+        radius,
+        runs.edges[run],
+        run,
+        no_hull,
+        np.empty((0, 1, 3)),
+        np.zeros_like(start),
+        no_hull,
+        _NO_DISCS,
     )
+
+
+def curve_pieces(curves: Curves) -> Pieces:
+    """Return the pieces of curves: the hulls of the discs that control them."""
+    first = curves.pieces
+    start, end, discs = curves.centers[first], curves.centers[first + 1], curves.frames
+    chord = end - start
+    along = np.einsum("pjx,px->pj", discs[:, :, 0] - start[:, None], chord)
+    share = np.clip(along / dot(chord, chord)[:, None], 0.0, 1.0)
+    foot = start[:, None] + share[..., None] * chord[:, None]
+    half = discs[:, :, 1:]  # (p, 4, 2, 3)
+    wide = np.linalg.norm(half, ord=2, axis=(2, 3))  # half the greatest diameter
+    nodes = np.stack([curves.nodes[first], curves.nodes[first + 1]], axis=1)
+    none = np.full(len(first), -1, dtype=np.intp)
+    return Pieces(
+        start,
+        end,
+        (length(discs[:, :, 0] - foot) + wide).max(axis=1, initial=0.0),
+        np.where(nodes < 0, nodes[:, ::-1], nodes),
+        curves.run[first],
+        none,
+        np.empty((0, 1, 3)),
+        np.zeros_like(start),
+        np.arange(len(first)),
+        discs,
+    )
+
+
+def node_pieces(runs: Runs, blended: tuple[BlendedNodes, ...]) -> Pieces:
+    """Return what lies between nodes and collars."""
+    empty, none = np.empty((0, 3)), np.empty(0, dtype=np.intp)
+    nothing = Pieces(
+        empty,
+        empty,
+        empty[:, 0],
+        none.reshape(0, 2),
+        none,
+        none,
+        np.empty((0, 1, 3)),
+        empty,
+        none,
+        _NO_DISCS,
+    )
+    return joined([nothing, *(_node_parts(runs, group) for group in blended)])
 
 
 def _node_parts(runs: Runs, group: BlendedNodes) -> Pieces:
@@ -195,18 +308,23 @@ def _node_parts(runs: Runs, group: BlendedNodes) -> Pieces:
         np.arange(low.size).reshape(low.shape)[group.shape_of].reshape(-1),
         points.reshape(low.size, -1, 3),
         node,
+        np.full(len(node), -1, dtype=np.intp),
+        _NO_DISCS,
     )
 
 
-def _joined(parts: list[Pieces]) -> Pieces:
-    """Return all pieces, and their hulls with as many points each."""
+def joined(parts: list[Pieces]) -> Pieces:
+    """Return all pieces, their hulls with as many points each."""
     most = max(part.points.shape[1] for part in parts)
     points, hulls, count = [], [], 0
+    curves, discs = [], 0
     for part in parts:
         missing = most - part.points.shape[1]
         points.append(np.pad(part.points, ((0, 0), (0, missing), (0, 0)), mode="edge"))
         hulls.append(np.where(part.hull >= 0, part.hull + count, -1))
         count += len(part.points)
+        curves.append(np.where(part.curve >= 0, part.curve + discs, -1))
+        discs += len(part.discs)
     return Pieces(
         np.concatenate([part.start for part in parts]),
         np.concatenate([part.end for part in parts]),
@@ -216,6 +334,8 @@ def _joined(parts: list[Pieces]) -> Pieces:
         np.concatenate(hulls),
         np.concatenate(points),
         np.concatenate([part.offset for part in parts]),
+        np.concatenate(curves),
+        np.concatenate([part.discs for part in parts]),
     )
 
 

@@ -1,4 +1,4 @@
-"""Bodies of blended nodes: their patches, closed by the discs of their collars."""
+"""Bodies of blended nodes and of curves: their patches, closed by the discs of their collars."""
 
 from __future__ import annotations
 
@@ -6,8 +6,16 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Ints, Points, Triangles
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.struts.curverings import curve_rings
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
-from scaffold_cad.struts.surface import Sized, node_surface, own_rings, ring_centers, sized_rings
+from scaffold_cad.struts.surface import (
+    Sized,
+    node_surface,
+    own_rings,
+    ring_centers,
+    ring_triangles,
+    sized_rings,
+)
 
 OFTEN, MOST_KINDS = 8, 256
 """How many equal nodes are told so, at least, and most kinds of them."""
@@ -106,6 +114,28 @@ def _kinds(numbers: Ints) -> Ints:
     often = count >= max(OFTEN, len(numbers) / MOST_KINDS)
     found: Ints = np.where(often, np.cumsum(often) - 1, -1)[place.reshape(-1)]
     return found
+
+
+def curve_bodies(struts: RoundStruts, sides: int) -> TriangleMesh:
+    """Return the closed surfaces of the curves that are not crowded, with discs at their ends.
+
+    Parameters
+    ----------
+    sides : points of a ring, a multiple of 4
+    """
+    first_joints = struts.curves.nodes[struts.curves.offsets[:-1] + 1]
+    curves = struts.curves.chosen(~struts.crowded[first_joints])
+    ends = curves.half_runs[~curves.closed].reshape(-1)
+    rings = np.empty((len(struts.collar), sides), dtype=np.intp)
+    rings[ends] = np.arange(len(ends) * sides).reshape(-1, sides)
+    made = curve_rings(curves, curves.turns, rings, len(ends) * sides, sides)
+    own = own_rings(struts, ends, sized_rings(struts, sides), sides).reshape(-1, 3)
+    points = np.concatenate([own, made.points, ring_centers(struts, ends)])
+    middle = len(own) + len(made.points) + np.arange(len(ends))[:, None]
+    middle = np.broadcast_to(middle, (len(ends), sides))
+    discs = np.stack([middle, rings[ends], np.roll(rings[ends], -1, axis=1)], axis=-1)
+    faces = [ring_triangles(points, made.low, made.high), discs.reshape(-1, 3)]
+    return TriangleMesh(points, np.concatenate(faces))
 
 
 def _some_of(group: BlendedNodes, rows: Ints) -> BlendedNodes:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,13 +17,17 @@ from scaffold_cad.struts.apart import crossing_runs
 from scaffold_cad.struts.bends import bend_partitions
 from scaffold_cad.struts.blend import Stars
 from scaffold_cad.struts.collars import LEAST_BLEND, collar_distances
+from scaffold_cad.struts.curved import Curves, curves
+from scaffold_cad.struts.curvedjoints import CurvedJoints, curved_joints, possible, sampled
+from scaffold_cad.struts.curveproof import proved
 from scaffold_cad.struts.distances import Union
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.nodes import blends
-from scaffold_cad.struts.options import BLEND, Ends, StrutOptions
+from scaffold_cad.struts.options import BLEND, Ends, Joints, StrutOptions
 from scaffold_cad.struts.recipes import RECIPES, WHOLE, Recipe
 from scaffold_cad.struts.room import allotted
 from scaffold_cad.struts.runs import Runs, straight_runs
+from scaffold_cad.struts.sockets import sockets_of
 from scaffold_cad.struts.walls import without_wall
 
 MOST_IN_PIECES = 4
@@ -37,6 +41,8 @@ def round_struts(
     blend: float | None = None,
     ends: Ends = "flat",
     wall: float | None = None,
+    joints: Joints = "auto",
+    sockets: Mapping[int, tuple[float, float]] | None = None,
     like: RoundStruts | None = None,
 ) -> RoundStruts:
     """Return the struts of `skeleton` as exact cylinders and cones, blended at its nodes.
@@ -49,6 +55,13 @@ def round_struts(
         Where there is no room for it it shrinks, to a tenth of the struts' radii at least
     ends : how struts end: "flat" at their node, "round" beyond it, or "open" with a wall
     wall : thickness of hollow struts, mm
+    joints : how struts pass joints of two edges: "blend" as bends with a fillet between exact
+        cylinders; "curve" smoothly, with a circle of their radius in the plane that halves the
+        angle, where they can; by default the latter where a joint is a sample of a curve: it turns
+        by at most 45°, the shorter edge is at most 6 radii long, and the arc over it rises a
+        quarter of the radius at most; or where its edges are too short for a bend
+    sockets : inner radius and depth, mm, of open ends of hollow struts that take tubes, by node:
+        `{3: (14.375, 25)}`
     like : struts of the same skeleton with its nodes elsewhere: partitions and triangles stay, for
         animation and optimization
 
@@ -71,19 +84,19 @@ def round_struts(
     ([True, True, True], 0.4)
     """
     check_skeleton(skeleton)
-    options = StrutOptions(blend, ends, wall)
+    options = StrutOptions(blend, ends, wall, joints, sockets)
     if like is not None:
         _check_like(skeleton, options, like)
-    outer = _built(skeleton, options, None, like)
+    outer = _built(skeleton, options, like)
     if wall is None:
         return outer
-    inside = without_wall(skeleton, wall, at_ends=wall if ends == "flat" else 0.0)
-    bare = replace(options, wall=None, ends="flat")
-    inner = _built(inside, bare, outer.fillet + wall, None if like is None else like.inner)
-    x = inner.x.copy()
-    ends_of = np.flatnonzero(inner.runs.valency[inner.runs.tails] == 1)
-    x[ends_of] = outer.x[ends_of]  # where an end is open, both circles begin alike
-    return replace(outer, inner=replace(inner, x=x, options=options))
+    bored = sockets_of(sockets, skeleton, wall)
+    at_ends = np.full(len(skeleton.nodes), wall if ends == "flat" else 0.0)
+    at_ends[bored.nodes] = bored.depths
+    inside = without_wall(skeleton, wall, at_ends)
+    bare = replace(options, wall=None, ends="flat", sockets=None)
+    inner = _built(inside, bare, None if like is None else like.inner, outer)
+    return replace(outer, sockets=bored, inner=replace(inner, options=options))
 
 
 def _check_like(skeleton: Skeleton, options: StrutOptions, like: RoundStruts) -> None:
@@ -100,27 +113,83 @@ def _check_like(skeleton: Skeleton, options: StrutOptions, like: RoundStruts) ->
         raise OptionError(
             f"like has ends={like.options.ends!r} and wall={like.options.wall}; need the same"
         )
+    nodes = [sorted(each.sockets or {}) for each in (options, like.options)]
+    if nodes[0] != nodes[1]:
+        raise OptionError(f"like has sockets at nodes {nodes[1]}, not {nodes[0]}; need the same")
 
 
 def _built(
-    skeleton: Skeleton, options: StrutOptions, fillets: Floats | None, like: RoundStruts | None
+    skeleton: Skeleton,
+    options: StrutOptions,
+    like: RoundStruts | None,
+    outer: RoundStruts | None = None,
 ) -> RoundStruts:
     """Return solid struts.
 
     Parameters
     ----------
-    fillets : (n,) of the nodes, mm, instead of `options.blend`
+    outer : what they are the inside of, whose fillets and curves theirs follow
     """
     runs = straight_runs(skeleton) if like is None else like.runs.moved(skeleton)
-    groups = _groups(runs)
-    wanted = [_stars(skeleton, runs, group, options, fillets, like) for group in groups]
-    limits, no_room = _limits(runs, groups, wanted)
+    plan = _planned(skeleton, runs, options, like, outer)
     solved = [
         part
-        for group, stars in zip(groups, wanted, strict=True)
-        for part in _blended(group, _limited(stars, limits[group.half_runs]))
+        for group, stars in zip(plan.groups, plan.wanted, strict=True)
+        for part in _blended(group, _limited(stars, plan.limits[group.half_runs]))
     ]
-    return replace(_assembled(skeleton, options, runs, tuple(solved), no_room), like=like)
+    return replace(_assembled(skeleton, options, runs, tuple(solved), plan), like=like)
+
+
+@dataclass(frozen=True, eq=False)
+class _Plan:
+    """What is made at each node, and how much room it has."""
+
+    groups: list[_Group]
+    """Nodes with blends."""
+    wanted: list[Stars]
+    """What the blends of each group are asked for."""
+    joints: CurvedJoints
+    """Joints that curves pass."""
+    limits: Floats
+    """Greatest collar distance of each half-run, shape (2 k,), mm."""
+    no_room: Bools
+    """Runs whose nodes have no room on them, shape (k,)."""
+
+
+def _planned(
+    skeleton: Skeleton,
+    runs: Runs,
+    options: StrutOptions,
+    like: RoundStruts | None,
+    outer: RoundStruts | None,
+) -> _Plan:
+    """Return the plan; joints that have no room for a bend and can be of a curve are."""
+    model = outer if like is None else like
+    able = possible(skeleton, runs)
+    at = sampled(runs, able, options.joints) if model is None else model.at_curves
+    while True:
+        groups = _groups(runs, at)
+        wanted = [_stars(skeleton, runs, group, options, outer, like) for group in groups]
+        full, least = _collars(runs, groups, wanted)
+        closed = _shortening(options)
+        curved = None if model is None else model.curves.curved
+        joints = curved_joints(runs, at, full, closed, curved)
+        if outer is not None:
+            along = np.where(joints.wanted > 0, outer.collar, 0.0)
+            joints = replace(joints, wanted=along, least=along)
+        limits, no_room = _limits(runs, full + joints.wanted, least + joints.least)
+        more = np.zeros_like(at)
+        more[runs.edges[no_room]] = True
+        more &= able & ~at
+        if model is not None or options.joints != "auto" or not more.any():
+            return _Plan(groups, wanted, joints, limits, no_room)
+        at = at | more
+
+
+def _shortening(options: StrutOptions) -> float:
+    """Return by how much the inside of struts is shorter at extremities, at most, mm."""
+    flat = options.wall if options.wall and options.ends == "flat" else 0.0
+    return max([flat, *(depth for _, depth in (options.sockets or {}).values())])
 
 
 def _recipes(valency: int) -> list[Recipe]:
@@ -156,11 +225,12 @@ class _Group:
     """Shape (M, N)."""
 
 
-def _groups(runs: Runs) -> list[_Group]:
-    """Return the branch points and bends by valency, ascending."""
+def _groups(runs: Runs, curved: Bools) -> list[_Group]:
+    """Return the branch points, and the bends but for joints of curves, by valency, ascending."""
     groups = []
-    for valency in np.unique(runs.valency[runs.valency > 1]).tolist():
-        nodes = np.flatnonzero(runs.valency == valency)
+    blended = np.where(curved, 0, runs.valency)
+    for valency in np.unique(blended[blended > 1]).tolist():
+        nodes = np.flatnonzero(blended == valency)
         groups.append(_Group(nodes, runs.incidence.at_nodes(nodes, valency)))
     return groups
 
@@ -170,7 +240,7 @@ def _stars(
     runs: Runs,
     group: _Group,
     options: StrutOptions,
-    fillets: Floats | None,
+    outer: RoundStruts | None,
     like: RoundStruts | None,
 ) -> Stars:
     """Return what the blends of nodes are asked for, with room without end."""
@@ -180,9 +250,9 @@ def _stars(
     ball = np.where(ball > radii.max(axis=1) * (1 + 1e-9), ball, 0.0)
     thin = radii.min(axis=1)
     blend = BLEND * thin if options.blend is None else np.full(len(thin), options.blend)
-    if fillets is not None:
-        blend = fillets[group.nodes]
-    vertices, quads = _partitions(directions, group, like)
+    if outer is not None:
+        blend = outer.fillet[group.nodes] + (outer.options.wall or 0.0)
+    vertices, quads = _partitions(directions, group, like or outer)
     most = np.full(radii.shape, np.inf)
     slopes = runs.slopes[group.half_runs]
     return Stars(directions, radii, slopes, blend, ball, most, vertices, quads)
@@ -220,14 +290,19 @@ def _union(stars: Stars) -> Union:
     return Union(leading, stars.radii, stars.slopes, stars.balls, stars.blends)
 
 
-def _limits(runs: Runs, groups: list[_Group], wanted: list[Stars]) -> tuple[Floats, Bools]:
-    """Return the greatest collar distance of each half-run, (2 k,), and the runs without room."""
+def _collars(runs: Runs, groups: list[_Group], wanted: list[Stars]) -> tuple[Floats, Floats]:
+    """Return the collar distances that blends want, and those of the smallest fillets, (2 k,)."""
     full, least = np.zeros(len(runs.tails)), np.zeros(len(runs.tails))
     for group, stars in zip(groups, wanted, strict=True):
         union = _union(stars)
         small = np.minimum(stars.blends, LEAST_BLEND * stars.radii.mean(axis=1))
         full[group.half_runs] = collar_distances(union, stars.blends)
         least[group.half_runs] = collar_distances(union, small)
+    return full, least
+
+
+def _limits(runs: Runs, full: Floats, least: Floats) -> tuple[Floats, Bools]:
+    """Return the greatest collar distance of each half-run, (2 k,), and the runs without room."""
     allowed, no_room = allotted(full, least, runs.lengths)
     # Where all that is wanted fits there is no limit: equal nodes stay equal.
     fits = np.repeat((full.reshape(-1, 2).sum(axis=1) <= runs.lengths), 2)
@@ -252,10 +327,10 @@ def _assembled(
     options: StrutOptions,
     runs: Runs,
     solved: tuple[BlendedNodes, ...],
-    no_room: Bools,
+    plan: _Plan,
 ) -> RoundStruts:
     """Return the struts, once it is known which nodes are crowded."""
-    collar, x = np.zeros(len(runs.tails)), np.zeros((len(runs.tails), 3))
+    collar, x = np.minimum(plan.joints.wanted, plan.limits), np.zeros((len(runs.tails), 3))
     fillet = np.full(len(skeleton.nodes), np.nan)
     crowded = np.zeros(len(skeleton.nodes), dtype=np.bool_)
     for group in solved:
@@ -264,15 +339,31 @@ def _assembled(
         x[group.half_runs] = made.collar_corners[which][:, :, 0]
         fillet[group.nodes] = made.rho[which]
         crowded[group.nodes[~(made.proved & made.has_room)[which]]] = True
+    passed = curves(runs, plan.joints, collar, x)
+    open_ones = ~passed.closed
+    for side, first in enumerate((passed.offsets[:-1], passed.offsets[1:] - 1)):
+        x[passed.half_runs[open_ones, side]] = passed.x[first[open_ones]]
     _turn_ends(runs, x)
-    crowded[runs.edges[no_room].reshape(-1)] = True
-    crossing = crossing_runs(runs, solved, collar)
-    crowded[runs.edges[crossing].reshape(-1)] = True
-    crowded_runs = np.zeros(len(runs.edges), dtype=np.bool_)
-    crowded_runs[no_room] = True
+    crossing = crossing_runs(runs, solved, passed, collar)
+    crowded[runs.edges[plan.no_room]] = True
+    crowded[runs.edges[crossing]] = True
+    _crowd_curves(passed, crowded)
+    crowded_runs = plan.no_room.copy()
     crowded_runs[np.unique(crossing)] = True
     crowded_runs |= crowded[runs.edges].all(axis=1)
-    return RoundStruts(skeleton, options, runs, solved, collar, x, fillet, crowded, crowded_runs)
+    return RoundStruts(
+        skeleton, options, runs, solved, collar, passed, x, fillet, crowded, crowded_runs
+    )
+
+
+def _crowd_curves(passed: Curves, crowded: Bools) -> None:
+    """Mark all joints of curves of which a piece is not proved or a joint is crowded."""
+    of_joint = np.flatnonzero(passed.nodes >= 0)
+    of_circle = np.repeat(np.arange(len(passed.half_runs)), np.diff(passed.offsets))
+    bad = np.zeros(len(passed.half_runs), dtype=np.bool_)
+    bad[passed.curve_of_piece[~proved(passed)]] = True
+    bad[of_circle[of_joint[crowded[passed.nodes[of_joint]]]]] = True
+    crowded[passed.nodes[of_joint[bad[of_circle[of_joint]]]]] = True
 
 
 def _turn_ends(runs: Runs, x: UnitVectors) -> None:

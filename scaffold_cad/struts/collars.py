@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Floats, Frozen
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints
 from scaffold_cad.struts.distances import Union
 
 LEAST_BLEND = 0.1
@@ -24,6 +24,8 @@ AROUND = 9
 """Points on half a circle at which a collar is looked at."""
 EXACT = 1e-9
 """How far a fillet may be past a collar, in radii: rounding."""
+BLOCK = 1 << 14
+"""Points on circles looked at together: their arrays stay in the processor's cache."""
 NEVER = 1e9
 """Collar distance over the radius that stands for struts that never part."""
 
@@ -79,21 +81,27 @@ def collar_distances(union: Union, blends: Floats) -> Floats:
     """
     count = union.radii.shape[1]
     nearest = np.zeros_like(union.radii)
-    for strut in range(count):
-        for other in range(count):
-            if other != strut:
-                clear = _clear(union, blends, strut, other)
-                np.maximum(nearest[:, strut], clear, out=nearest[:, strut])
+    strut, other = np.nonzero(~np.eye(count, dtype=np.bool_))
+    room = max(1, BLOCK // (AROUND * max(len(strut), 1)))
+    for at in range(0, len(nearest) if count > 1 else 0, room):
+        some = slice(at, at + room)
+        clear = _clear(union[some], blends[some, None], strut, other)
+        nearest[some] = clear.reshape(-1, count, count - 1).max(axis=2)
     # A ball of radius ρ that touches the node's ball and a cylinder touches them from outside.
     with_ball = np.where(union.balls > 0, union.balls + blends, 0.0)[:, None]
     return np.maximum(nearest, _outside(union.radii, union.slopes, with_ball))
 
 
-def _clear(union: Union, blends: Floats, strut: int, other: int) -> Floats:
-    """Return from where on the circle of a strut is clear of its fillet with another one, (M,)."""
+def _clear(union: Union, blends: Floats, strut: Ints, other: Ints) -> Floats:
+    """Return from where on circles of struts (p,) are clear of their fillets with others, (M, p).
+
+    Parameters
+    ----------
+    blends : (M, 1) ρ, mm
+    """
     axes = union.directions
-    cosine = np.clip((axes[:, :, strut] * axes[:, :, other]).sum(axis=0), -1, 1)[:, None]
-    sine = np.sqrt(1 - cosine**2)
+    cosine = np.clip((axes[:, :, strut] * axes[:, :, other]).sum(axis=0), -1, 1)[..., None]
+    sine = np.sqrt(1 - cosine**2)  # (M, p, 1)
     radius, slope = union.radii[:, strut, None], union.slopes[:, strut, None]
     own = union.cosines[:, strut, None]
     turn = union.cosines[:, other, None]
@@ -102,7 +110,7 @@ def _clear(union: Union, blends: Floats, strut: int, other: int) -> Floats:
     towards = np.cos(np.linspace(0.0, np.pi, AROUND))  # (AROUND,)
 
     def is_clear(distance: Floats) -> Bools:
-        c = distance[:, None]
+        c = distance[..., None]
         wide = radius + slope * c
         t = c * cosine + wide * towards * sine
         size = np.sqrt(c * c + wide * wide)
@@ -114,11 +122,11 @@ def _clear(union: Union, blends: Floats, strut: int, other: int) -> Floats:
         along_point = own * (wide - slope * c)
         along_axis = own * (towards * sine - slope * cosine)
         normals = by_point * along_point + by_axis * along_axis
-        return np.asarray(
-            (gap >= blends[:, None] * (1 - np.maximum(normals, 0.0)) - EXACT * radius).all(axis=1)
-        )
+        needed = blends[..., None] * (1 - np.maximum(normals, 0.0)) - EXACT * radius
+        return np.asarray((gap >= needed).all(axis=-1))
 
-    low, high = np.zeros(len(blends)), _surely_clear(union, blends, strut, other)
+    high = _surely_clear(union, blends, strut, other)
+    low = np.zeros_like(high)
     for _ in range(HALVINGS):
         middle = (low + high) / 2
         clear = is_clear(middle)
@@ -126,14 +134,14 @@ def _clear(union: Union, blends: Floats, strut: int, other: int) -> Floats:
     return high
 
 
-def _surely_clear(union: Union, gap: Floats, strut: int, other: int) -> Floats:
-    """Return where a strut's circle is at least `gap` (M,) from another strut, (M,)."""
+def _surely_clear(union: Union, gap: Floats, strut: Ints, other: Ints) -> Floats:
+    """Return where the circles of struts (p,) are at least `gap` (M, 1) from others, (M, p)."""
     clear = [_at_gap(union, gap, strut, other, side) for side in (1.0, -1.0)]
     return np.maximum(*clear)
 
 
-def _at_gap(union: Union, blends: Floats, strut: int, other: int, side: float) -> Floats:
-    """Return where the circle's point towards the other strut, or away, is at a gap of it, (M,).
+def _at_gap(union: Union, blends: Floats, strut: Ints, other: Ints, side: float) -> Floats:
+    """Return where circles' points towards other struts, or away, are at a gap of them, (M, p).
 
     On a circle the distance to another cone is a concave function of the height along that cone's
     axis, so it is least at the two points of the circle in the plane of both axes. In that plane
@@ -155,7 +163,7 @@ def _at_gap(union: Union, blends: Floats, strut: int, other: int, side: float) -
     offset = width * turn - height * lean - inscribed
     never = NEVER * radius
     line = np.where(rate > 1e-9, (blends - offset) / np.maximum(rate, 1e-9), never)
-    ball = _outside(radius[:, None], slope[:, None], (inscribed + blends)[:, None])[:, 0]
+    ball = _outside(radius, slope, inscribed + blends)
     is_ball = tau + tau_rate * ball <= 0
     return np.where(is_ball, ball, np.minimum(line, never))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -12,8 +12,10 @@ from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.base.notebook import Shown
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts.blend import Solved
+from scaffold_cad.struts.curved import Curves
 from scaffold_cad.struts.options import StrutOptions
 from scaffold_cad.struts.runs import Runs
+from scaffold_cad.struts.sockets import NO_SOCKETS, Sockets
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +59,8 @@ class RoundStruts(Frozen, Shown):
     """Branch points and bends that have a blend, by valency."""
     collar: Floats
     """Distance from each half-run's node at which its own surface begins, shape (2 k,), mm."""
+    curves: Curves
+    """Struts that run on smoothly through joints."""
     x: UnitVectors
     """Where the ring of each half-run begins, at right angles to it, shape (2 k, 3)."""
     fillet: Floats
@@ -67,13 +71,18 @@ class RoundStruts(Frozen, Shown):
     """Runs that have no surface of their own, shape (k,): both of their nodes are crowded."""
     like: RoundStruts | None = None
     """Struts of the same skeleton, moved, whose partitions and triangles these have."""
+    sockets: Sockets = NO_SOCKETS
+    """Sockets at open ends of hollow struts."""
     inner: RoundStruts | None = None
     """The inside of hollow struts, thinner by their wall; None for solid ones."""
 
     @cached_property
     def exact(self) -> Bools:
-        """Whether each edge is a cylinder or a cone on its axis between its collars, (m,)."""
-        return ~self.crowded_runs[self.runs.run_of_edge]
+        """Whether each edge is a cylinder or a cone on its axis between its collars, (m,).
+
+        Edges that are curved from end to end are not: see `curves`.
+        """
+        return ~(self.crowded_runs | self.curves.curved)[self.runs.run_of_edge]
 
     @property
     def overlapping(self) -> Ints:
@@ -81,3 +90,30 @@ class RoundStruts(Frozen, Shown):
         crowded: Bools = np.asarray(self.crowded[self.runs.edges].any(axis=1))
         edges = np.flatnonzero(crowded[self.runs.run_of_edge])
         return edges if self.inner is None else np.union1d(edges, self.inner.overlapping)
+
+    @property
+    def at_curves(self) -> Bools:
+        """Whether each node is a joint that a curve passes, shape (n,)."""
+        found = np.zeros(len(self.runs.nodes), dtype=np.bool_)
+        found[self.curves.nodes[self.curves.nodes >= 0]] = True
+        return found
+
+    @cached_property
+    def straight(self) -> RoundStruts:
+        """The same with those runs only that are straight somewhere."""
+        keep = ~self.curves.curved
+        if keep.all():
+            return self
+        both = np.repeat(keep, 2)
+        number = np.where(both, np.cumsum(both) - 1, -1)
+        blended = (replace(each, half_runs=number[each.half_runs]) for each in self.blended)
+        ends = np.where(self.curves.half_runs < 0, -1, number[self.curves.half_runs])
+        return replace(
+            self,
+            runs=self.runs.chosen(keep),
+            blended=tuple(blended),
+            collar=self.collar[both],
+            x=self.x[both],
+            curves=replace(self.curves, half_runs=ends, curved=np.zeros(keep.sum(), np.bool_)),
+            crowded_runs=self.crowded_runs[keep],
+        )

@@ -31,7 +31,21 @@ class Runs(Frozen):
     radii: Floats
     """Radius at both ends of each run, shape (k, 2), mm."""
     run_of_edge: Ints
-    """Run that each edge of the skeleton belongs to, shape (m,)."""
+    """Run that each edge of the skeleton belongs to, shape (m,); -1 where it is left out."""
+    valency: Ints
+    """Number of runs at each node, 0 at those that runs pass through, shape (n,)."""
+
+    @staticmethod
+    def of(nodes: Points, edges: Edges, radii: Floats, run_of_edge: Ints) -> Runs:
+        """Return runs with the valency that they give the nodes."""
+        return Runs(nodes, edges, radii, run_of_edge, valencies(edges, len(nodes)))
+
+    def chosen(self, keep: Bools) -> Runs:
+        """Return some of the runs; nodes keep their valency."""
+        number = np.where(keep, np.cumsum(keep) - 1, -1)
+        return Runs(
+            self.nodes, self.edges[keep], self.radii[keep], number[self.run_of_edge], self.valency
+        )
 
     @cached_property
     def tails(self) -> Ints:
@@ -53,11 +67,6 @@ class Runs(Frozen):
         """Growth of the radius along each half-run, mm a mm, shape (2 k,)."""
         taper = (self.radii[:, 1] - self.radii[:, 0]) / self.lengths
         return np.stack([taper, -taper], axis=1).reshape(-1)
-
-    @cached_property
-    def valency(self) -> Ints:
-        """Number of runs at each node, 0 at those that runs pass through, shape (n,)."""
-        return valencies(self.edges, len(self.nodes))
 
     @cached_property
     def incidence(self) -> Incidence:
@@ -82,7 +91,7 @@ class Runs(Frozen):
                 "bend there"
             )
         radii = _radii_at_ends(skeleton, self)
-        return Runs(skeleton.nodes, self.edges, radii, self.run_of_edge)
+        return Runs.of(skeleton.nodes, self.edges, radii, self.run_of_edge)
 
     def radii_at(self, half_runs: Ints, distances: Floats) -> Floats:
         """Return the radius of half-runs (h,) at distances (h,) from their nodes, mm, (h,)."""
@@ -105,14 +114,14 @@ def straight_runs(skeleton: Skeleton) -> Runs:
     through = _passed(skeleton)
     if not through.any():
         every = np.arange(len(skeleton.edges))
-        return Runs(skeleton.nodes, skeleton.edges, skeleton.edge_radii, every)
+        return Runs.of(skeleton.nodes, skeleton.edges, skeleton.edge_radii, every)
     half_edges = skeleton.incidence.at_nodes(np.flatnonzero(through), 2)  # (j, 2)
     run_of_edge = component_labels(half_edges >> 1, len(skeleton.edges))
     tails = skeleton.edges.reshape(-1)
     outer = np.flatnonzero(~through[tails])
     # Two half-edges of each run leave nodes where it ends.
     ends = outer[np.argsort(run_of_edge[outer >> 1], kind="stable")].reshape(-1, 2)
-    return Runs(skeleton.nodes, tails[ends], skeleton.edge_radii.reshape(-1)[ends], run_of_edge)
+    return Runs.of(skeleton.nodes, tails[ends], skeleton.edge_radii.reshape(-1)[ends], run_of_edge)
 
 
 def _passed(skeleton: Skeleton) -> Bools:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, Triangles
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Triangles
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.struts.bands import band_triangles, enlargement, matching, twist_of
+from scaffold_cad.struts.curverings import CurveRings, curve_rings
 from scaffold_cad.struts.ends import flat_ends, round_ends
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.rings import block_size, stacks
+from scaffold_cad.struts.sockets import socket_triangles
 
 LEVELS = 4
 """Intervals of a patch from its arc to its collar, for 16 sides."""
@@ -36,13 +38,27 @@ class Triangulated(Frozen):
     """Triangles of round struts, and what they stand around."""
 
     mesh: TriangleMesh
-    """The triangles, those of nodes first."""
+    """The triangles, those of nodes first, then those of curves."""
     node: Ints
     """Node that each triangle of a node stands around, shape (t',)."""
+    curve_rings: CurveRings
+    """The rings of curves; the triangles between two follow each other."""
     shift: Ints
     """How the rings of each run are joined, see `Matching`, shape (k,)."""
     owner: Ints
     """What each triangle belongs to: node v as v, run i as -1 - i, shape (t,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shell(Frozen):
+    """One surface of round struts, and the rings at the ends of struts."""
+
+    made: Triangulated
+    """Its triangles."""
+    ends: Ints
+    """Half-runs that leave the nodes where struts end, ascending, shape (e,)."""
+    rings: Ints
+    """Vertices of the ring at each of these, counter-clockwise about the half-run, (e, sides)."""
 
 
 def triangulated(struts: RoundStruts, sides: int) -> Triangulated:
@@ -54,24 +70,79 @@ def triangulated(struts: RoundStruts, sides: int) -> Triangulated:
     ----------
     sides : points of a ring, a multiple of 4
     """
-    outer, rings = _shell(struts, sides)
+    outer = shell_of(struts, sides)
     if struts.inner is None:
-        return outer
-    inside, inner_rings = _shell(struts.inner, sides)
-    count = len(outer.mesh.vertices)
-    faces = [outer.mesh.triangles, inside.mesh.triangles[:, ::-1] + count]
-    owners = [outer.owner, inside.owner]
+        return outer.made
+    inside = shell_of(inside_of(struts), sides)
+    count = len(outer.made.mesh.vertices)
+    faces = [outer.made.mesh.triangles, inside.made.mesh.triangles[:, ::-1] + count]
+    more_owners: list[Ints] = []
+    points = [outer.made.mesh.vertices, inside.made.mesh.vertices]
     if struts.options.ends == "open":
-        faces.append(_annuli(rings, inner_rings + count))
-        ends = np.flatnonzero(struts.runs.valency[struts.runs.tails] == 1)
-        owners.append(np.tile(-1 - np.repeat(ends >> 1, sides), 2))
-    mesh = TriangleMesh(
-        np.concatenate([outer.mesh.vertices, inside.mesh.vertices]), np.concatenate(faces)
-    )
-    return Triangulated(mesh, outer.node, outer.shift, np.concatenate(owners))
+        more, closing, run = open_ends(
+            struts, outer.ends, outer.rings, inside.rings + count, points
+        )
+        points.append(more)
+        faces.append(closing)
+        more_owners.append(-1 - run)
+    mesh = TriangleMesh(np.concatenate(points), np.concatenate(faces))
+    made = outer.made
+    owner = np.concatenate([made.owner, inside.made.owner, *more_owners])
+    return Triangulated(mesh, made.node, made.curve_rings, made.shift, owner)
 
 
-def _annuli(outer: Ints, inner: Ints) -> Triangles:
+def open_ends(
+    struts: RoundStruts, ends: Ints, outer: Ints, inner: Ints, points: list[Points]
+) -> tuple[Points, Triangles, Ints]:
+    """Return the vertices of sockets, the triangles of open ends, and the run of each.
+
+    Parameters
+    ----------
+    ends : (e,) half-runs at ends that are open
+    outer, inner : (e, sides) vertices of the rings there
+    points : those so far
+    """
+    sides = outer.shape[1]
+    places, bored = _sockets(struts, ends, sides)
+    first = sum(len(each) for each in points)
+    number = first + np.arange(places.size // 3).reshape(-1, 2, sides)  # at shoulder and end
+    faces = [socket_triangles(number[:, 0], number[:, 1], inner[bored])]
+    inner = inner.copy()
+    inner[bored] = number[:, 1]
+    faces.append(annuli(outer, inner))
+    around = [np.repeat(some >> 1, sides) for some in (ends[bored], ends)]
+    run = np.concatenate([np.tile(around[0], 4), np.tile(around[1], 2)])
+    return places.reshape(-1, 3), np.concatenate(faces), run
+
+
+def inside_of(struts: RoundStruts) -> RoundStruts:
+    """Return the inside of hollow struts, with rings at the ends that begin as those outside."""
+    assert struts.inner is not None
+    x, runs = struts.inner.x.copy(), struts.runs
+    ends = np.flatnonzero(runs.valency[runs.tails] == 1)
+    x[ends] = struts.x[ends]
+    like = None if struts.like is None else inside_of(struts.like)
+    return replace(struts.inner, x=x, like=like)
+
+
+def _sockets(struts: RoundStruts, ends: Ints, sides: int) -> tuple[Points, Ints]:
+    """Return the rings of sockets, (q, 2, sides, 3), mm, and their places among ends, (q,)."""
+    runs, sockets = struts.runs, struts.sockets
+    place = np.flatnonzero(np.isin(runs.tails[ends], sockets.nodes))
+    half_run = ends[place]
+    row = np.searchsorted(sockets.nodes, runs.tails[half_run])
+    radii, depths = sockets.radii[row], sockets.depths[row]
+    inward, x = runs.directions[half_run], struts.x[half_run]
+    angle = 2 * np.pi / sides * np.arange(sides)
+    axes = np.stack([x, np.cross(inward, x)], axis=1)  # (q, 2, 3)
+    around = np.einsum("ks,qkx->qsx", np.stack([np.cos(angle), np.sin(angle)]), axes)
+    wide = radii * enlargement(np.zeros(1), sides)[0]
+    deep = np.stack([depths, 0 * depths], axis=1)  # (q, 2)
+    centers = runs.nodes[runs.tails[half_run]][:, None] + deep[..., None] * inward[:, None]
+    return centers[:, :, None] + wide[:, None, None, None] * around[:, None], place
+
+
+def annuli(outer: Ints, inner: Ints) -> Triangles:
     """Return the triangles between rings (e, s) that begin alike, seen from out of the struts."""
     a, b = np.roll(outer, -1, axis=1), outer
     d, c = np.roll(inner, -1, axis=1), inner
@@ -79,19 +150,26 @@ def _annuli(outer: Ints, inner: Ints) -> Triangles:
     return np.concatenate(pairs).reshape(-1, 3)
 
 
-def _shell(struts: RoundStruts, sides: int) -> tuple[Triangulated, Ints]:
-    """Return the outer surface, and the rings at the ends of struts, (e, sides).
+def shell_of(struts: RoundStruts, sides: int, open_at: Bools | None = None) -> Shell:
+    """Return the outer surface of round struts.
 
-    Vertices come node by node, by valency and number, then those of ends: they do not depend on
-    how the patches are cut.
+    Vertices come node by node, by valency and number, then those of ends and of curves: they do not
+    depend on how the patches are cut.
+
+    Parameters
+    ----------
+    open_at : (n,) nodes where struts end without a disc or a ball; none by default
     """
-    model = None if struts.like is None else _shell(struts.like, sides)[0]
+    number = np.flatnonzero(np.repeat(~struts.curves.curved, 2))  # of the half-runs left
+    struts = struts.straight
+    model = None if struts.like is None else shell_of(struts.like, sides).made
     sized = sized_rings(struts, sides, None if model is None else model.shift)
     own = own_rings(struts, np.arange(len(struts.collar)), sized, sides)  # (2 k, sides, 3)
     starts, count = _blocks(struts, sides)
     rings = np.empty((len(struts.collar), sides), dtype=np.intp)
     at_nodes = np.empty((count, 3))
     nodes: list[Ints] = []
+    run_of = number[::2] >> 1  # of the runs left
     along: list[Ints] = []
     faces: list[Triangles] = []
     for group in struts.blended:
@@ -107,23 +185,42 @@ def _shell(struts: RoundStruts, sides: int) -> tuple[Triangulated, Ints]:
         rings[half_runs] = place[last]
     ends = np.flatnonzero(struts.runs.valency[struts.runs.tails] == 1)
     rings[ends] = count + np.arange(len(ends) * sides).reshape(-1, sides)
+    count += len(ends) * sides
     points = [at_nodes, own[ends].reshape(-1, 3)]
-    if struts.options.ends != "open":
+    at_curves = struts.curves.half_runs[~struts.curves.closed].reshape(-1)
+    rings[at_curves] = count + np.arange(len(at_curves) * sides).reshape(-1, sides)
+    count += len(at_curves) * sides
+    passed = curve_rings(struts.curves, _turns(struts), rings, count, sides)
+    count += len(passed.points)
+    points += [own[at_curves].reshape(-1, 3), passed.points]
+    faces.append(ring_triangles(np.concatenate(points), passed.low, passed.high))
+    curve_runs = struts.curves.run[struts.curves.pieces][passed.piece]
+    along.append(np.repeat(curve_runs, 2 * sides))
+    closed = np.full(len(ends), struts.options.ends != "open")
+    if open_at is not None:
+        closed &= ~open_at[struts.runs.tails[ends]]
+    if closed.any():
         make = flat_ends if struts.options.ends == "flat" else round_ends
-        count += len(ends) * sides
-        extra, closing = make(struts.runs, ends, sized.radius[ends], rings[ends], own[ends], count)
+        some = ends[closed]
+        extra, closing = make(struts.runs, some, sized.radius[some], rings[some], own[some], count)
         points.append(extra)
         faces.append(closing)
-        along.append(np.repeat(ends >> 1, len(closing) // max(len(ends), 1)))
+        along.append(np.repeat(run_of[some >> 1], len(closing) // len(some)))
     faces.append(band_triangles(rings[0::2], rings[1::2], sized.shift, sized.twist))
-    along.append(np.repeat(np.arange(len(sized.shift)), 2 * sides))
+    along.append(np.repeat(run_of, 2 * sides))
     around = np.concatenate(nodes) if nodes else np.empty(0, dtype=np.intp)
     triangles, owner = np.concatenate(faces), np.concatenate([around, -1 - np.concatenate(along)])
     if model is not None:
         around, triangles, owner = model.node, model.mesh.triangles, model.owner
-    return Triangulated(
-        TriangleMesh(np.concatenate(points), triangles), around, sized.shift, owner
-    ), rings[ends]
+    mesh = TriangleMesh(np.concatenate(points), triangles)
+    return Shell(Triangulated(mesh, around, passed, sized.shift, owner), number[ends], rings[ends])
+
+
+def _turns(struts: RoundStruts) -> Floats:
+    """Return the turns of pieces of curves that their intervals go by, those of the first model."""
+    while struts.like is not None:
+        struts = struts.like
+    return struts.curves.turns
 
 
 def _blocks(struts: RoundStruts, sides: int) -> tuple[Ints, int]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
+from scaffold_cad.base.arrays import Floats
 from scaffold_cad.base.vectors import dot
 from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton
@@ -15,13 +16,13 @@ SAMPLES = (8, 32)
 """Levels and sides of the grids on the patches of nodes where walls are measured."""
 
 
-def without_wall(skeleton: Skeleton, wall: float, at_ends: float) -> Skeleton:
+def without_wall(skeleton: Skeleton, wall: float, at_ends: Floats) -> Skeleton:
     """Return the skeleton of what is inside struts with walls.
 
     Parameters
     ----------
     wall : thickness, mm
-    at_ends : thickness of flat ends, mm: struts are so much shorter at extremities
+    at_ends : (n,) by how much struts are shorter at extremities, mm
 
     Raises
     ------
@@ -36,12 +37,12 @@ def without_wall(skeleton: Skeleton, wall: float, at_ends: float) -> Skeleton:
             "is thinner than each radius"
         )
     is_end = skeleton.valency[skeleton.edges] == 1  # (m, 2)
-    cut = at_ends * is_end
+    cut = at_ends[skeleton.edges] * is_end
     short = np.flatnonzero(skeleton.lengths <= cut.sum(axis=1) * (1 + 1e-6))
     if len(short):
         raise OptionError(
             f"edge {short[0]} is {skeleton.lengths[short[0]]:g} mm long; need more than its closed "
-            f"ends of {at_ends:g} mm (ends='open' has none)"
+            f"ends of {cut[short[0]].max():g} mm (ends='open' has none)"
         )
     share = cut / skeleton.lengths[:, None]
     near, far = skeleton.edge_radii.T
@@ -63,6 +64,10 @@ def least_wall(struts: RoundStruts) -> float:
     if struts.inner is None:
         raise OptionError("the struts are solid; need wall=, mm")
     thickness = [float(struts.options.wall or 0.0)]
+    runs, sockets = struts.runs, struts.sockets
+    half_runs = runs.incidence.half_edges[runs.incidence.offsets[sockets.nodes]]
+    for depth in (0.0 * sockets.depths, sockets.depths):
+        thickness += (runs.radii_at(half_runs, depth) - sockets.radii).tolist()
     levels, sides = SAMPLES
     for outer, inner in zip(struts.blended, struts.inner.blended, strict=True):
         grids = [

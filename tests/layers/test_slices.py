@@ -32,7 +32,8 @@ from scaffold_cad.layers import nodes as parts
 from scaffold_cad.layers import uniting
 from scaffold_cad.solid.manifolds import manifold_triangles
 from tests.meshes import CUBE, OPEN_CUBE
-from tests.skeletons import JACK, STRUT, TETRAPOD, TRIPOD, ZIGZAG, star
+from tests.skeletons import JACK, STRUT, TETRAPOD, TREFOIL, TRIPOD, ZIGZAG, star
+from tests.struts.chains import helix
 
 
 def volume(layers: Iterable[Layer]) -> float:
@@ -233,3 +234,19 @@ def test_layers_have_the_area_of_those_of_a_slicer(tmp_path: Path) -> None:
     ours = [layer.area for layer in slices(struts, thickness=0.2, sides=32)]
     assert len(ours) - len(theirs) in (0, 1)  # it leaves out what is thinner than half a layer
     assert ours[: len(theirs)] == pytest.approx(theirs, abs=0.03)
+
+
+@pytest.mark.parametrize("skeleton", [TREFOIL, helix(60, wire=np.linspace(0.6, 1.4, 60))])
+def test_layers_of_curves_have_their_volume(skeleton: Skeleton) -> None:
+    struts = round_struts(skeleton)
+    assert struts.curves.curved.any()
+    found = volume(slices(struts, thickness=0.05, sides=16))
+    assert found == pytest.approx(to_solid(struts, sides=16).volume(), rel=2e-3)
+
+
+def test_layers_of_sockets_have_their_volume() -> None:
+    tube = Skeleton([[0, 0, 0], [20, 0, 0]], [[0, 1]], 5.0)
+    sockets = {0: (3.0, 4.0), 1: (4.5, 6.0)}
+    struts = round_struts(tube, wall=1.0, ends="open", sockets=sockets)
+    found = volume(slices(struts, thickness=0.05, sides=32))
+    assert found == pytest.approx(to_solid(struts, sides=32).volume(), rel=5e-3)

@@ -31,8 +31,6 @@ def test_cylinders_and_cones_have_their_volume(sides: int) -> None:
 
 @pytest.mark.parametrize("name", NAMED)
 def test_meshes_are_whole_as_written(name: str) -> None:
-    if name == "trefoil":
-        pytest.skip("a field solid of a million triangles: see the fields' own tests")
     check_as_written(round_mesh(round_struts(NAMED[name]), 8))
 
 
@@ -77,7 +75,7 @@ def test_a_node_larger_than_its_struts_is_a_ball() -> None:
     assert solid.volume() == pytest.approx(volume, rel=3e-3)
 
 
-def test_struts_that_overlap_become_one_field_solid() -> None:
+def test_struts_that_overlap_become_one_solid() -> None:
     solid = solidified(round_struts(CLOSE))
     assert solid.united_edges.tolist() == [0, 1]
     check_solid_of(CLOSE, solid.manifold)
@@ -89,7 +87,7 @@ def test_a_union_for_faces_has_few_triangles_and_nearly_the_volume() -> None:
     struts = round_struts(CLOSE)
     coarse, fine = coarse_union(struts), round_mesh(struts)
     check_as_written(coarse)
-    assert len(coarse.triangles) < 10_000 < len(fine.triangles)
+    assert len(coarse.triangles) < 10_000
     assert coarse.signed_volume == pytest.approx(fine.signed_volume, rel=0.005)
 
 

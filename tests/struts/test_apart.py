@@ -28,8 +28,9 @@ def test_cylinders_meet_where_axes_are_nearer_than_their_radii(gap: float, meet:
 
 def test_thicker_polygons_meet_sooner() -> None:
     struts = round_struts(pair(2.01))
-    assert len(crossing_runs(struts.runs, struts.blended, struts.collar)) == 0
-    assert crossing_runs(struts.runs, struts.blended, struts.collar, 0.01).tolist() == [[0, 1]]
+    parts = struts.runs, struts.blended, struts.curves, struts.collar
+    assert len(crossing_runs(*parts)) == 0
+    assert crossing_runs(*parts, 0.01).tolist() == [[0, 1]]
 
 
 def test_cones_are_looked_at_in_pieces() -> None:
@@ -56,7 +57,7 @@ def test_struts_that_meet_are_always_found(seed: int) -> None:
 def test_neighbors_are_not_compared() -> None:
     bent = Skeleton([[0, 0, 0], [10, 0, 0], [10, 10, 0]], [[0, 1], [1, 2]], 1.0)
     struts = round_struts(bent)
-    assert len(crossing_runs(struts.runs, struts.blended, struts.collar)) == 0
+    assert len(crossing_runs(struts.runs, struts.blended, struts.curves, struts.collar)) == 0
 
 
 def test_slices_together_are_the_curve() -> None:

@@ -29,6 +29,9 @@ from scaffold_cad.solid.field.struts import FieldStruts
 NO_LENGTH = 1e-12
 """A strut shorter than this part of its radius is a ball."""
 
+NO_PLANE = 1e150
+"""How far the plane of a round end is away, mm: a number to reckon with."""
+
 ALONG = 1.0 - 1e-9
 """Largest cosine between directions that are not the same."""
 
@@ -59,16 +62,19 @@ class FilletedUnion(Frozen):
         """Return the distance of each point (k, 3) to its strut, and the place on its axis.
 
         The distance is that to the balls along the strut's axis that touch its side: exact for
-        round ends, and for flat ends too, where the rim is nearest to what is beyond both.
+        round ends, and for flat ends too, where the rim is nearest to what is beyond both. It
+        grows by a mm a mm at most.
         """
-        side, beyond, place = self._parts(x, struts)
-        if beyond is None:
-            return side, place
-        off_rim = np.hypot(np.maximum(side, 0.0), np.maximum(beyond, 0.0))
-        return np.where(off_rim > 0, off_rim, np.maximum(side, beyond)), place
+        side, place, along = self._parts(x, struts)
+        if self.capped:
+            some = np.flatnonzero(np.isfinite(self.caps[:, struts]).any(axis=0))
+            ends = self._ends(struts[some], along[some])
+            within = [_corner(side[some], beyond, lean)[0] for beyond, lean in ends]
+            side[some] = np.maximum(*within)
+        return side, place
 
-    def _parts(self, x: Points, struts: Ints) -> tuple[Floats, Floats | None, Floats]:
-        """Return the distance from a strut's side, from its ends' planes, and the place, (k,)."""
+    def _parts(self, x: Points, struts: Ints) -> tuple[Floats, Floats, Floats]:
+        """Return distances from struts' sides, the places, and how far along axes x is, (k,)."""
         px, py, pz, ax, ay, az, low, high, radius, sine, slope = (row[struts] for row in self.rows)
         px, py, pz = x[:, 0] - px, x[:, 1] - py, x[:, 2] - pz
         along = px * ax + py * ay + pz * az
@@ -81,26 +87,27 @@ class FilletedUnion(Frozen):
         distance = np.sqrt(np.maximum(square, 0.0)) - radius
         if self.tapered:
             distance -= place * sine
-        if not self.capped:
-            return distance, None, place
-        before, behind = (row[struts] for row in self.caps)
-        return distance, np.maximum(before - along, along + behind), place
+        return distance, place, along
+
+    def _ends(self, struts: Ints, along: Floats) -> list[tuple[Floats, Floats]]:
+        """Return distances from the planes of both ends, and their cosines with the side, (k,)."""
+        before, behind = (np.maximum(row[struts], -NO_PLANE) for row in self.caps)
+        sine = self.rows[9, struts]
+        return [(before - along, sine), (behind + along, -sine)]
 
     def gradients(self, x: Points, struts: Ints) -> UnitVectors:
         """Return the direction in which each distance grows, shape (k, 3)."""
-        side, beyond, place = self._parts(x, struts)
+        side, place, along = self._parts(x, struts)
         axis = self.rows[3:6, struts].T
-        way = x - self.rows[:3, struts].T
-        gradient = normalize(way - place[:, None] * axis)
-        if beyond is None:
+        gradient = normalize(x - self.rows[:3, struts].T - place[:, None] * axis)
+        if not self.capped:
             return gradient
-        along = dot(way, axis)
-        before, behind = self.caps[:, struts]
-        outward = np.where((before - along > along + behind)[:, None], -axis, axis)
-        inside = (side <= 0) & (beyond <= 0)
-        share = np.where(inside, side >= beyond, np.maximum(side, 0.0))
-        other = np.where(inside, side < beyond, np.maximum(beyond, 0.0))
-        return normalize(share[:, None] * gradient + other[:, None] * outward)
+        ends = self._ends(struts, along)
+        first, last = (_corner(side, beyond, lean) for beyond, lean in ends)
+        is_last = last[0] > first[0]
+        _, by_side, by_end = (np.where(is_last, b, a) for a, b in zip(first, last, strict=True))
+        outward = np.where(is_last[:, None], axis, -axis)
+        return normalize(by_side[:, None] * gradient + by_end[:, None] * outward)
 
     def local_radii(self, place: Floats, struts: Ints, within: float) -> Floats:
         """Return the least section radius of a strut within a distance of a place on its axis."""
@@ -118,6 +125,26 @@ class FilletedUnion(Frozen):
         first = np.hypot(along, away - start)
         last = np.hypot(along - extent, away - start - slope * extent)
         return np.minimum(np.where(before, first, np.inf), np.where(behind, last, np.inf))
+
+
+def _corner(side: Floats, beyond: Floats, lean: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return distances from what is behind two planes, and the parts of both normals in them, (k,).
+
+    Parameters
+    ----------
+    side, beyond : (k,) distances from both, mm
+    lean : (k,) cosine between their normals
+    """
+    least = 1.0 - lean * lean
+    by_side, by_end = (side - lean * beyond) / least, (beyond - lean * side) / least
+    off_rim = (by_side > 0) & (by_end > 0) & ((side > 0) | (beyond > 0))
+    first = side >= beyond
+    far = np.sqrt(np.where(off_rim, side * by_side + beyond * by_end, 0.0))
+    return (
+        np.where(off_rim, far, np.maximum(side, beyond)),
+        np.where(off_rim, by_side, first),
+        np.where(off_rim, by_end, ~first),
+    )
 
 
 def filleted_union(struts: FieldStruts, origin: Floats, swell: Floats) -> FilletedUnion:

@@ -55,3 +55,26 @@ def test_order_does_not_matter_and_the_union_is_never_cut() -> None:
     alone = np.min([field_at(field_struts(ends[i : i + 1], 0.3), points) for i in range(9)], axis=0)
     assert (field <= alone + 1e-12).all()
     assert (field < alone - 0.01).any()
+
+
+def test_distances_to_flat_cones_grow_by_a_mm_a_mm_at_most() -> None:
+    rng = np.random.default_rng(0)
+    for _ in range(60):
+        ends = [[[0, 0, 0], [rng.uniform(0.5, 4), 0, 0]]]
+        flat = [rng.random(2) < 0.7]
+        struts = field_struts(ends, [rng.uniform(0.1, 1, 2)], flat=flat)
+        union = filleted_union(struts, np.zeros(3), np.zeros(1))
+        points = rng.uniform(-2, 5, (2000, 3)) * [1, 0.5, 0.5]
+        moved = points + rng.normal(size=points.shape) * rng.choice([1e-3, 0.1, 1])
+        which = np.zeros(len(points), dtype=np.intp)
+        step = union.distances(points, which)[0] - union.distances(moved, which)[0]
+        assert (np.abs(step) <= np.linalg.norm(points - moved, axis=1) + 1e-9).all()
+
+
+def test_beyond_a_flat_cone_its_rim_is_nearest() -> None:
+    struts = field_struts([[[0, 0, 0], [2, 0, 0]]], [[1.0, 0.5]], flat=True)
+    union = filleted_union(struts, np.zeros(3), np.zeros(1))
+    points = np.array([[2.3, 0.9, 0.0], [-1.0, 0.0, 1.5], [3.0, 0.0, 0.2], [-0.1, 1.4, 0.0]])
+    rims = [np.hypot(0.3, 0.4), np.hypot(1, 0.5), 1.0, np.hypot(0.1, 0.4)]
+    found, _ = union.distances(points, np.zeros(4, dtype=np.intp))
+    assert found == pytest.approx(np.array(rims), rel=1e-12)

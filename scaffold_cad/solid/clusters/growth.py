@@ -1,0 +1,320 @@
+"""Clusters: what of round struts has no room for a surface of its own, and what comes near it.
+
+A cluster begins with a node that is not proved, with a strut that has no room between its collars,
+or where two struts cross. It grows along its struts to where each is alone, and takes in what
+comes within reach of its fillets, until all that is outside keeps apart from all that is inside.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points
+from scaffold_cad.base.segments import nearest_on_segments
+from scaffold_cad.base.vectors import length
+from scaffold_cad.solid.clusters.remainder import Remainder, remainder
+from scaffold_cad.solid.clusters.spans import Spans, merged, no_spans, radii_at, tail_length
+from scaffold_cad.solid.clusters.stumps import GAP, stumps
+from scaffold_cad.struts.apart import (
+    Pieces,
+    curve_pieces,
+    joined,
+    meeting,
+    node_pieces,
+    strut_pieces,
+)
+from scaffold_cad.struts.curved import ALONG
+from scaffold_cad.struts.curveproof import proved
+from scaffold_cad.struts.model import RoundStruts
+from scaffold_cad.struts.runs import Runs
+
+HALVINGS = 30
+"""Halvings of the stretch in which the end of what is near is looked for."""
+
+SETTLED = 0.01
+"""By how much spans may still grow where clusters have settled, in radii."""
+
+TAPERS = 4
+"""Pieces that a span of a cone is cut into, so that its larger radius bounds little."""
+
+STRUT, NODE, SPAN, DUMMY = range(4)
+"""What a piece is: of a strut left, of a node left, of a span, or of what is cut off a field."""
+
+FIELD = (SPAN, DUMMY, SPAN)
+"""What spans, what is cut off, and balls are."""
+
+
+@dataclass(frozen=True, eq=False)
+class Clusters(Frozen):
+    """Nodes and spans that are made as a field, and the struts that are left."""
+
+    nodes: Bools
+    """Shape (n,)."""
+    spans: Spans
+    """By run and place, with room for struts of their own between them."""
+    reached: Floats
+    """Fillet radius at each node, as wanted or what has room, shape (n,), mm."""
+    blend: Floats
+    """Fillet radius of each span, shape (q,), mm."""
+    rest: Remainder
+    """What is left."""
+
+
+def clusters_of(
+    struts: RoundStruts, fillets: Floats, slack: float, nodes: Bools, seeds: Spans
+) -> Clusters:
+    """Return the least clusters that hold some nodes (n,) and spans.
+
+    Parameters
+    ----------
+    fillets : (n,) fillet radius wanted at each node, mm
+    slack : how much thicker all are taken to be, in radii
+    """
+    runs = struts.runs
+    bodies = joined([node_pieces(runs, struts.blended), curve_pieces(struts.curves)])
+    while True:
+        nodes, spans, reached = _settled(struts, fillets, nodes, seeds)
+        blend = _span_fillets(struts, spans, reached, fillets)
+        rest = remainder(struts, nodes, spans)
+        found = _Found(struts, bodies, rest, spans, reached, blend, nodes)
+        joining, near = found.meeting(slack)
+        settled = spans.covers(near, SETTLED * runs.radii.min(axis=1)[near.run]).all()
+        if settled and not (joining & ~nodes).any():
+            return Clusters(nodes, spans, reached, blend, rest)
+        nodes, seeds = nodes | joining, Spans.joined([seeds, near])
+
+
+def unproved(struts: RoundStruts) -> Bools:
+    """Return the nodes whose blend is not proved, or whose struts have no room, shape (n,)."""
+    runs = struts.runs
+    found = np.zeros(len(runs.nodes), dtype=np.bool_)
+    for group in struts.blended:
+        good = (group.shapes.proved & group.shapes.has_room)[group.shape_of]
+        found[group.nodes[~good]] = True
+    used = struts.collar.reshape(-1, 2).sum(axis=1)
+    found[runs.edges[used > runs.lengths]] = True
+    curves = struts.curves
+    folded = curves.pieces[~proved(curves)]
+    at_joints = np.concatenate([curves.nodes[folded], curves.nodes[folded + 1]])
+    found[at_joints[at_joints >= 0]] = True
+    return with_curves(struts, found)
+
+
+def with_curves(struts: RoundStruts, nodes: Bools) -> Bools:
+    """Return nodes (n,), and all joints of curves that pass one of them."""
+    curves, found = struts.curves, nodes.copy()
+    circles = np.flatnonzero(curves.nodes >= 0)
+    of_circle = np.repeat(np.arange(len(curves.half_runs)), np.diff(curves.offsets))[circles]
+    inside = np.zeros(len(curves.half_runs), dtype=np.bool_)
+    inside[of_circle[nodes[curves.nodes[circles]]]] = True
+    found[curves.nodes[circles[inside[of_circle]]]] = True
+    return found
+
+
+def _settled(
+    struts: RoundStruts, fillets: Floats, nodes: Bools, seeds: Spans
+) -> tuple[Bools, Spans, Floats]:
+    """Return nodes, spans and the fillets of nodes, once all have room beside them."""
+    runs = struts.runs
+    while True:
+        nodes = with_curves(struts, nodes)
+        made = stumps(struts, nodes, fillets)
+        nodes = with_curves(struts, made.nodes)
+        collar = np.where(runs.valency[runs.tails] > 1, struts.collar, 0.0).reshape(-1, 2)
+        free = np.stack([collar[:, 0], runs.lengths - collar[:, 1]], axis=1)
+        free = np.where(nodes[runs.edges], [-np.inf, np.inf], free)
+        half = np.flatnonzero(nodes[runs.tails])
+        run, reach = half >> 1, made.length[half]
+        all_of = runs.lengths[run]
+        first = half % 2 == 0
+        low = np.where(first, 0.0, all_of - reach)
+        high = np.where(first, reach, all_of)
+        whole = np.flatnonzero(made.whole)
+        every = Spans(whole, np.zeros(len(whole)), runs.lengths[whole])
+        spans = merged(Spans.joined([Spans(run, low, high), every, seeds]), runs, free)
+        joined_nodes = nodes | spans.nodes(runs)
+        if np.array_equal(joined_nodes, nodes):
+            return nodes, spans, made.blend
+        nodes = joined_nodes
+
+
+def _span_fillets(struts: RoundStruts, spans: Spans, reached: Floats, wanted: Floats) -> Floats:
+    """Return the fillet radius of each span, (q,): those of its nodes, or of its run's ends."""
+    runs = struts.runs
+    ends = runs.edges[spans.run]  # (q, 2)
+    at_end = np.stack([spans.low == 0, spans.high == runs.lengths[spans.run]], axis=1)
+    least = np.where(at_end, reached[ends], np.inf).min(axis=1)
+    return np.asarray(np.where(at_end.any(axis=1), least, wanted[ends].min(axis=1)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """Looks for what comes near to what."""
+
+    struts: RoundStruts
+    bodies: Pieces
+    rest: Remainder
+    spans: Spans
+    reached: Floats
+    blend: Floats
+    nodes: Bools
+
+    def meeting(self, slack: float) -> tuple[Bools, Spans]:
+        """Return the nodes and the stretches of runs that have to join the clusters."""
+        pieces, kind, radius, blend = self._pieces()
+        pairs = meeting(pieces, slack)
+        kinds = kind[pairs]
+        idle = (kinds == DUMMY).any(axis=1) & (kinds < SPAN).any(axis=1)
+        pairs, kinds = pairs[~idle], kinds[~idle]
+        joining = np.zeros_like(self.nodes)
+        joining[pieces.nodes[pairs[kinds == NODE], 0]] = True
+        both = pairs[(kinds != NODE).all(axis=1)]
+        near = [no_spans()]
+        for own, other in (both.T, both[:, ::-1].T):
+            gap = np.maximum(blend[own], blend[other])
+            gap = np.maximum(gap, GAP * radius[own])
+            inner = (kind[own] >= SPAN) & (kind[other] >= SPAN)
+            near.append(_near(self.struts.runs, pieces, own, other, radius[other] + gap, inner))
+        return joining, Spans.joined(near)
+
+    def _pieces(self) -> tuple[Pieces, Ints, Floats, Floats]:
+        """Return all pieces, what they are, their radii without fillets, and their fillets."""
+        rest, runs, cuts = self.rest, self.struts.runs, self.rest.cuts
+        balls, sizes = balls_at(self.struts, self.nodes)
+        parts = [self._spans(), self._dummies(), _balls(runs, balls, sizes)]
+        blends = [self.blend[self._taper_of()], self.blend[cuts.span], self.reached[balls]]
+        kinds = [np.full(len(part.radius), kind) for part, kind in zip(parts, FIELD, strict=True)]
+        radii = [part.radius for part in parts]
+        pieces = [_padded(joined(parts), 0.5 * np.concatenate(blends))]
+        if len(rest.run):
+            curved = rest.struts.curves.curved
+            left = strut_pieces(rest.struts.runs, curved, rest.struts.collar)
+            of_run = rest.run[left.run]
+            left = replace(left, nodes=runs.edges[of_run], run=of_run)
+            # Curves are in clusters as a whole.
+            in_cluster = np.asarray(self.nodes[self.bodies.nodes].any(axis=1))
+            bodies = self.bodies.chosen(~in_cluster)
+            pieces += [left, bodies]
+            kinds += [np.full(len(left.run), STRUT), np.full(len(bodies.run), NODE)]
+            radii += [left.radius, bodies.radius]
+            blends.append(np.zeros(len(left.run) + len(bodies.run)))
+        kind = np.concatenate(kinds)
+        return joined(pieces), kind, np.concatenate(radii), np.concatenate(blends)
+
+    def _taper_of(self) -> Ints:
+        """Return the span of each piece of a span."""
+        cone = self.struts.runs.slopes[2 * self.spans.run] != 0
+        return np.repeat(np.arange(len(cone)), np.where(cone, TAPERS, 1))
+
+    def _spans(self) -> Pieces:
+        """Return the pieces of spans; at nodes they end in balls."""
+        runs, spans = self.struts.runs, self.spans
+        which = self._taper_of()
+        count = np.bincount(which, minlength=len(spans))[which]
+        piece = np.arange(len(which)) - np.searchsorted(which, which)
+        run, low, high = spans.run[which], spans.low[which], spans.high[which]
+        bounds = [low + (high - low) * (piece + side) / count for side in (0, 1)]
+        radius = np.maximum(*(radii_at(runs, run, bound) for bound in bounds))
+        start = np.where(bounds[0] == 0, -radius, bounds[0])
+        end = np.where(bounds[1] == runs.lengths[run], bounds[1] + radius, bounds[1])
+        return _capsules(runs, run, start, end, radius, self._ends()[which])
+
+    def _dummies(self) -> Pieces:
+        """Return what the struts of the field have past their cuts."""
+        cuts = self.rest.cuts
+        far = cuts.base + tail_length(cuts.radius, cuts.slope)[:, None] * cuts.outward
+        far = far + cuts.radius[:, None] * cuts.outward
+        radius = cuts.radius * (1.0 + np.maximum(cuts.slope, 0.0))
+        return _hull_less(
+            cuts.base, far, radius, self._ends()[cuts.span], self.spans.run[cuts.span]
+        )
+
+    def _ends(self) -> Edges:
+        """Return the nodes that spans touch, (q, 2), numbers of their own where they do not."""
+        runs, spans = self.struts.runs, self.spans
+        number = len(runs.nodes) + np.arange(2 * len(spans)).reshape(-1, 2)
+        at_end = np.stack([spans.low == 0, spans.high == runs.lengths[spans.run]], axis=1)
+        return np.where(at_end, runs.edges[spans.run], number)
+
+
+def balls_at(struts: RoundStruts, nodes: Bools) -> tuple[Ints, Floats]:
+    """Return those of `nodes` (n,) that are thicker than their struts, and their radii, mm."""
+    runs = struts.runs
+    widest = np.zeros(len(runs.nodes))
+    np.maximum.at(widest, runs.tails, runs.radii.reshape(-1))
+    radii = struts.skeleton.radii
+    rows = np.flatnonzero(nodes & (runs.valency > 0) & (radii > widest * (1 + 1e-9)))
+    return rows, radii[rows]
+
+
+def _balls(runs: Runs, rows: Ints, radius: Floats) -> Pieces:
+    """Return balls at nodes, as cylinders around them."""
+    step = radius[:, None] * np.array([1.0, 0.0, 0.0])
+    center, same = runs.nodes[rows], np.repeat(rows[:, None], 2, axis=1)
+    return _hull_less(center - step, center + step, radius, same, np.full(len(rows), -1))
+
+
+def _near(runs: Runs, pieces: Pieces, own: Ints, other: Ints, reach: Floats, inner: Bools) -> Spans:
+    """Return the stretches of the runs of pieces within `reach` (p,) of the axes of others.
+
+    Where an axis only nearly comes so near, a radius to each side of the nearest place is taken,
+    but for pieces that are `inner` (p,): those are in clusters already.
+    """
+    run = pieces.run[own]
+    keep = run >= 0  # balls are no stretches
+    own, other, run = own[keep], other[keep], run[keep]
+    reach, inner = reach[keep], inner[keep]
+    tail, ahead = runs.nodes[runs.edges[run, 0]], runs.directions[2 * run]
+    start, end = pieces.start[other], pieces.end[other]
+    nearest, _ = nearest_on_segments(pieces.start[own], pieces.end[own], start, end)
+    whole = runs.lengths[run]
+    middle = np.clip(((nearest - tail) * ahead).sum(axis=1), 0.0, whole)
+
+    def beyond(place: Floats) -> Bools:
+        point = tail + place[:, None] * ahead
+        _, foot = nearest_on_segments(point, point, start, end)
+        return length(point - foot) >= reach + radii_at(runs, run, place)
+
+    apart = beyond(middle)
+    radius = radii_at(runs, run, middle)
+    low = np.where(apart, middle - radius, _edge(beyond, middle, np.zeros(len(run))))
+    high = np.where(apart, middle + radius, _edge(beyond, middle, whole))
+    kept = ~(apart & inner)
+    return Spans(run[kept], np.maximum(low[kept], 0.0), np.minimum(high[kept], whole[kept]))
+
+
+def _edge(beyond: Callable[[Floats], Bools], near: Floats, far: Floats) -> Floats:
+    """Return where what is near ends between places that are near and places far off."""
+    inside = ~beyond(far)
+    low, high = near, far
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        out = beyond(middle)
+        low, high = np.where(out, low, middle), np.where(out, middle, high)
+    return np.where(inside, far, high)
+
+
+def _padded(pieces: Pieces, more: Floats) -> Pieces:
+    """Return pieces that reach so much further all around."""
+    way = pieces.end - pieces.start
+    step = more[:, None] * way / np.maximum(length(way), 1e-300)[:, None]
+    return replace(
+        pieces, start=pieces.start - step, end=pieces.end + step, radius=pieces.radius + more
+    )
+
+
+def _capsules(
+    runs: Runs, run: Ints, low: Floats, high: Floats, radius: Floats, nodes: Edges
+) -> Pieces:
+    tail, ahead = runs.nodes[runs.edges[run, 0]], runs.directions[2 * run]
+    return _hull_less(tail + low[:, None] * ahead, tail + high[:, None] * ahead, radius, nodes, run)
+
+
+def _hull_less(start: Points, end: Points, radius: Floats, nodes: Edges, run: Ints) -> Pieces:
+    none = np.full(len(radius), -1, dtype=np.intp)
+    empty = np.empty((0, 1, 3))
+    discs = np.empty((0, ALONG + 1, 3, 3))
+    return Pieces(start, end, radius, nodes, run, none, empty, np.zeros_like(start), none, discs)

@@ -1,0 +1,162 @@
+"""What is left of round struts beside clusters: struts of their own between nodes and cuts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points, UnitVectors
+from scaffold_cad.base.vectors import any_perpendicular
+from scaffold_cad.solid.clusters.spans import CUT, Spans, radii_at
+from scaffold_cad.struts.model import BlendedNodes, RoundStruts
+from scaffold_cad.struts.runs import Runs
+
+
+@dataclass(frozen=True, eq=False)
+class Cuts(Frozen):
+    """Where fields are cut off, and struts of their own begin."""
+
+    span: Ints
+    """Span that each is an end of, shape (c,)."""
+    base: Points
+    """Where the span ends on the strut's axis, shape (c, 3), mm."""
+    outward: UnitVectors
+    """Direction of the axis, away from the field, shape (c, 3)."""
+    radius: Floats
+    """Radius of the strut there, shape (c,), mm."""
+    slope: Floats
+    """Growth of the radius outward, mm a mm, shape (c,)."""
+    node: Ints
+    """Node of the remainder at the ring, `CUT` radii further, shape (c,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Remainder(Frozen):
+    """Struts without what is in clusters."""
+
+    struts: RoundStruts
+    """The struts left, which end at nodes of their own where they are cut."""
+    run: Ints
+    """Run of the whole that each run left is a part of, shape (b,)."""
+    cuts: Cuts
+    """Two for each span but where it ends at nodes."""
+
+    @property
+    def open_at(self) -> Bools:
+        """Nodes at cuts, shape (n',)."""
+        found = np.zeros(len(self.struts.runs.nodes), dtype=np.bool_)
+        found[self.cuts.node] = True
+        return found
+
+
+def remainder(struts: RoundStruts, nodes: Bools, spans: Spans) -> Remainder:
+    """Return the struts without `nodes` (n,) and `spans`, which leave room between them."""
+    runs = struts.runs
+    cuts, at_low, at_high = _cuts(runs, spans)
+    run, edges, half_run = _bands(runs, spans, at_low, at_high)
+    places = [runs.nodes, cuts.base + (CUT * cuts.radius)[:, None] * cuts.outward]
+    left = Runs.of(
+        np.concatenate(places), edges, _radii(runs, half_run, edges, cuts), runs.run_of_edge
+    )
+    own = half_run >= 0
+    collar = np.where(own, struts.collar[half_run], 0.0)
+    x = np.where(own[:, None], struts.x[half_run], 0.0)
+    _turn_cuts(left, x, own)
+    number = np.full(len(runs.tails), -1, dtype=np.intp)
+    number[half_run[own]] = np.flatnonzero(own)
+    blended = [_without(group, nodes, number) for group in struts.blended]
+    curves = struts.curves
+    kept = ~nodes[curves.nodes[curves.offsets[:-1] + 1]]
+    curved = curves.curved[run] & ~nodes[runs.edges[run]].any(axis=1)
+    curves = curves.chosen(kept)
+    ends = np.where(curves.half_runs < 0, -1, number[curves.half_runs])
+    rest = replace(
+        struts,
+        curves=replace(curves, half_runs=ends, curved=curved),
+        crowded_runs=np.zeros(len(run), dtype=np.bool_),
+        runs=left,
+        blended=tuple(group for group in blended if len(group.nodes)),
+        collar=collar,
+        x=x,
+        like=None,
+        inner=None,
+    )
+    return Remainder(rest, run, cuts)
+
+
+def _cuts(runs: Runs, spans: Spans) -> tuple[Cuts, Ints, Ints]:
+    """Return the cuts, and the node at the low and at the high end of each span or -1, (q,)."""
+    low = np.flatnonzero(spans.low > 0)
+    high = np.flatnonzero(spans.high < runs.lengths[spans.run])
+    span = np.concatenate([low, high])
+    run = spans.run[span]
+    place = np.concatenate([spans.low[low], spans.high[high]])
+    sign = np.concatenate([-np.ones(len(low)), np.ones(len(high))])
+    ahead = runs.directions[2 * run]
+    number = len(runs.nodes) + np.arange(len(span))
+    at_low, at_high = np.full(len(spans), -1), np.full(len(spans), -1)
+    at_low[low], at_high[high] = number[: len(low)], number[len(low) :]
+    base = runs.nodes[runs.edges[run, 0]] + place[:, None] * ahead
+    cuts = Cuts(
+        span,
+        base,
+        sign[:, None] * ahead,
+        radii_at(runs, run, place),
+        sign * runs.slopes[2 * run],
+        number,
+    )
+    return cuts, at_low, at_high
+
+
+def _bands(runs: Runs, spans: Spans, at_low: Ints, at_high: Ints) -> tuple[Ints, Edges, Ints]:
+    """Return the runs (b,), the nodes (b, 2) and the half-runs (2 b,) of what is left.
+
+    Half-runs that leave a cut are -1.
+    """
+    every = np.arange(len(runs.edges))
+    none = np.full(len(every), -1)
+    # What is left of a run begins at its first node or at the end of a span, by turns with where
+    # it ends.
+    begin = np.lexsort((np.append(none, spans.high), np.append(every, spans.run)))
+    end = np.lexsort((np.append(none + np.inf, spans.low), np.append(every, spans.run)))
+    run = np.append(every, spans.run)[begin]
+    first = np.append(runs.edges[:, 0], at_high)[begin]
+    last = np.append(runs.edges[:, 1], at_low)[end]
+    own_first = np.append(2 * every, np.full(len(spans), -1))[begin]
+    own_last = np.append(2 * every + 1, np.full(len(spans), -1))[end]
+    there = (first >= 0) & (last >= 0)
+    edges = np.stack([first, last], axis=1)[there]
+    return run[there], edges, np.stack([own_first, own_last], axis=1)[there].reshape(-1)
+
+
+def _radii(runs: Runs, half_run: Ints, edges: Edges, cuts: Cuts) -> Floats:
+    """Return the radii at both nodes of what is left, shape (b, 2), mm."""
+    count = len(runs.nodes)
+    own = runs.radii.reshape(-1)[half_run]
+    if len(cuts.node) == 0:
+        return own.reshape(-1, 2)
+    at_cut = np.clip(edges.reshape(-1) - count, 0, len(cuts.node) - 1)
+    cut = (cuts.radius * (1.0 + CUT * cuts.slope))[at_cut]
+    return np.where(half_run >= 0, own, cut).reshape(-1, 2)
+
+
+def _turn_cuts(runs: Runs, x: UnitVectors, own: Bools) -> None:
+    """Let the ring at each cut begin where that at the other end of its strut does."""
+    cut = np.flatnonzero(~own)
+    x[cut] = x[cut ^ 1]
+    lone = np.flatnonzero((x == 0).all(axis=1))
+    first = lone[lone % 2 == 0]
+    x[first] = any_perpendicular(runs.directions[first])
+    x[first + 1] = x[first]
+
+
+def _without(group: BlendedNodes, nodes: Bools, number: Ints) -> BlendedNodes:
+    """Return blended nodes that are in no cluster, with the numbers of half-runs that are left."""
+    kept = ~nodes[group.nodes]
+    return replace(
+        group,
+        nodes=group.nodes[kept],
+        half_runs=number[group.half_runs[kept]],
+        shape_of=group.shape_of[kept],
+    )

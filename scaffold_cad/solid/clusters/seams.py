@@ -1,0 +1,253 @@
+"""Seams: the field's mesh cut off across each strut, and joined to the ring of the strut beyond.
+
+A field's strut goes on past its cut. Its mesh is cut by a plane, as far as may be from the
+vertices near it, and a zip of triangles leads from the loop there to the ring. Seen from the axis
+all triangles of the zip and those that are cut face outward, in 32-bit coordinates: between the
+loop, which goes once around the axis, and the ring they cover each place once, so that nothing
+crosses.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points, Triangles
+from scaffold_cad.base.vectors import dot, length
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.solid.clusters.remainder import Cuts
+from scaffold_cad.solid.clusters.spans import WINDOW, tail_length
+
+TUBE = 1.2
+"""Where the vertices of a strut's own tail are looked for, in its radii about its axis."""
+
+BESIDE = 0.3
+"""How far beside the window vertices are kept away from, in the strut's radii."""
+
+MARGIN = 1e-3
+"""Least sine at which triangles of a seam are seen from the axis."""
+
+
+@dataclass(frozen=True, eq=False)
+class Seamed(Frozen):
+    """A field's mesh, cut off and joined to rings."""
+
+    vertices: Points
+    """Vertices beside those of the rings: those of the field, then those at cuts, (v', 3), mm."""
+    triangles: Triangles
+    """Triangles; vertices are counted from those of the rings on, shape (t, 3)."""
+    failed: Ints
+    """Cuts that cannot be joined, ascending: then the triangles are of no use."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Frames:
+    """Coordinates about the axes of cuts, whose first points at the start of the ring."""
+
+    cuts: Cuts
+    x: Points
+    y: Points
+
+    def along(self, points: Points, cut: Ints) -> Floats:
+        """Return how far points (p, 3) are past the end of the spans of their cuts, mm, (p,)."""
+        return dot(points - self.cuts.base[cut], self.cuts.outward[cut])
+
+    def angles(self, points: Points, cut: Ints) -> Floats:
+        """Return the angles of points about the axes of their cuts, in [0, 2π), (p,)."""
+        way = points - self.cuts.base[cut]
+        return np.asarray(np.mod(np.arctan2(dot(way, self.y[cut]), dot(way, self.x[cut])), TURN))
+
+    def seen(self, corners: Points, cut: Ints) -> Bools:
+        """Return whether triangles (t, 3, 3) face away from the axes of their cuts, (t,)."""
+        a, b, c = np.moveaxis(corners, 1, 0)
+        normal = np.cross(b - a, c - a)
+        axis = self.cuts.outward[cut]
+        facing = np.ones(len(corners), dtype=np.bool_)
+        for corner in (a, b, c):
+            way = corner - self.cuts.base[cut]
+            way = way - dot(way, axis)[:, None] * axis
+            facing &= dot(normal, way) > MARGIN * length(normal) * length(way)
+        return facing
+
+
+TURN = 2.0 * np.pi
+
+
+def seamed(field: TriangleMesh, cuts: Cuts, points: Points, rings: Ints, starts: Points) -> Seamed:
+    """Return the mesh of a field, cut off and joined to rings.
+
+    Parameters
+    ----------
+    field : whose vertices are 32-bit numbers
+    points : (v, 3) vertices of the rings and of all that is not in the field, mm
+    rings : (c, s) vertices of the ring beyond each cut, counter-clockwise about `cuts.outward`
+    starts : (c, 3) unit vectors from the axis to the first point of each ring
+    """
+    frames = _Frames(cuts, starts, np.cross(cuts.outward, starts))
+    bad = np.zeros(len(cuts.node), dtype=np.bool_)
+    beyond, plane = _tails(field.vertices, frames, bad)
+    clipped = _clipped(field, beyond, plane, frames, bad)
+    order = _around(clipped, frames, bad)
+    zips, cut = _zips(clipped, order, frames, rings, len(points) + len(field.vertices))
+    vertices = np.concatenate([field.vertices, clipped.vertices])
+    pieces = clipped.triangles + len(points)
+    written = np.concatenate([points, vertices]).astype(np.float32).astype(np.float64)
+    for triangles, of in ((pieces, clipped.cut_of_triangle), (zips, cut)):
+        bad[of[~frames.seen(written[triangles], of)]] = True
+    kept = (beyond[field.triangles] < 0).all(axis=1)
+    triangles = np.concatenate([field.triangles[kept] + len(points), pieces, zips])
+    return Seamed(vertices, triangles, np.flatnonzero(bad))
+
+
+def _tails(vertices: Points, frames: _Frames, bad: Bools) -> tuple[Ints, Floats]:
+    """Return the cut that each vertex is beyond, or -1, (v,), and the places of planes, (c,)."""
+    cuts = frames.cuts
+    far = tail_length(cuts.radius, cuts.slope) + 1.5 * cuts.radius
+    middle = cuts.base + 0.5 * far[:, None] * cuts.outward
+    reach = np.hypot(0.5 * far + BESIDE * cuts.radius, 1.5 * TUBE * cuts.radius)
+    found = cKDTree(vertices).query_ball_point(middle, reach)
+    cut = np.repeat(np.arange(len(found)), [len(each) for each in found])
+    vertex = np.concatenate([np.zeros(0), *found]).astype(np.intp)
+    along = frames.along(vertices[vertex], cut)
+    away = length(vertices[vertex] - cuts.base[cut] - along[:, None] * cuts.outward[cut])
+    own = (along > -BESIDE * cuts.radius[cut]) & (along < far[cut])
+    own &= away < TUBE * (cuts.radius + np.abs(cuts.slope) * far)[cut]
+    cut, vertex, along = cut[own], vertex[own], along[own]
+    plane = _planes(cut, along, frames, bad)
+    past = along > plane[cut]
+    beyond = np.full(len(vertices), -1, dtype=np.intp)
+    beyond[vertex[past]] = cut[past]
+    bad[cut[past][beyond[vertex[past]] != cut[past]]] = True  # in the tails of two struts
+    return beyond, plane
+
+
+def _planes(cut: Ints, along: Floats, frames: _Frames, bad: Bools) -> Floats:
+    """Return where each cut's plane keeps the largest distance from vertices, (c,)."""
+    order = np.lexsort((along, cut))
+    cut, along = cut[order], along[order]
+    middle, gap = (along[1:] + along[:-1]) / 2, along[1:] - along[:-1]
+    window = WINDOW * frames.cuts.radius[cut[1:]]
+    fits = (cut[1:] == cut[:-1]) & (middle > 0) & (middle < window)
+    cut, middle, gap = cut[1:][fits], middle[fits], gap[fits]
+    plane = np.zeros(len(bad))
+    best = np.lexsort((gap, cut))
+    plane[cut[best]] = middle[best]  # of several the last one stays: the largest gap
+    without = np.ones(len(bad), dtype=np.bool_)
+    without[cut] = False
+    bad |= without
+    return plane
+
+
+@dataclass(frozen=True, eq=False)
+class _Clipped:
+    """What is left of the triangles that planes cut, and the loops of their new sides."""
+
+    vertices: Points
+    """Where planes cut edges, shape (w, 3), mm, 32-bit numbers."""
+    cut: Ints
+    """Cut of each of these, shape (w,)."""
+    sides: Edges
+    """Sides on planes, from one of these to another, shape (l, 2)."""
+    triangles: Triangles
+    """The triangles; vertices of the field come first."""
+    cut_of_triangle: Ints
+
+
+def _clipped(
+    field: TriangleMesh, beyond: Ints, plane: Floats, frames: _Frames, bad: Bools
+) -> _Clipped:
+    marks = beyond[field.triangles]  # (t, 3)
+    out = marks >= 0
+    mixed = out.any(axis=1) & ~out.all(axis=1)
+    touched = out.any(axis=1)
+    most = marks[touched].max(axis=1)
+    for corner in marks[touched].T:  # a triangle with corners beyond two cuts
+        bad[most[(corner >= 0) & (corner != most)]] = True
+    triangles, out = field.triangles[mixed], out[mixed]
+    cut = marks[mixed].max(axis=1)
+    one = out.sum(axis=1) == 1
+    # Turned so that the corner that is alone on its side comes first.
+    alone = np.where(one, out.argmax(axis=1), (~out).argmax(axis=1))
+    a, b, c = (
+        np.take_along_axis(triangles, ((alone + k) % 3)[:, None], axis=1)[:, 0] for k in range(3)
+    )
+    low = np.where(one[:, None], np.stack([b, c], axis=1), np.stack([a, a], axis=1))
+    high = np.where(one[:, None], np.stack([a, a], axis=1), np.stack([b, c], axis=1))
+    keys = low * len(field.vertices) + high  # (l, 2)
+    _, first, number = np.unique(keys, return_index=True, return_inverse=True)
+    new = number.reshape(-1, 2)  # on the edges a b and a c
+    start, end = low.reshape(-1)[first], high.reshape(-1)[first]
+    own = np.repeat(cut, 2)[first]
+    p, q = field.vertices[start], field.vertices[end]
+    at_p, at_q = frames.along(p, own), frames.along(q, own)
+    share = (plane[own] - at_p) / np.where(at_q == at_p, 1.0, at_q - at_p)
+    bad[own[~((share > 0) & (share < 1))]] = True
+    placed = (p + share[:, None] * (q - p)).astype(np.float32).astype(np.float64)
+    ab, ac = (new + len(field.vertices)).T
+    tips = np.stack([a, ab, ac], axis=1)[~one]
+    both = [np.stack([b, c, ac], axis=1)[one], np.stack([b, ac, ab], axis=1)[one]]
+    sides = np.where(one[:, None], new[:, ::-1], new)
+    return _Clipped(
+        placed,
+        own,
+        sides,
+        np.concatenate([tips, *both]),
+        np.concatenate([cut[~one], cut[one], cut[one]]),
+    )
+
+
+def _around(clipped: _Clipped, frames: _Frames, bad: Bools) -> Ints:
+    """Return the vertices on planes cut by cut and by angle; loops must follow the same order."""
+    angle = frames.angles(clipped.vertices, clipped.cut)
+    order = np.lexsort((angle, clipped.cut))
+    cut = clipped.cut[order]
+    count = np.bincount(cut, minlength=len(bad))
+    first = np.cumsum(count) - count
+    place = np.empty(len(order), dtype=np.intp)
+    place[order] = np.arange(len(order))
+    start, end = place[clipped.sides].T  # sides of what is cut run down around the axis
+    of = cut[start]
+    following = first[of] + (end - first[of] + 1) % np.maximum(count[of], 1)
+    bad[of[following != start]] = True
+    bad[np.bincount(of, minlength=len(bad)) != count] = True
+    bad[count < 3] = True
+    return order
+
+
+def _zips(
+    clipped: _Clipped, order: Ints, frames: _Frames, rings: Ints, first_new: int
+) -> tuple[Triangles, Ints]:
+    """Return the triangles between loops and rings, and their cuts.
+
+    A side of the one is joined to that point of the other whose own two sides have their middles
+    before and behind its middle.
+    """
+    number, sides = rings.shape
+    loop, cut = order + first_new, clipped.cut[order]
+    count = np.bincount(cut, minlength=number)
+    first = np.cumsum(count) - count
+    angle = frames.angles(clipped.vertices[order], cut)
+    place = np.arange(len(order))
+    following = first[cut] + (place - first[cut] + 1) % np.maximum(count[cut], 1)
+    step = np.mod(angle[following] - angle, TURN)
+    middle = angle + 0.5 * step  # may be past a whole turn for the last one
+    ring_middle = TURN / sides * (np.arange(sides) + 0.5)
+    # Points of rings for the sides of loops.
+    wrapped = np.mod(middle, TURN)
+    apex = np.searchsorted(ring_middle, wrapped, side="left") % sides
+    lower = np.stack([loop, loop[following], rings[cut, apex]], axis=1)
+    # Points of loops for the sides of rings: as many middles of loops are before.
+    line = cut * (2 * TURN) + wrapped
+    by_middle = np.argsort(line, kind="stable")
+    asked = (np.arange(number)[:, None] * (2 * TURN) + ring_middle).reshape(-1)
+    before = np.searchsorted(line[by_middle], asked, side="right")
+    owner = np.repeat(np.arange(number), sides)
+    # The point behind a loop's last middle before is the one where that side ends.
+    last = first[owner] + (before - 1 - first[owner]) % np.maximum(count[owner], 1)
+    last = np.minimum(last, max(len(order) - 1, 0))
+    tip = loop[following[by_middle[last]]] if len(order) else np.zeros(len(owner), dtype=np.intp)
+    k = np.tile(np.arange(sides), number)
+    upper = np.stack([rings[owner, (k + 1) % sides], rings[owner, k], tip], axis=1)
+    return np.concatenate([lower, upper]), np.concatenate([cut, owner])

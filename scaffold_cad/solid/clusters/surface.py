@@ -1,0 +1,235 @@
+"""The surface of round struts: as proved where it is, as fields in clusters."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Bools, Floats, Ints
+from scaffold_cad.base.vectors import length, triple
+from scaffold_cad.mesh.intersections import self_intersections
+from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
+from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
+from scaffold_cad.solid.clusters.growth import Clusters, clusters_of, unproved
+from scaffold_cad.solid.clusters.seams import seamed
+from scaffold_cad.solid.clusters.spans import Spans, no_spans
+from scaffold_cad.solid.clusters.stumps import wanted_fillets
+from scaffold_cad.solid.field import FieldStruts, field_solid
+from scaffold_cad.solid.field.solid import CELL_FRACTION
+from scaffold_cad.struts.bands import enlargement
+from scaffold_cad.struts.curverings import largest_growth, rings_hold
+from scaffold_cad.struts.model import RoundStruts
+from scaffold_cad.struts.runs import Runs
+from scaffold_cad.struts.surface import Shell, Triangulated, inside_of, open_ends, shell_of
+
+MARGIN = 1e-9
+"""Least sine of the angle at which the triangles of a node are seen from it."""
+
+MOST_FIELD = 0.8
+"""Where the struts of clusters have a larger part of the area than this, all becomes one field:
+then cuts save nothing."""
+
+TRIES = 8
+"""Times that clusters grow where a seam fails, before all becomes one field."""
+
+FINER = 4
+"""Times that fields of hollow struts are made, with cells of half the size, until their walls are
+whole."""
+
+STEP = 0.4
+"""By how much a span grows whose seam failed, in radii: the next window has other vertices."""
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, eq=False)
+class _Surface:
+    """One closed surface, but for rings at open ends."""
+
+    mesh: TriangleMesh
+    ends: Ints
+    """Nodes where struts end in rings, ascending, shape (e,)."""
+    rings: Ints
+    """Vertices of these, shape (e, sides)."""
+    nodes: Bools
+    """Nodes that are in fields, shape (n,)."""
+    fillets: Floats
+    """Fillet radius of each node, mm, shape (n,)."""
+
+
+def surface_of(struts: RoundStruts, sides: int) -> TriangleMesh:
+    """Return the surface of round struts, closed and without crossings in 32-bit coordinates.
+
+    What is crowded is made as fields, and everything where the struts of these have more than
+    `MOST_FIELD` of the area. The inside of hollow struts is a surface like that outside; open ends
+    that come to lie in a field are closed.
+    """
+    fillets, nodes = wanted_fillets(struts), unproved(struts)
+    if struts.inner is None:
+        return _surface(struts, sides, fillets, nodes).mesh
+    inner = inside_of(struts)
+    nodes = nodes | unproved(inner)
+    wall = float(struts.options.wall or 0.0)
+    room = wall  # for the sides of triangles that are inside of round surfaces
+    for _ in range(FINER):
+        mesh, has_fields = _hollow(struts, inner, sides, fillets, nodes, room)
+        if not has_fields or len(self_intersections(mesh)) == 0:
+            return mesh
+        room /= 4.0
+    _log.warning("walls of %g mm are too thin for the fields of crowded struts: they cross", wall)
+    return mesh
+
+
+def _hollow(
+    struts: RoundStruts, inner: RoundStruts, sides: int, fillets: Floats, nodes: Bools, room: float
+) -> tuple[TriangleMesh, bool]:
+    """Return the surface of hollow struts, and whether it has fields."""
+    wall = float(struts.options.wall or 0.0)
+    is_end, is_open = struts.runs.valency == 1, struts.options.ends == "open"
+    while True:
+        outside = _surface(struts, sides, fillets, nodes, room)
+        own = _shortened(inner, nodes & is_end, wall)
+        inside = _surface(own, sides, outside.fillets + wall, nodes, room)
+        more = (outside.nodes | inside.nodes) & is_end & ~nodes
+        if not is_open or not more.any():
+            break
+        _log.info("%d open ends overlap other struts: closed", more.sum())
+        nodes = nodes | more
+    mesh = _walls(struts, outside, inside)
+    return mesh, bool((outside.nodes | inside.nodes).any())
+
+
+def _walls(struts: RoundStruts, outside: _Surface, inside: _Surface) -> TriangleMesh:
+    """Return what is between two surfaces."""
+    count = len(outside.mesh.vertices)
+    faces = [outside.mesh.triangles, inside.mesh.triangles[:, ::-1] + count]
+    points = [outside.mesh.vertices, inside.mesh.vertices]
+    if struts.options.ends == "open":
+        runs = struts.runs
+        half_runs = runs.incidence.at_nodes(outside.ends, 1)[:, 0]
+        rings = outside.rings, inside.rings + count
+        more, closing, _ = open_ends(struts, half_runs, *rings, points)
+        points.append(more)
+        faces.append(closing)
+    return TriangleMesh(np.concatenate(points), np.concatenate(faces))
+
+
+def _shortened(struts: RoundStruts, closed: Bools, wall: float) -> RoundStruts:
+    """Return struts that end a wall before `closed` (n,) ends, where they are to be open."""
+    runs = struts.runs
+    half = np.flatnonzero(closed[runs.tails])
+    if struts.options.ends != "open" or len(half) == 0:
+        return struts
+    nodes, radii = runs.nodes.copy(), runs.radii.reshape(-1).copy()
+    nodes[runs.tails[half]] += wall * runs.directions[half]
+    radii[half] += wall * runs.slopes[half]
+    moved = Runs.of(nodes, runs.edges, radii.reshape(-1, 2), runs.run_of_edge)
+    return replace(struts, runs=moved)
+
+
+def _surface(
+    struts: RoundStruts, sides: int, fillets: Floats, nodes: Bools, room: float = np.inf
+) -> _Surface:
+    """Return the surface of solid struts with `nodes` (n,) in clusters.
+
+    Parameters
+    ----------
+    fillets : (n,) fillet radius wanted at each node, mm
+    room : how far the sides of triangles may be inside of round surfaces, twice, mm
+    """
+    slack = polygon_slack(sides)
+    every, seeds = whole_struts(struts), no_spans()
+    for _ in range(TRIES):
+        clusters = clusters_of(struts, fillets, slack, nodes, seeds)
+        nodes, rest = clusters.nodes, clusters.rest
+        fields = cluster_struts(struts, clusters) if len(clusters.spans) else None
+        if fields is not None and fields.areas.sum() > MOST_FIELD * every.areas.sum():
+            break
+        left = struts if fields is None else rest.struts
+        shell = shell_of(left, sides, None if fields is None else rest.open_at)
+        hidden = unseen(left, shell.made)[: len(nodes)]
+        if hidden.any():
+            nodes = nodes | hidden
+            continue
+        ends = left.runs.tails[shell.ends]
+        mesh, failed = shell.made.mesh, np.zeros(0, dtype=np.intp)
+        if fields is not None:
+            mesh, failed = _joined(
+                clusters, shell, field_solid(fields, cell=_cell(fields, room)).mesh
+            )
+        if len(failed) == 0:
+            own = ends < len(nodes)
+            return _Surface(mesh, ends[own], shell.rings[own], nodes, clusters.reached)
+        _log.debug("%d of %d seams failed", len(failed), len(rest.cuts.node))
+        seeds = Spans.joined([seeds, _further(struts, clusters, failed)])
+    count = len(struts.skeleton.edges)
+    _log.info("%d struts have too little room for rings of their own: made as a field", count)
+    mesh = field_solid(every, cell=_cell(every, room)).mesh
+    none = np.zeros((0, sides), dtype=np.intp)
+    return _Surface(mesh, none[:, 0], none, np.ones(len(nodes), dtype=np.bool_), fillets)
+
+
+def polygon_slack(sides: int) -> float:
+    """Return how far polygons of so many sides reach beyond their circles at most, in radii."""
+    slack = float(enlargement(np.array([np.pi / sides]), sides)[0]) - 1.0
+    return max(slack, largest_growth(sides))
+
+
+def _cell(fields: FieldStruts, room: float) -> float | None:
+    """Return the size of cells that leaves `room`, mm, or None where the usual one does.
+
+    A side of length h between two points of a circle of radius r is h² / 8 r inside of it.
+    """
+    most = np.sqrt(2.0 * fields.radii * room)
+    usual = CELL_FRACTION * fields.radii
+    return None if (most >= usual).all() else float(np.minimum(most, usual).min())
+
+
+def _joined(clusters: Clusters, shell: Shell, field: TriangleMesh) -> tuple[TriangleMesh, Ints]:
+    """Return a shell joined to the field of clusters, and the cuts where this fails.
+
+    The vertices of the shell come first.
+    """
+    rest = clusters.rest
+    runs = rest.struts.runs
+    of_node = np.empty(len(runs.nodes), dtype=np.intp)
+    of_node[runs.tails[shell.ends]] = np.arange(len(shell.ends))
+    row = of_node[rest.cuts.node]
+    points = shell.made.mesh.vertices
+    starts = rest.struts.x[shell.ends[row]]
+    made = seamed(field, rest.cuts, points, shell.rings[row], starts)
+    triangles = np.concatenate([shell.made.mesh.triangles, made.triangles])
+    return compacted(np.concatenate([points, made.vertices]), triangles), made.failed
+
+
+def _further(struts: RoundStruts, clusters: Clusters, failed: Ints) -> Spans:
+    """Return the stretches by which spans grow whose seams failed."""
+    cuts, runs = clusters.rest.cuts, struts.runs
+    run = clusters.spans.run[cuts.span[failed]]
+    tail, ahead = runs.nodes[runs.edges[run, 0]], runs.directions[2 * run]
+    step = (STEP * cuts.radius[failed])[:, None] * cuts.outward[failed]
+    ends = (cuts.base[failed], cuts.base[failed] + step)
+    places = [((end - tail) * ahead).sum(axis=1) for end in ends]
+    return Spans(run, np.minimum(*places), np.maximum(*places))
+
+
+def unseen(struts: RoundStruts, made: Triangulated) -> Bools:
+    """Return the nodes with triangles that do not face away from them in 32 bits, (n,)."""
+    corners = made.mesh.single_precision().vertices[made.mesh.triangles[: len(made.node)]]
+    a, b, c = np.moveaxis(corners - struts.runs.nodes[made.node][:, None], 1, 0)
+    size: Floats = length(a) * length(b) * length(c)
+    found = np.zeros(len(struts.runs.nodes), dtype=np.bool_)
+    found[made.node[~(triple(a, b, c) > MARGIN * size)]] = True
+    if not _in_order(made).all():
+        found[struts.curves.nodes[struts.curves.nodes >= 0]] = True
+    return found
+
+
+def _in_order(made: Triangulated) -> Bools:
+    """Return whether the rings of curves follow each other in 32-bit coordinates, (l,)."""
+    rings = made.curve_rings
+    start = len(made.node)
+    triangles = made.mesh.triangles[start : start + 2 * rings.low.size]
+    return rings_hold(made.mesh.single_precision().vertices, rings, triangles)

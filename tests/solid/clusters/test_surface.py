@@ -1,0 +1,112 @@
+"""Clusters: fields where struts are crowded, struts of their own elsewhere, one closed surface."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from scaffold_cad.lattice import tile
+from scaffold_cad.mesh.intersections import self_intersections
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.solid.clusters import whole_struts
+from scaffold_cad.solid.field import field_solid
+from scaffold_cad.solid.rounds import round_mesh
+from scaffold_cad.struts import RoundStruts, round_struts
+from tests.solids import check_watertight, distance_to_axes
+
+TIPS = [[20, 0, 0], [19, 8, 0], [-15, 8, 0], [-9, -10, 17]]
+NARROW = Skeleton([[0, 0, 0], *TIPS], [[0, i] for i in range(1, 5)], 1.0)
+"""Four struts, two of them 23° apart: no blend of theirs is proved."""
+
+CROSSING = Skeleton([[0, 0, 0], [40, 0, 0], [20, -16, 0.5], [20, 16, 0.5]], [[0, 1], [2, 3]], 1.0)
+"""Two struts that cross in their middles."""
+
+TAPERS = Skeleton([[0, 0, 0], *TIPS], NARROW.edges, [1.2, 0.5, 0.6, 1.8, 0.9])
+
+
+def check_as_written(mesh: TriangleMesh) -> None:
+    """Assert that the mesh is a solid in 32-bit coordinates, vertices at one place welded."""
+    points, number = np.unique(mesh.vertices.astype(np.float32), axis=0, return_inverse=True)
+    assert len(points) == len(mesh.vertices)
+    written = TriangleMesh(points.astype(np.float64), number.reshape(-1)[mesh.triangles])
+    check_watertight(written)
+    assert len(self_intersections(written)) == 0
+
+
+def field_triangles(struts: RoundStruts) -> int:
+    return len(field_solid(whole_struts(struts)).mesh.triangles)
+
+
+@pytest.mark.parametrize("skeleton", [NARROW, CROSSING, TAPERS], ids=["narrow", "cross", "tapers"])
+@pytest.mark.parametrize("sides", [8, 16])
+def test_a_cluster_is_joined_to_its_struts_as_written(skeleton: Skeleton, sides: int) -> None:
+    struts = round_struts(skeleton)
+    mesh = round_mesh(struts, sides)
+    check_as_written(mesh)
+    whole = field_solid(whole_struts(struts)).mesh
+    assert len(mesh.triangles) < 0.7 * len(whole.triangles)
+    assert mesh.signed_volume == pytest.approx(whole.signed_volume, rel=0.01)
+
+
+def test_there_is_no_step_where_a_field_is_cut_off() -> None:
+    mesh = round_mesh(round_struts(CROSSING), 16)
+    along = np.abs(mesh.vertices[:, 0] - 20)
+    on_first = (along > 2.7) & (along < 19.9)  # past the crossing: cuts and rings
+    radius = distance_to_axes(CROSSING, mesh.vertices[on_first], 4000)
+    assert on_first.sum() > 16
+    assert radius == pytest.approx(np.ones(on_first.sum()), abs=0.02)
+
+
+@pytest.mark.parametrize("place", [1e3, 1e4])
+def test_clusters_far_from_the_origin_are_whole_as_written(place: float) -> None:
+    check_as_written(round_mesh(round_struts(NARROW.moved(NARROW.nodes + place)), 16))
+
+
+def test_nodes_beside_a_cluster_stay_as_they_are() -> None:
+    lattice = tile("bcc", 10.0, 2, radius=0.4)
+    middle = int(np.argmin(np.linalg.norm(lattice.nodes - lattice.nodes.mean(axis=0), axis=1)))
+    more = Skeleton(
+        np.vstack([lattice.nodes, lattice.nodes[middle] + [2.2, 2.2, 3.0]]),
+        np.vstack([lattice.edges, [middle, len(lattice.nodes)]]),
+        0.4,
+    )
+    struts = round_struts(more)
+    assert np.flatnonzero(struts.crowded).tolist() == [middle, len(lattice.nodes)]
+    mesh, plain = round_mesh(struts, 8), round_mesh(round_struts(lattice), 8)
+    check_as_written(mesh)
+    own = set(map(tuple, mesh.vertices.tolist()))
+    same = sum(vertex in own for vertex in map(tuple, plain.vertices.tolist()))
+    assert same > 0.8 * len(plain.vertices)
+    assert len(mesh.triangles) < 0.5 * field_triangles(struts)
+
+
+def test_what_mostly_overlaps_is_one_field() -> None:
+    struts = round_struts(tile("bcc", 2.0, 2, radius=0.6))
+    assert len(round_mesh(struts, 8).triangles) == field_triangles(struts)
+
+
+@pytest.mark.parametrize(("ends", "wall"), [("flat", 0.4), ("open", 0.4), ("round", 0.1)])
+def test_hollow_struts_stay_hollow_in_clusters(ends: str, wall: float) -> None:
+    struts = round_struts(NARROW, wall=wall, ends=ends)  # type: ignore[arg-type]
+    mesh = round_mesh(struts, 16)
+    check_as_written(mesh)
+    length = NARROW.lengths.sum()
+    tube = np.pi * (1 - (1 - wall) ** 2) * length
+    assert 0.9 * tube < mesh.signed_volume < 1.05 * tube
+
+
+def test_open_ends_that_overlap_other_struts_are_closed() -> None:
+    skeleton = Skeleton([[0, 0, 0], [20, 0, 0], [20, 0.3, 0], [20, 20, 0]], [[0, 1], [2, 3]], 1.0)
+    mesh = round_mesh(round_struts(skeleton, wall=0.3, ends="open"), 16)
+    check_as_written(mesh)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_random_frames_with_crowded_nodes_are_whole_as_written(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    count = 12
+    nodes = rng.uniform(0, 22, (count, 3))
+    edges = [[i, int(rng.integers(max(0, i - 3), i))] for i in range(1, count)]
+    radii = rng.uniform(0.3, 1.0, count) if seed % 2 else 0.6
+    check_as_written(round_mesh(round_struts(Skeleton(nodes, edges, radii)), 8))
