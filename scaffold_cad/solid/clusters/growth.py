@@ -17,7 +17,7 @@ from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import length
 from scaffold_cad.solid.clusters.remainder import Remainder, remainder
 from scaffold_cad.solid.clusters.spans import Spans, merged, no_spans, radii_at, tail_length
-from scaffold_cad.solid.clusters.stumps import GAP, stumps
+from scaffold_cad.solid.clusters.stumps import GAP, Reaches, stumps
 from scaffold_cad.struts.apart import (
     Pieces,
     curve_pieces,
@@ -75,8 +75,9 @@ def clusters_of(
     """
     runs = struts.runs
     bodies = joined([node_pieces(runs, struts.blended), curve_pieces(struts.curves)])
+    reaches = Reaches(struts, fillets)
     while True:
-        nodes, spans, reached = _settled(struts, fillets, nodes, seeds)
+        nodes, spans, reached = _settled(reaches, nodes, seeds)
         blend = _span_fillets(struts, spans, reached, fillets)
         rest = remainder(struts, nodes, spans)
         found = _Found(struts, bodies, rest, spans, reached, blend, nodes)
@@ -114,14 +115,13 @@ def with_curves(struts: RoundStruts, nodes: Bools) -> Bools:
     return found
 
 
-def _settled(
-    struts: RoundStruts, fillets: Floats, nodes: Bools, seeds: Spans
-) -> tuple[Bools, Spans, Floats]:
+def _settled(reaches: Reaches, nodes: Bools, seeds: Spans) -> tuple[Bools, Spans, Floats]:
     """Return nodes, spans and the fillets of nodes, once all have room beside them."""
+    struts = reaches.struts
     runs = struts.runs
     while True:
         nodes = with_curves(struts, nodes)
-        made = stumps(struts, nodes, fillets)
+        made = stumps(reaches, nodes)
         nodes = with_curves(struts, made.nodes)
         collar = np.where(runs.valency[runs.tails] > 1, struts.collar, 0.0).reshape(-1, 2)
         free = np.stack([collar[:, 0], runs.lengths - collar[:, 1]], axis=1)

@@ -42,21 +42,34 @@ class Stumps(Frozen):
     """Runs without room for a strut of their own, shape (k,)."""
 
 
-def stumps(struts: RoundStruts, nodes: Bools, fillets: Floats) -> Stumps:
-    """Return the stumps at `nodes` (n,) and at those that have to join them.
+class Reaches:
+    """How long stumps are, with the fillets wanted and with the least ones; found when asked."""
 
-    Parameters
-    ----------
-    fillets : (n,) fillet radius wanted at each node, mm
-    """
+    def __init__(self, struts: RoundStruts, fillets: Floats) -> None:
+        self.struts = struts
+        self.fillets = fillets
+        collar = np.where(struts.runs.valency[struts.runs.tails] > 1, struts.collar, 0.0)
+        self._rings = collar
+        self._wanted, self._least = collar.copy(), collar.copy()
+        self._known = np.zeros(len(struts.runs.nodes), dtype=np.bool_)
+
+    def of(self, nodes: Bools) -> tuple[Floats, Floats]:
+        """Return both for the half-runs at `nodes` (n,), and where the rings of others are, mm."""
+        for row, half_runs, union in _unions(self.struts, nodes & ~self._known, self.fillets):
+            small = _least_gaps(union, self.fillets[row])
+            self._wanted[half_runs] = collar_distances(union, union.blends)
+            self._least[half_runs] = collar_distances(union, small)
+        self._known |= nodes
+        here = nodes[self.struts.runs.tails]
+        return np.where(here, self._wanted, self._rings), np.where(here, self._least, self._rings)
+
+
+def stumps(reaches: Reaches, nodes: Bools) -> Stumps:
+    """Return the stumps at `nodes` (n,) and at those that have to join them."""
+    struts, fillets = reaches.struts, reaches.fillets
     runs = struts.runs
     while True:
-        wanted = np.where(runs.valency[runs.tails] > 1, struts.collar, 0.0)
-        least = wanted.copy()
-        for row, half_runs, union in _unions(struts, nodes, fillets):
-            small = _least_gaps(union, fillets[row])
-            wanted[half_runs] = collar_distances(union, union.blends)
-            least[half_runs] = collar_distances(union, small)
+        wanted, least = reaches.of(nodes)
         here = nodes[runs.edges]  # (k, 2)
         radii = runs.radii.max(axis=1)
         facing = 2 * (FACING + np.abs(runs.slopes[0::2]))
