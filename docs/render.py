@@ -36,6 +36,7 @@ from scaffold_cad import (
 )
 from scaffold_cad.base.arrays import Floats, Points, UnitVectors
 from scaffold_cad.base.vectors import normalize
+from scaffold_cad.brep import tessellated
 from scaffold_cad.convolution import ConvolutionField
 from scaffold_cad.webpage import write_page
 
@@ -289,6 +290,7 @@ VIEWS: dict[str, tuple[tuple[float, float, float], str]] = {
     "stick_woman": ((-0.32, -1.0, 0.16), SAND),
     "lamp_shade": ((-0.5, -1.0, 0.25), SAND),
     "lattice_bracket": ((0.7, -1.0, 0.55), BLUE),
+    "filled_bracket": ((0.7, -1.0, 0.55), SAND),
     "bike_node": ((0.6, -1.0, 0.5), BLUE),
     "tree_support": ((-0.45, -1.0, 0.25), BLUE),
     "neuron": ((-0.2, -0.5, 1.4), CORAL),
@@ -316,7 +318,9 @@ def draw_gallery(name: str) -> None:
         line = 0.003 * float(np.linalg.norm(np.ptp(made.mesh.vertices, axis=0)))
         stage.add_mesh(made.mesh, color, line)
     else:
-        if name == "lattice_bracket":  # cut, for one to see the lattice
+        if name == "filled_bracket":
+            made = to_solid(tessellated(made))
+        if name in ("lattice_bracket", "filled_bracket"):  # cut, for one to see the lattice
             made = made.trim_by_plane((0.0, 1.0, 0.0), 0.0)
         if isinstance(made, RoundStruts):
             made = to_solid(made, sides=48)

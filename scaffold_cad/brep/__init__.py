@@ -15,6 +15,7 @@ from scaffold_cad.brep.shapes import (
     read_shape,
     tessellated,
 )
+from scaffold_cad.brep.voids import moved_inwards, with_voids, without
 
 __all__ = [
     "BREP_SUFFIXES",
@@ -27,8 +28,11 @@ __all__ = [
     "check_sizes",
     "export_brep",
     "export_step",
+    "moved_inwards",
     "read_brep",
     "read_shape",
     "read_wires",
     "tessellated",
+    "with_voids",
+    "without",
 ]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Points
-from scaffold_cad.brep import BREP_SUFFIXES
+from scaffold_cad.brep import BREP_SUFFIXES, read_brep
 from scaffold_cad.cli import build, latticelayers, sizes, slicing, source
 from scaffold_cad.cli.maps import add_maps, map_of
 from scaffold_cad.cli.progress import ROUND_RATE, SCAFFOLD_RATE, SOLID_RATE, Progress
@@ -27,7 +27,7 @@ from scaffold_cad.lattice.registry import unit_cell
 from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.parts import lattice_part
+from scaffold_cad.parts import lattice_part, lattice_solid
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.struts import RoundStruts, round_struts
 
@@ -100,7 +100,8 @@ def add_parser(
         required=True,
         type=Path,
         metavar="OUT",
-        help="file to write: .3mf .stl .obj .ply .glb, without part and skin also .step .brep",
+        help="file to write: .3mf .stl .obj .ply .glb; .step .brep of a box without --skin, or "
+        "with it of a part from such a file",
     )
     slicing.add_layer_arguments(parser, required=False)
     source.add_max_nodes(parser, "lattice")
@@ -153,10 +154,11 @@ def _check_combination(options: argparse.Namespace) -> None:
     if options.trim and (options.skin is not None or options.beams):
         raise OptionError("--trim is for struts without a skin; need it without --skin and --beams")
     bodied = options.inside is not None or options.skin is not None or options.trim
-    if suffix in BREP_SUFFIXES and (bodied or options.beams):
+    if suffix in BREP_SUFFIXES and (bodied or options.beams) and not _is_filled_solid(options):
         raise FormatError(
-            f"cannot write {options.output}: STEP and BREP files hold lattices of a box only, "
-            "without --skin, --trim or --beams; need a mesh format"
+            f"cannot write {options.output}: STEP and BREP files hold lattices of a box without "
+            "--skin, --trim or --beams, and parts of STEP and BREP files with --skin; need one of "
+            "these, or a mesh format"
         )
     if not options.beams:
         return
@@ -174,6 +176,17 @@ def _check_bodies(options: argparse.Namespace) -> None:
         raise OptionError("--skin is the wall of a box or a part; need --box or --inside")
 
 
+def _is_filled_solid(options: argparse.Namespace) -> bool:
+    """Return whether a part from a CAD file is filled for a CAD file."""
+    return (
+        options.inside is not None
+        and options.inside.suffix.lower() in BREP_SUFFIXES
+        and options.output.suffix.lower() in BREP_SUFFIXES
+        and options.skin is not None
+        and not options.beams
+    )
+
+
 def _product(options: argparse.Namespace, progress: Progress) -> Any:
     """Return what to write."""
     bodied = options.inside is not None or options.skin is not None
@@ -183,6 +196,16 @@ def _product(options: argparse.Namespace, progress: Progress) -> Any:
         return skeleton if options.beams else _struts(skeleton, options, progress)
     part = None if options.inside is None else _body(options.inside)
     cells = _cell_count(options.box if part is None else part.vertices, options)
+    if _is_filled_solid(options):
+        with progress.stage("lattice", cells, "cells", SOLID_RATE / 10):
+            return lattice_solid(
+                read_brep(options.inside),
+                options.cell,
+                options.size,
+                options.radius,
+                skin=options.skin,
+                section="round" if options.round else "square",
+            )
     sides = (options.sides or LATTICE_SIDES) if options.round else 4
     if options.trim:
         with progress.stage("lattice", cells, "cells", SOLID_RATE / 10):

@@ -6,6 +6,7 @@ from scaffold_cad.filling.fill import fill
 from scaffold_cad.filling.foams import delaunay_foam, voronoi_foam
 from scaffold_cad.filling.maps import between_faces, face_map, mesh_map
 from scaffold_cad.filling.parts import lattice_part
+from scaffold_cad.filling.solids import lattice_solid
 
 __all__ = [
     "between_faces",
@@ -15,6 +16,7 @@ __all__ = [
     "fill",
     "graded_radius",
     "lattice_part",
+    "lattice_solid",
     "mesh_map",
     "snapped",
     "solve_radius",

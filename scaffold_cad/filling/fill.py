@@ -141,6 +141,43 @@ def fill(
     return struts.skeleton(radius) if keep == "whole" else struts.cleaned_skeleton(radius)
 
 
+def struts_touching(
+    space: Region,
+    cell: UnitCell,
+    size: CellSize,
+    *,
+    origin: ArrayLike | None = None,
+    axes: ArrayLike | None = None,
+    on: CellMap | None = None,
+) -> Struts:
+    """Return the struts of an endless lattice, or of one on a map, that touch a region, whole.
+
+    Raises
+    ------
+    OptionError
+        If an argument is out of its range.
+    SkeletonError
+        If there are none.
+    """
+    low, high = space.bounds
+    if on is None:
+        margin = np.zeros(3) if callable(size) else cell_size(cell, size)
+        around = BoxRegion([low - margin, high + margin])
+        struts, _ = _endless(around, cell, size, low if origin is None else origin, axes)
+    elif origin is None and axes is None:
+        struts, _ = _on_map(on, cell, size)
+    else:
+        raise OptionError("origin or axes are given with a map; need them for none")
+    touching = np.asarray(space.contains(struts.nodes)[struts.edges].any(axis=1))
+    touching[space.crossings(struts.nodes, struts.edges)[0]] = True
+    if not touching.any():
+        raise SkeletonError(
+            f"no strut of the lattice is in the body from {low.tolist()} to {high.tolist()} mm; "
+            "need one (smaller cells?)"
+        )
+    return struts.kept(touching)
+
+
 def _endless(
     space: Region,
     cell: UnitCell,

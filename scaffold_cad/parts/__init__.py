@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 from scaffold_cad.base.backends import need
 from scaffold_cad.filling.parts import lattice_part
+from scaffold_cad.filling.solids import lattice_solid
 from scaffold_cad.products.meshshapes import to_mesh_shape
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ __all__ = [
     "ScaffoldSolid",
     "StrutFrame",
     "lattice_part",
+    "lattice_solid",
     "to_mesh_shape",
 ]
 

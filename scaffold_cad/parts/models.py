@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Literal, TypeAlias, get_args
+from typing import TypeAlias, get_args
 
 from scaffold_cad.base.arguments import check_choice
 from scaffold_cad.base.arrays import Ints
+from scaffold_cad.filling.solids import Section
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts import RoundStruts, round_struts
-
-Section: TypeAlias = Literal["square", "round"]
-"""The section of struts."""
 
 Model: TypeAlias = "Scaffold | RoundStruts"
 """What has a B-rep of a skeleton's struts."""

@@ -18,9 +18,10 @@ from scaffold_cad.base.regions import Keep
 from scaffold_cad.errors import OptionError
 from scaffold_cad.filling import fill
 from scaffold_cad.filling.parts import flush_box
+from scaffold_cad.filling.solids import Section, filled_solid
 from scaffold_cad.lattice import CellMap, UnitCell
 from scaffold_cad.mesh import QuadMesh
-from scaffold_cad.parts.models import Model, Section, model_of
+from scaffold_cad.parts.models import Model, model_of
 from scaffold_cad.parts.skeletonpart import CommonOptions, PartOptions, SkeletonPart
 from scaffold_cad.parts.stubs import without_overlapping_stubs
 from scaffold_cad.products.breps import to_brep
@@ -284,7 +285,8 @@ class LatticeFill(SkeletonPart):
     """The struts of a lattice that are inside a part, cut where their axes leave it.
 
     The ends of slanted struts stand out of the part by up to their radius: `LatticeFill(...) &
-    part` trims them, slowly. `lattice_part` does so on triangles, and adds a skin.
+    part` trims them, slowly. With `skin` the result is the part itself with a closed wall, see
+    `lattice_solid`; `lattice_part` makes it of triangles.
 
     Examples
     --------
@@ -309,6 +311,7 @@ class LatticeFill(SkeletonPart):
         origin: ArrayLike | None = None,
         axes: ArrayLike | None = None,
         on: CellMap | None = None,
+        skin: float | None = None,
         section: Section = "square",
         overlaps: Overlaps = "refuse",
         with_joints: bool = False,
@@ -325,6 +328,8 @@ class LatticeFill(SkeletonPart):
         keep, dangling, origin, axes, on : see `fill`
         drop_stubs : whether struts that end free and overlap others, as cut ones do, are left out,
             unless they are united
+        skin : thickness of a closed wall at the part's surface, mm; none by default. The struts are
+            then whole up to it: `keep`, `dangling`, `drop_stubs` and `overlaps` are for none
         section : "square", or "round" for round struts, see `round_struts`
         overlaps : what becomes of struts that overlap, see `to_brep`
         with_joints : whether extremities get joints
@@ -337,19 +342,32 @@ class LatticeFill(SkeletonPart):
         SkeletonError
             If no strut is in the part.
         BrepError
-            If struts overlap and are refused, more than a fifth of them would be left out as stubs,
+            If OCCT cannot make the skin or unite struts with it, see `lattice_solid`; if struts
+            overlap and are refused, more than a fifth of them would be left out as stubs,
             or their union has too many triangles.
         """
-        skeleton = fill(
-            part, cell, size, radius, keep=keep, dangling=dangling, origin=origin, axes=axes, on=on
-        )
-        lattice = _lattice(skeleton, section, drop_stubs and overlaps == "refuse")
-        super().__init__(
-            to_brep(lattice, overlaps=overlaps),
-            lattice,
-            with_joints=with_joints,
-            **options,
-        )
+        if skin is not None:
+            if (keep, dangling, overlaps) != ("clip", True, "refuse"):
+                raise OptionError(
+                    "keep, dangling or overlaps is given with a skin; need none of them"
+                )
+            filled = filled_solid(part, cell, size, radius, skin, section, origin, axes, on)
+            body, lattice = filled.solid, filled.struts
+        else:
+            skeleton = fill(
+                part,
+                cell,
+                size,
+                radius,
+                keep=keep,
+                dangling=dangling,
+                origin=origin,
+                axes=axes,
+                on=on,
+            )
+            lattice = _lattice(skeleton, section, drop_stubs and overlaps == "refuse")
+            body = to_brep(lattice, overlaps=overlaps)
+        super().__init__(body, lattice, with_joints=with_joints, **options)
 
 
 def _part_options(options: dict[str, Any]) -> PartOptions:

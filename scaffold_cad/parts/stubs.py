@@ -12,7 +12,8 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools
 from scaffold_cad.errors import BrepError
-from scaffold_cad.parts.models import Model, Section, model_of, overlapping
+from scaffold_cad.filling.solids import Section
+from scaffold_cad.parts.models import Model, model_of, overlapping
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts import RoundStruts
 

@@ -131,10 +131,20 @@ def test_a_box_has_a_skin_too(tmp_path: Path) -> None:
     assert outside == pytest.approx(16**3, rel=1e-4)
 
 
+def test_a_part_from_a_step_file_is_filled_as_one(tmp_path: Path) -> None:
+    build123d = pytest.importorskip("build123d")
+    part, out = tmp_path / "part.step", tmp_path / "out.step"
+    build123d.export_step(build123d.Box(16, 16, 16), part)
+    assert main([*BCC, "--inside", str(part), "--skin", "1.5", "--round", "-o", str(out)]) == 0
+    (solid,) = build123d.import_step(out).solids()
+    assert solid.is_valid
+    assert len(solid.faces().filter_by(build123d.GeomType.CYLINDER)) > 8
+
+
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        (["--box", "8x8x8", "--skin", "1", "-o", "out.step"], "hold lattices of a box only"),
+        (["--box", "8x8x8", "--skin", "1", "-o", "out.step"], "hold lattices of a box without"),
         (["--box", "8x8x8", "--beams", "--round", "-o", "out.3mf"], "without --round and --skin"),
         (["--box", "8x8x8", "--beams", "--skin", "1", "-o", "out.3mf"], "without --round and"),
         (["--box", "8x8x8", "--beams", "-o", "out.stl"], "--beams need .3mf, .json, .obj, .swc"),

@@ -1,0 +1,79 @@
+"""Solids with voids by OCCT: a solid moved inwards, cut by others, and taken out of a solid.
+
+Imports build123d, as `occt` does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from build123d import Kind, Shape, Solid
+from OCP.BRep import BRep_Builder
+from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
+from OCP.BRepClass3d import BRepClass3d
+from OCP.ShapeAnalysis import ShapeAnalysis_ShapeTolerance
+from OCP.TopoDS import TopoDS_Solid
+
+try:  # OCP 8, of build123d 0.13
+    from OCP.collections import List_TopoDS_Shape as Shapes
+except ImportError:  # OCP 7.9, of build123d 0.12
+    from OCP.TopTools import TopTools_ListOfShape as Shapes
+
+LOOSEST = 1e-3
+"""Largest tolerance that edges of a solid moved inwards may have, mm. Where OCCT cannot make faces
+meet it sets a larger one, and booleans of these go wrong, or end the process."""
+
+
+def moved_inwards(solid: Solid, distance: float) -> list[Solid]:
+    """Return what OCCT makes of a solid whose faces are moved inwards, in the order to be tried.
+
+    Where faces meet in an inner corner they are extended first, and joined by rounds second.
+    """
+    found = []
+    for kind in (Kind.INTERSECTION, Kind.ARC):
+        try:
+            inner = solid.offset_3d(None, -distance, kind=kind)
+        except (RuntimeError, ValueError, AssertionError, AttributeError):  # OCCT gives up
+            continue
+        loosest = ShapeAnalysis_ShapeTolerance().Tolerance(inner.wrapped, 1)
+        if len(inner.solids()) == 1 and inner.is_valid and loosest <= LOOSEST:
+            found.append(inner.solids()[0])
+    return found
+
+
+def without(solid: Solid, tools: Iterable[Shape]) -> list[Solid]:
+    """Return the solids that are left of a solid without `tools`; none where OCCT gives up."""
+    cut = BRepAlgoAPI_Cut()
+    arguments, others = Shapes(), Shapes()
+    arguments.Append(solid.wrapped)
+    for tool in tools:
+        others.Append(tool.wrapped)
+    cut.SetArguments(arguments)
+    cut.SetTools(others)
+    cut.SetRunParallel(True)
+    cut.SetNonDestructive(True)
+    cut.SetUseOBB(True)
+    cut.SetToFillHistory(False)
+    try:
+        cut.Build()
+    except RuntimeError:
+        return []
+    return list(Shape.cast(cut.Shape()).solids()) if cut.IsDone() else []
+
+
+def with_voids(solid: Solid, voids: Iterable[Solid]) -> tuple[Solid, int]:
+    """Return a solid with voids in it, and how many loose pieces in the voids are left out.
+
+    No boolean: the outer surfaces of the voids, turned inside out, become surfaces of the solid.
+    """
+    builder = BRep_Builder()
+    made = TopoDS_Solid()
+    builder.MakeSolid(made)
+    for shell in solid.shells():
+        builder.Add(made, shell.wrapped)
+    loose = 0
+    for void in voids:
+        outer = BRepClass3d.OuterShell_s(void.wrapped)
+        builder.Add(made, outer.Reversed())
+        loose += len(void.shells()) - 1
+    return Solid(made), loose

@@ -1,0 +1,171 @@
+"""Parts filled with a lattice as B-reps: one valid solid, with true cylinders in its skin."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from build123d import (
+    Axis,
+    Box,
+    BuildLine,
+    BuildPart,
+    BuildSketch,
+    Compound,
+    Cylinder,
+    GeomType,
+    Polyline,
+    Pos,
+    Spline,
+    Vertex,
+    extrude,
+    fillet,
+    make_face,
+)
+
+from scaffold_cad import write
+from scaffold_cad.brep import read_brep
+from scaffold_cad.errors import BrepError, OptionError
+from scaffold_cad.filling import lattice_part, lattice_solid
+from scaffold_cad.parts import LatticeFill
+
+RADIUS = 0.6
+
+
+def plate() -> Any:
+    """Return a plate with two holes, rounded corners and a rounded upper rim."""
+    block = Box(24, 16, 8) - Pos(5, 2, 0) * Cylinder(2.5, 8) - Pos(-6, -2, 0) * Cylinder(2, 8)
+    block = fillet(block.edges().filter_by(Axis.Z).filter_by(GeomType.LINE), 3)
+    return fillet(block.faces().sort_by(Axis.Z)[-1].outer_wire().edges(), 2)
+
+
+def tube() -> Any:
+    return Cylinder(12, 12) - Cylinder(7, 12)
+
+
+def housing() -> Any:
+    """Return an open box with walls of 2 mm, rounded on the outside."""
+    shell = Box(16, 12, 8) - Pos(0, 0, 2) * Box(12, 8, 8)
+    corners = [edge for edge in shell.edges().filter_by(Axis.Z) if abs(edge.center().X) > 7]
+    return fillet(corners, 1.5)
+
+
+def wave() -> Any:
+    """Return a block whose upper face is free-form."""
+    with BuildPart() as part:
+        with BuildSketch():
+            with BuildLine():
+                Spline((0, 0), (6, 2), (12, -1), (18, 3))
+                Polyline((18, 3), (18, -8), (0, -8), (0, 0))
+            make_face()
+        extrude(amount=12)
+    return part.part
+
+
+@pytest.mark.parametrize(
+    ("body", "size", "radius", "skin"),
+    [
+        (plate, 8.0, RADIUS, 1.2),
+        (tube, 8.0, RADIUS, 1.2),
+        (housing, 5.0, 0.3, 0.5),
+        (wave, 8.0, RADIUS, 1.2),
+    ],
+)
+def test_a_part_with_a_skin_is_one_valid_solid_with_true_cylinders(
+    body: Any, size: float, radius: float, skin: float, tmp_path: Path
+) -> None:
+    part = body()
+    solid = lattice_solid(part, "bcc", size, radius, skin=skin)
+    assert solid.is_valid
+    of_triangles = lattice_part(part, "bcc", size, radius, skin=skin, sides=16)
+    assert solid.volume == pytest.approx(of_triangles.volume(), rel=5e-3)
+    struts = [
+        face
+        for face in solid.faces().filter_by(GeomType.CYLINDER)
+        if face.radius == pytest.approx(radius, abs=1e-9)
+    ]
+    # Diagonals of cells, each cut by the skin's inside or whole.
+    along = np.array([tuple(face.axis_of_rotation.direction) for face in struts])
+    np.testing.assert_allclose(np.abs(along), np.sqrt(1 / 3), atol=1e-9)
+    assert len(struts) > 20
+
+    write(solid, tmp_path / "part.step")
+    read = read_brep(tmp_path / "part.step").solids()
+    assert len(read) == 1
+    assert read[0].is_valid
+    assert read[0].volume == pytest.approx(solid.volume, rel=2e-5)  # integrated numerically
+    radii = [face.radius for face in read[0].faces().filter_by(GeomType.CYLINDER)]
+    assert np.isclose(radii, radius, atol=1e-6).sum() == len(struts)
+
+
+def test_the_skin_is_as_thick_as_asked() -> None:
+    solid = lattice_solid(Box(20, 20, 20), "bcc", 10.0, RADIUS, skin=1.5)
+    planes = solid.faces().filter_by(GeomType.PLANE)
+    heights = sorted({round(abs(tuple(face.center())[k]), 6) for k, face in _flat(planes)})
+    assert heights == [8.5, 10.0]
+
+
+def _flat(planes: Any) -> list[tuple[int, Any]]:
+    return [(int(np.abs(tuple(face.normal_at())).argmax()), face) for face in planes]
+
+
+def test_square_struts_get_a_skin_too() -> None:
+    solid = lattice_solid(Box(16, 16, 16), "bcc", 8.0, RADIUS, skin=1.5, section="square")
+    assert solid.is_valid
+    round_ones = lattice_solid(Box(16, 16, 16), "bcc", 8.0, RADIUS, skin=1.5)
+    void, round_void = 16**3 - solid.volume, 16**3 - round_ones.volume
+    assert 0.9 * round_void < void < round_void
+
+
+def test_lattice_fill_takes_a_skin() -> None:
+    part = LatticeFill(
+        Box(16, 16, 16), "bcc", 8.0, RADIUS, skin=1.5, section="round", label="filled"
+    )
+    assert part.is_valid
+    assert part.label == "filled"
+    assert part.volume == pytest.approx(
+        lattice_solid(Box(16, 16, 16), "bcc", 8.0, RADIUS, skin=1.5).volume
+    )
+    assert (part.skeleton.radii == RADIUS).all()
+    with pytest.raises(OptionError, match="keep, dangling or overlaps is given with a skin"):
+        LatticeFill(Box(16, 16, 16), "bcc", 8.0, RADIUS, skin=1.5, keep="whole")
+
+
+def test_a_function_gives_cones() -> None:
+    solid = lattice_solid(
+        Box(16, 16, 16), "bcc", 8.0, lambda points: 0.5 + 0.01 * (points[:, 2] + 8), skin=1.2
+    )
+    assert solid.is_valid
+    assert len(solid.faces().filter_by(GeomType.CONE)) > 20
+
+
+def dumbbell() -> Any:
+    """Return two boxes joined by a bar that is thinner than two skins."""
+    return Box(9, 9, 9) + Pos(9, 0, 0) * Box(12, 2, 2) + Pos(18, 0, 0) * Box(9, 9, 9)
+
+
+@pytest.mark.parametrize(
+    ("body", "options", "error", "message"),
+    [
+        (lambda: Box(9, 9, 2), {"skin": 1.5}, OptionError, "skin is 1.5 mm, which fills the body"),
+        (lambda: Box(9, 9, 9), {"skin": 0.0}, OptionError, "skin is 0 mm; need > 0"),
+        (lambda: Vertex(), {"skin": 1.0}, OptionError, "the body has 0 solids; need one"),
+        (lambda: [0, 1], {"skin": 1.0}, OptionError, "the body is a list; need a build123d solid"),
+        (
+            lambda: Compound([Box(9, 9, 9), Pos(20, 0, 0) * Box(9, 9, 9)]),
+            {"skin": 1.0},
+            OptionError,
+            "the body has 2 solids; need one",
+        ),
+        (dumbbell, {"skin": 1.2}, BrepError, r"OCCT cannot move the faces .* by 1.2 mm"),
+        (lambda: Box(9, 9, 9), {"skin": 1.0, "radius": 2.5}, BrepError, "lattice_part makes it"),
+        (lambda: Box(9, 9, 9), {"skin": 1.0, "section": "oval"}, OptionError, "section is 'oval'"),
+    ],
+)
+def test_what_cannot_be_is_refused(
+    body: Any, options: dict[str, Any], error: type[Exception], message: str
+) -> None:
+    with pytest.raises(error, match=message):
+        lattice_solid(body(), "bcc", 8.0, **{"radius": RADIUS, **options})
