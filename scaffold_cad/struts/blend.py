@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.errors import OptionError
 from scaffold_cad.partition import Partitions
-from scaffold_cad.struts.system import Layout
+from scaffold_cad.struts.layouts import Layout
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,10 +12,12 @@ from scaffold_cad.struts.blend import Solved, Stars
 from scaffold_cad.struts.collars import Collars, collars
 from scaffold_cad.struts.distances import Union
 from scaffold_cad.struts.evenness import phases
+from scaffold_cad.struts.fits import free_of_pulls, patch_fit
+from scaffold_cad.struts.layouts import Layout
 from scaffold_cad.struts.proof import prove
 from scaffold_cad.struts.recipes import FIRST_STEPS, Recipe
 from scaffold_cad.struts.rows import Rings, given_rows, rings
-from scaffold_cad.struts.system import Layout, System, fit_of, system_of
+from scaffold_cad.struts.system import System, system_of
 
 BEHIND = 0.3
 """How far a collar stands beyond the corners of its patches, in radii, where there is room."""
@@ -50,7 +52,7 @@ def solve(stars: Stars, vertices: UnitVectors, sides: Ints, twins: Ints, recipe:
     at = np.concatenate([[0.0, 0.5], recipe.layout.at_u])
     arcs = _arcs(_leading(corners), at)  # (3, m, N, 4, n + 2) directions
     on_arcs = union.reached(arcs.reshape(3, len(stars), -1)).reshape(arcs.shape[1:]) * arcs
-    rows = _rows(union, fitted, ring, on_arcs[..., :2], system, recipe.pinch)
+    rows = _rows(union, fitted, ring, on_arcs[..., :2], system, recipe)
     points = _fitted(union, rows, on_arcs[..., 2:], system, twins, recipe)  # (3, m, count)
     control = points[:, :, system.net.number]  # (3, m, 4 N, n_u, n_v)
     misfit, depth = _errors(union, control, recipe.layout)
@@ -123,23 +125,23 @@ def _arcs(corners: Floats, at: Floats) -> Floats:
 
 
 def _rows(
-    union: Union, fitted: Collars, ring: Rings, on_arcs: Floats, system: System, pinch: float
+    union: Union, fitted: Collars, ring: Rings, on_arcs: Floats, system: System, recipe: Recipe
 ) -> Floats:
     """Return the given rows among control points (3, m, 4 N, n_u, n_v); the others are 0.
 
     Parameters
     ----------
     on_arcs : (3, m, N, 4, 2) float64, start and middle of each arc on the surface
-    pinch : see `Recipe`
     """
     along = (on_arcs * union.directions[..., None, None]).sum(axis=0)  # (m, N, 4, 2)
     lengths = fitted.distances[:, :, None, None] - along
     start, end = ring.corners, np.roll(ring.corners, -1, axis=3)
     halfway = ring.centers[..., None] + fitted.radii[:, :, None] * (start + end) / np.sqrt(2)
     straight = np.sqrt(((on_arcs[..., 1] - halfway) ** 2).sum(axis=0))
+    pinch = recipe.pinch
     wanted = lengths[..., 0], pinch * lengths[..., 1] + (1 - pinch) * straight
-    last, before = given_rows(union, fitted, ring, wanted, system.shares, system.layout)
-    rows = np.zeros((*last.shape, system.layout.v.count))
+    last, before = given_rows(union, fitted, ring, wanted, system.shares, recipe.layout)
+    rows = np.zeros((*last.shape, recipe.layout.v.count))
     rows[..., -1], rows[..., -2] = last, before
     return rows.reshape(3, last.shape[1], -1, *rows.shape[-2:])
 
@@ -154,26 +156,47 @@ def _fitted(
     rows : (3, m, 4 N, n_u, n_v) float64, the given control points
     on_arcs : (3, m, N, 4, n) float64, where the samples in u lie on the arcs
     """
-    nodes, layout = rows.shape[1], recipe.layout
-    far = np.einsum("ai,xmpi->xmpa", layout.u.values(layout.at), rows[..., -1])[..., None]
-    near = on_arcs.reshape(3, nodes, -1, len(layout.at_u))[..., None]
-    samples = near + (far - near) * layout.at_v  # (3, m, 4 N, n, n)
-    wanted = union.projected(samples.reshape(3, nodes, -1), FIRST_STEPS)
-    given = rows.reshape(3, nodes, -1)[:, :, system.given].reshape(3 * nodes, -1)
-    fixed = row_products(given, system.samples_of_given)
+    layout, nodes = recipe.layout, rows.shape[1]
+    wanted = _first_samples(union, rows[..., -1], on_arcs, layout)
+    patches = rows.reshape(3 * nodes, len(twins), -1)
+    known = patches[:, :, layout.given]
+    given = patches.reshape(3 * nodes, -1)[:, system.given]
+    fixed = given @ system.rim_of_given
     before = None
     for stiffness, rounds in recipe.rounds:
-        fit = fit_of(twins, layout, stiffness)
-        start = row_products(given, fit.free_of_given)
+        patch, solving = patch_fit(layout, stiffness), free_of_pulls(twins, layout, stiffness)
+        pulled = known @ patch.pulls_of_given + fixed[:, system.rims] @ patch.pulls_of_rim
+        still = known @ patch.samples_of_given
         for _ in range(rounds):
-            free = row_products(wanted.reshape(3 * nodes, -1), fit.free_of_samples) + start
-            samples = (row_products(free, system.samples_of_free) + fixed).reshape(3, nodes, -1)
+            targets = wanted.reshape(3 * nodes, len(twins), -1)
+            pulls = targets @ patch.pulls_of_samples + pulled
+            rim = (pulls.reshape(3 * nodes, -1) @ solving) @ system.rim_of_free + fixed
+            rims = rim[:, system.rims]
+            samples = targets @ patch.samples_of_samples + rims @ patch.samples_of_rim + still
+            samples = samples.reshape(3, nodes, -1)
             ahead = samples if before is None else samples + recipe.momentum * (samples - before)
             before = samples
             wanted = union.projected(ahead, 1, recipe.urge)
-    points = row_products(free, system.points_of_free)
-    points += row_products(given, system.points_of_given)
+    core = targets @ patch.core_of_samples + rims @ patch.core_of_rim
+    core += known @ patch.core_of_given
+    points = np.empty((3 * nodes, system.net.count))
+    points[:, : system.net.rim + system.net.given] = np.concatenate([rim, given], axis=1)
+    points[:, system.net.number.reshape(len(twins), -1)[:, layout.core]] = core
     return points.reshape(3, nodes, -1)
+
+
+def _first_samples(union: Union, last: Floats, on_arcs: Floats, layout: Layout) -> Floats:
+    """Return samples on the union between arcs and collars, (3, m, samples of all patches).
+
+    Parameters
+    ----------
+    last : (3, m, 4 N, n_u) float64, the control points on the collars
+    on_arcs : (3, m, N, 4, n) float64, where the samples in u lie on the arcs
+    """
+    far = np.einsum("ai,xmpi->xmpa", layout.u.values(layout.at), last)[..., None]
+    near = on_arcs.reshape(*last.shape[:3], -1)[..., None]
+    samples = near + (far - near) * layout.at_v  # (3, m, 4 N, n, n)
+    return union.projected(samples.reshape(3, last.shape[1], -1), FIRST_STEPS)
 
 
 def _errors(union: Union, control: Floats, layout: Layout) -> tuple[Floats, Floats]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from scaffold_cad.struts.system import Layout
+from scaffold_cad.struts.layouts import Layout
 
 FIRST_STEPS = 4
 """Newton steps of the first samples; one step a round follows."""

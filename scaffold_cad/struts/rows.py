@@ -15,8 +15,8 @@ from scaffold_cad.base.arrays import Floats, Frozen
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.struts.collars import Collars
 from scaffold_cad.struts.distances import Union
+from scaffold_cad.struts.layouts import Layout
 from scaffold_cad.struts.quarter import ARC, DEGREE, OUTWARD, OUTWARD_SLOPE
-from scaffold_cad.struts.system import Layout
 
 LEAST_LENGTH = 0.15
 """Least length of m, in radii of the collar."""

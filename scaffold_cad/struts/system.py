@@ -1,219 +1,130 @@
-"""The linear system of a node's patches: smooth joins exactly, samples as near as can be.
+"""The smooth surfaces of a node's patches, by as few numbers as make them.
 
 Patch s belongs to side s of the node's type: u runs along the arc, v from the arc (v = 0) to a
-quarter of the collar (v = 1). Its control points (D + 1, D + 1) are numbered with those of its
-neighbors. The two rows next to the collar are given. The others meet the conditions of tangent
-planes, see below, and of all that do they are those with the least sum of squared distances from
-the wanted samples and thin-plate energy.
+quarter of the collar (v = 1). Its control points (n_u, n_v) are numbered with those of its
+neighbors. The two rows next to the collar are given. Those of the rims meet the conditions of
+smooth joins.
 
-Two patches f and g meet smoothly along their common curve e if D_v f + D_v g = α e', with both
-derivatives taken away from the curve, and α of degree 2 with the coefficients 2 cos(2π/n₀), 0,
-−2 cos(2π/n₁), where n₀ and n₁ patches meet at the ends: it is linear, and corners on the collar,
-where 4 patches meet, agree with any given rows.
-
-All of it depends on the type only. It is factored once, and what remains for a node are products
-of a few matrices with its samples and its given rows.
+These conditions are solved for each curve by itself as far as they are its own, see `curves`. A
+few are left for the node, on the points at the corners of its patches. All of it depends on the
+type only, and what remains for a node are products of a few matrices with its given rows and its
+free numbers.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, qr, solve_triangular
+from scipy.linalg import qr, solve_triangular
 
-from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints
-from scaffold_cad.base.vectors import sums_by_row
-from scaffold_cad.brep.bernstein import bernstein, elevation, product
+from scaffold_cad.base.arrays import Floats, Frozen, Ints
+from scaffold_cad.struts.curves import RANK, Curve, Kind, curve_of, share
 from scaffold_cad.struts.joins import shared_numbers, valences
-from scaffold_cad.struts.quarter import DEGREE
-from scaffold_cad.struts.splines import Spline, spline
+from scaffold_cad.struts.layouts import Layout
 
 KEPT_SYSTEMS = 16
 """Types whose matrices are kept: those of valency 12 take some 20 MB each."""
-RANK = 1e-9
-"""Equations whose pivot is below this part of the first follow from the others."""
-
-
-@dataclass(frozen=True)
-class Layout:
-    """How patches are cut into polynomial pieces, and how they are sampled."""
-
-    along_arc: int
-    """Pieces in the direction of u."""
-    along_strut: int
-    """Pieces in the direction of v."""
-    samples: int
-    """Samples of each piece in either direction, at the nodes of Gauss and Legendre."""
-
-    @property
-    def u(self) -> Spline:
-        """The splines in u."""
-        return spline(self.along_arc)
-
-    @property
-    def v(self) -> Spline:
-        """The splines in v."""
-        return spline(self.along_strut)
-
-    @property
-    def at(self) -> Floats:
-        """Parameters of the samples in a piece, shape (samples,)."""
-        return np.asarray((np.polynomial.legendre.leggauss(self.samples)[0] + 1) / 2)
-
-    @property
-    def at_u(self) -> Floats:
-        """Parameters of all samples in u, shape (samples of all pieces,)."""
-        return _spread(self.at, self.along_arc)
-
-    @property
-    def at_v(self) -> Floats:
-        """Parameters of all samples in v, shape (samples of all pieces,)."""
-        return _spread(self.at, self.along_strut)
-
-    @property
-    def weights(self) -> Floats:
-        """Weight of each sample of a patch in the integral over it, in the order of (u, v)."""
-        one = np.polynomial.legendre.leggauss(self.samples)[1] / 2
-        wide = np.tile(one / self.along_arc, self.along_arc)
-        high = np.tile(one / self.along_strut, self.along_strut)
-        return np.asarray(np.outer(wide, high).reshape(-1))
-
-
-def _spread(at: Floats, pieces: int) -> Floats:
-    return np.asarray(((at + np.arange(pieces)[:, None]) / pieces).reshape(-1))
+AT_ENDS = np.array([0, 1, -2, -1])
+"""Numbers of a curve that belong to its ends."""
 
 
 @dataclass(frozen=True, eq=False)
 class Net(Frozen):
-    """The control points of a type, numbered; neighbors share them."""
+    """The control points of a type, numbered: those of rims, those that are given, and the rest.
+
+    Neighbors share them.
+    """
 
     number: Ints
     """Number of each control point, shape (4 N, n_u, n_v)."""
+    rim: int
+    """How many are in the rims of patches."""
+    given: int
+    """How many are given."""
     count: int
     """How many there are."""
-    is_given: Bools
-    """Whether each is in one of the two rows next to a collar, shape (count,)."""
 
 
 @dataclass(frozen=True, eq=False)
 class System(Frozen):
-    """The surfaces of a type that are smooth: given points and k free numbers make all others.
+    """The surfaces of a type that are smooth: given points and k free numbers make the rims.
 
     Rows are nodes' coordinates: (rows, given) and (rows, k) times these matrices, added.
     """
 
-    layout: Layout
-    """How patches are cut and sampled."""
     net: Net
     """The numbers of the control points."""
     shares: Floats
     """What α has at the vertex of each spoke, 2 cos(2π/n), shape (N, 4)."""
     given: Ints
     """Place of each given control point among those of all patches, shape (g,)."""
-    points_of_given: Floats
-    """From given control points to control points, (g, count)."""
-    points_of_free: Floats
-    """From the free numbers to control points, (k, count)."""
-    samples_of_given: Floats
-    """From given control points to samples, (g, samples)."""
-    samples_of_free: Floats
-    """From the free numbers to samples, (k, samples)."""
+    rims: Ints
+    """Numbers of the points in the rim of each patch, shape (4 N, rim of a patch)."""
+    rim_of_given: Floats
+    """From given control points to those of rims, (g, rim)."""
+    rim_of_free: Floats
+    """From the free numbers to the control points of rims, (k, rim)."""
 
 
 @dataclass(frozen=True, eq=False)
-class Fit(Frozen):
-    """What takes wanted samples and given points to the free numbers of the best surface."""
+class _Curves(Frozen):
+    """Curves of one kind: the numbers of their control points, and of the rows beside them."""
 
-    free_of_samples: Floats
-    """From wanted samples, (samples, k)."""
-    free_of_given: Floats
-    """From given control points, (g, k)."""
+    kind: Kind
+    curve: Ints
+    """Shape (c, n)."""
+    left: Ints
+    """Shape (c, n)."""
+    right: Ints
+    """Shape (c, n)."""
+
+    @property
+    def solved(self) -> Curve:
+        return curve_of(self.kind)
+
+    @property
+    def own(self) -> int:
+        """How many numbers are free on each curve, and beside it."""
+        return int(self.solved.of_free.shape[1] + self.curve.shape[1] - len(AT_ENDS))
+
+    def ends(self, points: Floats) -> Floats:
+        """Return the numbers of the ends, for points (count, k), shape (c, 8, k)."""
+        beside = points[self.left[:, AT_ENDS]] + points[self.right[:, AT_ENDS]]
+        return np.concatenate([points[self.curve[:, AT_ENDS]], beside], axis=1)
+
+    def fill(self, points: Floats, column: int) -> None:
+        """Set the points between the ends, which come from those there and from own numbers.
+
+        Parameters
+        ----------
+        points : (count, k) float64, with the corners set
+        column : the first of the curves' own numbers
+        """
+        solved, inner, free = self.solved, slice(2, -2), self.solved.of_free.shape[1]
+        half = len(solved.of_free) // 2
+        between = solved.of_ends @ self.ends(points)  # (c, 2 (n - 4), k)
+        first = column + self.own * np.arange(len(self.curve))
+        for number in range(free):
+            between[np.arange(len(first)), :, first + number] = solved.of_free[:, number]
+        points[self.curve[:, inner]] = between[:, :half]
+        points[self.left[:, inner]] = points[self.right[:, inner]] = between[:, half:] / 2
+        apart = (first + free)[:, None] + np.arange(half)
+        points[self.left[:, inner], apart] = 1.0
+        points[self.right[:, inner], apart] = -1.0
 
 
 def net_of(twins: Ints, layout: Layout) -> Net:
     """Return the numbered control points of the type with `twins` (4 N,)."""
-    number, count = shared_numbers(twins, layout.u.count, layout.v.count)
-    is_given = np.zeros(count, dtype=np.bool_)
-    is_given[number[:, :, -2:]] = True
-    return Net(number, count, is_given)
-
-
-def equations(twins: Ints, net: Net, layout: Layout) -> Floats:
-    """Return the conditions of smooth joins, whose products with the control points are 0.
-
-    Returns
-    -------
-    (k, count) float64; some rows follow from others
-    """
-    sides = np.arange(len(twins))
-    following = (sides & ~3) | ((sides + 1) & 3)
-    number, valence = net.number, valences(twins)
-    once = sides[sides < twins]
-    spokes = _conditions(
-        (number[:, -1, :], number[:, -2, :], number[following, 1, :]),
-        (valence[following], np.full(len(sides), 4)),
-        (layout.v, layout.u.step),
-        net.count,
-        is_spoke=True,
-    )
-    arcs = _conditions(
-        (number[once, :, 0], number[once, :, 1], number[twins[once], ::-1, 1]),
-        (valence[once], valence[following][once]),
-        (layout.u, layout.v.step),
-        net.count,
-        is_spoke=False,
-    )
-    return np.concatenate([spokes, arcs])
-
-
-def _conditions(
-    rows: tuple[Ints, Ints, Ints],
-    valence: tuple[Ints, Ints],
-    shape: tuple[Spline, float],
-    count: int,
-    *,
-    is_spoke: bool,
-) -> Floats:
-    """Return the conditions along curves, given by the numbers of their and the next rows.
-
-    Parameters
-    ----------
-    rows : three (c, n) intp, control points of the curves, and of the rows on either side
-    valence : two (c,) intp, how many patches meet at the curves' starts and ends
-    shape : the splines along the curves, and the length of a piece across them
-    """
-    curve, left, right = rows
-    starts, ends = valence
-    along, across = shape
-    alpha = np.stack([share(starts), np.zeros(len(curve)), -share(ends)], axis=1)
-    if is_spoke:
-        # Of degree 1, which leaves the spoke its full degree.
-        alpha[:, 1] = alpha[:, 0] / 2
-    columns = np.concatenate([left, right, curve], axis=1)[:, None, :]
-    difference = np.diff(np.eye(DEGREE + 1), axis=0) / along.step
-    parts = []
-    for piece, extraction in enumerate(along.extraction):
-        part = alpha @ _restriction(piece, along.pieces).T
-        slope = product(part, DEGREE - 1) @ difference @ extraction  # (c, D + 2, n)
-        raised = np.broadcast_to(elevation(DEGREE, DEGREE + 1) @ extraction / across, slope.shape)
-        values = np.concatenate([raised, raised, -2 * raised - slope], axis=2)
-        size = len(curve) * (DEGREE + 2)
-        entries = np.arange(size).reshape(len(curve), -1, 1) * count + columns
-        parts.append(sums_by_row(values, entries, size * count).reshape(size, count))
-    return np.concatenate(parts)
-
-
-def share(valence: Ints) -> Floats:
-    """Return 2 cos(2π/n), exactly 0 where 4 patches meet, for each of `valence`."""
-    return np.asarray(np.where(valence == 4, 0.0, 2 * np.cos(2 * np.pi / valence)))
-
-
-def _restriction(piece: int, pieces: int) -> Floats:
-    """Return what takes quadratics to one of equal pieces, both in Bernstein form, (3, 3)."""
-    at = np.array([0.0, 0.5, 1.0])
-    return np.asarray(np.linalg.solve(bernstein(2, at), bernstein(2, (at + piece) / pieces)))
+    found, count = shared_numbers(twins, layout.u.count, layout.v.count)
+    part = np.zeros(count, dtype=np.intp)
+    part[found.reshape(len(twins), -1)[:, layout.given]] = 1
+    part[found.reshape(len(twins), -1)[:, layout.core]] = 2
+    number = np.empty(count, dtype=np.intp)
+    number[np.argsort(part, kind="stable")] = np.arange(count)
+    return Net(number[found], int((part == 0).sum()), int((part == 1).sum()), count)
 
 
 def system_of(twins: Ints, layout: Layout) -> System:
@@ -221,83 +132,84 @@ def system_of(twins: Ints, layout: Layout) -> System:
     return _system(tuple(twins.tolist()), layout)
 
 
-def fit_of(twins: Ints, layout: Layout, stiffness: float) -> Fit:
-    """Return the factored least-squares problem of a type.
-
-    Parameters
-    ----------
-    twins : (4 N,) intp, the twin of each side
-    layout : how patches are cut and sampled
-    stiffness : weight of the thin-plate energy against the mean of squared distances
-    """
-    return _fit(tuple(twins.tolist()), layout, stiffness)
-
-
 @lru_cache(maxsize=KEPT_SYSTEMS)
 def _system(key: tuple[int, ...], layout: Layout) -> System:
     twins = np.array(key, dtype=np.intp)
     net = net_of(twins, layout)
-    free, given = np.flatnonzero(~net.is_given), np.flatnonzero(net.is_given)
-    conditions = equations(twins, net, layout)
-    basis, particular = _solutions(conditions[:, free], -conditions[:, given])
-    points_of_free = np.zeros((basis.shape[1], net.count))
-    points_of_free[:, free] = basis.T
-    points_of_given = np.zeros((len(given), net.count))
-    points_of_given[:, free] = particular.T
-    points_of_given[np.arange(len(given)), given] = 1.0
+    curves = _curves(twins, net, layout)
+    corners = np.unique(net.number[:, [0, 1, -2, -1]][:, :, :2])
+    conditions = _at_corners(curves, net)
+    known = slice(net.rim, net.rim + net.given)
+    basis, particular = _solutions(conditions[:, corners], -conditions[:, known])
+    total = net.given + basis.shape[1]
+    points = np.zeros((net.rim + net.given, total + sum(c.own * len(c.curve) for c in curves)))
+    points[known, : net.given] = np.eye(net.given)
+    points[corners, : net.given], points[corners, net.given : total] = particular, basis
+    for each in curves:
+        each.fill(points, total)
+        total += each.own * len(each.curve)
     _, first = np.unique(net.number.reshape(-1), return_index=True)
     return System(
-        layout,
         net,
         share(valences(twins)).reshape(-1, 4),
-        first[given],
-        points_of_given,
-        points_of_free,
-        _sampled(points_of_given, net, layout),
-        _sampled(points_of_free, net, layout),
+        first[known],
+        net.number.reshape(len(twins), -1)[:, layout.rim],
+        np.ascontiguousarray(points[: net.rim, : net.given].T),
+        np.ascontiguousarray(points[: net.rim, net.given :].T),
     )
 
 
-def forget_systems() -> None:
-    """Let all matrices be made anew: their last bits depend on how many threads made them."""
-    _system.cache_clear()
-    _fit.cache_clear()
-
-
-@lru_cache(maxsize=4 * KEPT_SYSTEMS)
-def _fit(key: tuple[int, ...], layout: Layout, stiffness: float) -> Fit:
-    system = _system(key, layout)
-    weights = np.tile(layout.weights, len(key))
-    weighted = system.samples_of_free * weights
-    plate = stiffness * _energy(system)
-    energy = weighted @ system.samples_of_free.T + system.points_of_free @ plate.T
-    mixed = weighted @ system.samples_of_given.T + plate @ system.points_of_given.T
-    factor = cho_factor(energy)
-    return Fit(
-        np.ascontiguousarray(cho_solve(factor, weighted).T),
-        np.ascontiguousarray(-cho_solve(factor, mixed).T),
+def _curves(twins: Ints, net: Net, layout: Layout) -> list[_Curves]:
+    """Return the spokes and the arcs of a type by their kinds."""
+    sides = np.arange(len(twins))
+    following = (sides & ~3) | ((sides + 1) & 3)
+    number, valence = net.number, valences(twins)
+    once = sides[sides < twins]
+    pieces = layout.along_arc, layout.along_strut
+    spokes = _by_kind(
+        (number[:, -1, :], number[:, -2, :], number[following, 1, :]),
+        np.stack([valence[following], np.full(len(sides), 4)], axis=1),
+        lambda starts, ends: Kind(pieces[1], pieces[0], starts, ends, is_spoke=True),
     )
+    arcs = _by_kind(
+        (number[once, :, 0], number[once, :, 1], number[twins[once], ::-1, 1]),
+        np.stack([valence[once], valence[following][once]], axis=1),
+        lambda starts, ends: Kind(pieces[0], pieces[1], starts, ends, is_spoke=False),
+    )
+    return spokes + arcs
 
 
-def _sampled(points: Floats, net: Net, layout: Layout) -> Floats:
-    """Return the samples of rows of control points (r, count), shape (r, samples)."""
-    patches = points[:, net.number]  # (r, 4 N, n_u, n_v)
-    samples = layout.u.values(layout.at) @ patches @ layout.v.values(layout.at).T
-    return np.asarray(samples.reshape(len(points), -1))
+def _by_kind(
+    rows: tuple[Ints, Ints, Ints], valence: Ints, kind: Callable[[int, int], Kind]
+) -> list[_Curves]:
+    """Return curves by their kinds.
+
+    Parameters
+    ----------
+    rows : three (c, n) intp, the numbers of the curves' points and of those on either side
+    valence : (c, 2) intp, how many patches meet at the curves' starts and ends
+    kind : what makes a kind of these two
+    """
+    distinct, which = np.unique(valence, axis=0, return_inverse=True)
+    which = which.reshape(-1)
+    return [
+        _Curves(kind(*pair), *(row[which == place] for row in rows))
+        for place, pair in enumerate(distinct.tolist())
+    ]
 
 
-def _energy(system: System) -> Floats:
-    """Return the gradient of half the thin-plate energy for each free number, (k, count)."""
-    net, plate = system.net, _thin_plate(system.layout)
-    numbers = net.number.reshape(len(net.number), -1)  # (4 N, n)
-    pulls = plate @ np.moveaxis(system.points_of_free[:, numbers], 0, 2)  # (4 N, n, k)
-    return sums_by_row(pulls, numbers, system.points_of_free.shape[1]).T
-
-
-def _thin_plate(layout: Layout) -> Floats:
-    """Return the matrix of the thin-plate energy of a patch, (n_u n_v, n_u n_v)."""
-    u, v = ([each.products(order) for order in range(3)] for each in (layout.u, layout.v))
-    return np.asarray(np.kron(u[2], v[0]) + 2 * np.kron(u[1], v[1]) + np.kron(u[0], v[2]))
+def _at_corners(curves: Sequence[_Curves], net: Net) -> Floats:
+    """Return the conditions on the numbers of ends of curves, (conditions, rim + given)."""
+    parts = []
+    for each in curves:
+        of_ends = each.solved.conditions  # (p, 8)
+        matrix = np.zeros((len(each.curve), len(of_ends), net.rim + net.given))
+        place = np.arange(len(each.curve))[:, None, None], np.arange(len(of_ends))[None, :, None]
+        half = np.split(of_ends, 2, axis=1)
+        for row, values in ((each.curve, half[0]), (each.left, half[1]), (each.right, half[1])):
+            np.add.at(matrix, (*place, row[:, None, AT_ENDS]), values)
+        parts.append(matrix.reshape(-1, matrix.shape[-1]))
+    return np.concatenate(parts)
 
 
 def _solutions(matrix: Floats, right: Floats) -> tuple[Floats, Floats]:

@@ -1,0 +1,104 @@
+"""The least-squares fit of smooth patches to samples.
+
+Of all smooth surfaces that one is best which has the least sum of squared distances from the
+wanted samples and thin-plate energy. Both are sums over patches, and no join depends on the core
+of a patch: what is best there follows from the rim, by matrices that are the same for all patches
+of all nodes. What is left is the rims' share, and factored once a type.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from scaffold_cad.base.arrays import Floats, Frozen, Ints
+from scaffold_cad.struts.layouts import Layout
+from scaffold_cad.struts.system import KEPT_SYSTEMS, system_of
+
+
+@dataclass(frozen=True, eq=False)
+class PatchFit(Frozen):
+    """What is best in a patch, for a layout and a stiffness.
+
+    Rows are patches' coordinates, times these matrices. Pulls are what the energy falls by when
+    points of the rim move; it is least where they are 0.
+    """
+
+    core_of_samples: Floats
+    """From wanted samples to the core, (s, core)."""
+    core_of_rim: Floats
+    """From the rim to the core, (rim, core)."""
+    core_of_given: Floats
+    """From given points to the core, (given, core)."""
+    samples_of_samples: Floats
+    """From wanted samples to those of the patch, (s, s)."""
+    samples_of_rim: Floats
+    """From the rim to samples, (rim, s)."""
+    samples_of_given: Floats
+    """From given points to samples, (given, s)."""
+    pulls_of_samples: Floats
+    """From wanted samples to pulls, (s, rim)."""
+    pulls_of_rim: Floats
+    """From the rim to pulls, symmetrical, (rim, rim)."""
+    pulls_of_given: Floats
+    """From given points to pulls, (given, rim)."""
+
+
+@lru_cache(maxsize=32)
+def patch_fit(layout: Layout, stiffness: float) -> PatchFit:
+    """Return what is best in a patch.
+
+    Parameters
+    ----------
+    layout : how patches are cut and sampled
+    stiffness : weight of the thin-plate energy against the mean of squared distances
+    """
+    rim, core, given = layout.rim, layout.core, layout.given
+    sampled = layout.sampled  # (s, n)
+    weighted = sampled.T * layout.weights  # (n, s)
+    energy = weighted @ sampled + stiffness * layout.thin_plate
+    inverse = np.linalg.inv(energy[np.ix_(core, core)])
+    of_samples = (inverse @ weighted[core]).T
+    of_rim = -(inverse @ energy[np.ix_(core, rim)]).T
+    of_given = -(inverse @ energy[np.ix_(core, given)]).T
+    across, inner = energy[np.ix_(core, rim)], sampled[:, core].T
+    return PatchFit(
+        of_samples,
+        of_rim,
+        of_given,
+        of_samples @ inner,
+        sampled[:, rim].T + of_rim @ inner,
+        sampled[:, given].T + of_given @ inner,
+        weighted[rim].T - of_samples @ across,
+        -energy[np.ix_(rim, rim)] - of_rim @ across,
+        -energy[np.ix_(given, rim)] - of_given @ across,
+    )
+
+
+def free_of_pulls(twins: Ints, layout: Layout, stiffness: float) -> Floats:
+    """Return what takes pulls at the rims of all patches, at free numbers 0, to the best numbers.
+
+    Parameters
+    ----------
+    twins : (4 N,) intp, the twin of each side
+    layout : how patches are cut and sampled
+    stiffness : see `patch_fit`
+
+    Returns
+    -------
+    (4 N rim, k) float64
+    """
+    return _free_of_pulls(tuple(twins.tolist()), layout, stiffness)
+
+
+@lru_cache(maxsize=4 * KEPT_SYSTEMS)
+def _free_of_pulls(key: tuple[int, ...], layout: Layout, stiffness: float) -> Floats:
+    system = system_of(np.array(key, dtype=np.intp), layout)
+    rims = system.rim_of_free[:, system.rims]  # (k, 4 N, rim)
+    pulls = rims @ patch_fit(layout, stiffness).pulls_of_rim
+    free = len(rims)
+    energy = -(pulls.reshape(free, -1) @ rims.reshape(free, -1).T)
+    return np.ascontiguousarray(cho_solve(cho_factor(energy), rims.reshape(free, -1)).T)
