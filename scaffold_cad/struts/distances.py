@@ -20,16 +20,20 @@ M nodes, all relative to their node.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Frozen
+from scaffold_cad.base.arrays import Floats, Frozen, Ints
 
 NEAR_AXIS = 1e-9
 """Part of the radius that points are taken to be away from an axis, where it has no normal."""
 SWEEPS = 6
 """Steps in which the shares of normals in the way to the ball's center are found."""
+SAME_WAY = 1 - 1e-9
+"""Cosine between normals from which on they are taken to be the same."""
 LEAST_SLOPE = 0.1
 """Least length of the gradient that a step divides by: between struts it can vanish."""
 
@@ -66,75 +70,125 @@ class Union(Frozen):
 
     def nearest(self, points: Floats) -> Floats:
         """Return the distance of `points` (3, M, S) to the union without fillets, (M, S)."""
-        square = _square(points)
-        nearest = np.full(square.shape, np.inf)
-        for distance, _, _ in self._parts(points, square):
-            np.minimum(nearest, distance, out=nearest)
-        return nearest
+        distances, ball = self._distances(points, np.sqrt(_square(points)))
+        return np.asarray(np.minimum(distances.min(axis=0), ball))
 
     def deepest(self, points: Floats) -> Floats:
         """Return how deep `points` (3, M, S) are in a strut or ball, over its radius, (M, S)."""
-        square = _square(points)
-        deepest = np.zeros(square.shape)
-        sizes = [self.radii[:, strut, None] for strut in range(self.radii.shape[1])]
-        sizes.append(self.balls[:, None])
-        for (distance, _, _), size in zip(self._parts(points, square), sizes, strict=False):
-            np.maximum(deepest, -distance / np.where(size > 0, size, 1.0), out=deepest)
-        return deepest
+        size = np.sqrt(_square(points))
+        distances, _ = self._distances(points, size)
+        deepest = np.maximum(-(distances / self.radii.T[..., None]).min(axis=0), 0.0)
+        for strut in range(self.radii.shape[1]):
+            radius = self.radii[:, strut, None]
+            np.maximum(deepest, self.cosines[:, strut, None] - size / radius, out=deepest)
+        ball = np.where(self.balls > 0, self.balls, 1e-300)[:, None]
+        return np.asarray(np.maximum(deepest, 1 - size / ball))
 
     def value_and_slope(self, points: Floats) -> tuple[Floats, Floats]:
-        """Return f at `points` (3, M, S), shape (M, S), and its gradient of length 1, (3, M, S)."""
-        square = _square(points)
-        parts = self._parts(points, square)
-        distances = np.stack([distance for distance, *_ in parts])  # (N, M, S)
+        """Return f at `points` (3, M, S), shape (M, S), and its gradient, (3, M, S)."""
+        size = np.maximum(np.sqrt(_square(points)), 1e-150)
+        distances, ball = self._distances(points, size)
         blends = self.blends[:, None]
         # Far from all struts f is the distance to the nearest one.
-        reach = np.maximum(blends, distances.min(axis=0) + 1e-6 * blends)
-        needs = np.maximum(
-            reach - distances, 0.0
-        )  # a node without a ball is infinitely far from it
-        by_point = np.stack([part[1] for part in parts])
-        by_axis = np.stack(
-            [np.zeros_like(square) if part[2] is None else part[2] for part in parts]
+        value = np.minimum(distances.min(axis=0), ball)
+        reach = np.maximum(blends, value + 1e-6 * blends)
+        every = np.concatenate([distances, ball[None]]).reshape(len(distances) + 1, -1)
+        reach, value, flat = reach.reshape(-1), value.reshape(-1), points.reshape(3, -1)
+        near, other, count = _nearby(every, reach)
+        row = np.repeat(np.arange(len(self.blends)), points.shape[2])
+        slope = self._normals(flat, row, near)
+
+        two = np.flatnonzero(count == 2)
+        one, second = near[two], other[two]
+        needs = reach[two] - every[one, two], reach[two] - every[second, two]
+        norm, slope[:, two] = _of_two(
+            *needs, slope[:, two], self._normals(flat[:, two], row[two], second)
         )
-        shares, norm = self._shares(points, square, needs, by_point, by_axis)
-        step = (shares * by_point).sum(axis=0) * points
-        for strut in range(self.radii.shape[1]):
-            along = shares[strut] * by_axis[strut]
-            for k in range(3):
-                step[k] += along * self.directions[k, :, strut, None]
-        return reach - norm, step / norm
+        value[two] = reach[two] - norm
+        for most in range(3, int(count.max(initial=0)) + 1):
+            many = np.flatnonzero(count == most)
+            if len(many) == 0:
+                continue
+            is_near = every[:, many] < reach[many]
+            struts = np.nonzero(is_near.T)[1].reshape(-1, most).T  # (most, P)
+            at, of = flat[:, many], row[many]
+            normals = [self._normals(at, of, each) for each in struts]
+            norm, slope[:, many] = _of_many(reach[many] - every[struts, many], normals)
+            value[many] = reach[many] - norm
+        return value.reshape(ball.shape), slope.reshape(points.shape)
 
-    def _shares(
-        self, points: Floats, square: Floats, needs: Floats, by_point: Floats, by_axis: Floats
-    ) -> tuple[Floats, Floats]:
-        """Return λ, by which each normal goes into y, (N, M, S), and |y|, (M, S).
+    def _distances(self, points: Floats, size: Floats) -> tuple[Floats, Floats]:
+        """Return the distances to struts, (N, M, S), and to all balls, (M, S).
 
-        λ ≥ 0 makes e · λ / |y| greatest, e what each distance lacks; found by Gauss and Seidel's
-        steps, of which few are enough: |y| is wrong by the square of what λ is.
+        Behind the end of its cone a strut is a ball, and counts with the node's own.
+
+        Parameters
+        ----------
+        points : (3, M, S) float64
+        size : (M, S) float64, their distance from the node
         """
-        count = len(needs)
-        along = np.zeros_like(needs)  # of points along axes
-        for strut in range(self.radii.shape[1]):
-            along[strut] = _along(points, self.directions[:, :, strut])
-        axes = np.zeros((3, len(self.blends), count))
-        axes[:, :, : self.radii.shape[1]] = self.directions
-        cosines = np.zeros((count, *needs.shape))  # 0 on the diagonal
-        for i in range(count):
-            for j in range(i):
-                between = (axes[:, :, i] * axes[:, :, j]).sum(axis=0)[:, None]
-                found = by_point[i] * (by_point[j] * square + by_axis[j] * along[j])
-                found += by_axis[i] * (by_point[j] * along[i] + by_axis[j] * between)
-                cosines[i, j] = cosines[j, i] = np.clip(found, 0.0, 1.0)
-        shares = np.where(needs == needs.max(axis=0), needs, 0.0)
-        for _ in range(SWEEPS):
-            for i in range(count):
-                shares[i] = np.maximum(needs[i] - (cosines[i] * shares).sum(axis=0), 0.0)
-        moved = shares.copy()
-        for i in range(count):
-            moved[i] += (cosines[i] * shares).sum(axis=0)
-        length = np.sqrt(np.maximum((shares * moved).sum(axis=0), 1e-300))
-        return shares, (needs * shares).sum(axis=0) / length
+        distances = np.empty((self.radii.shape[1], *size.shape))
+        ball = np.zeros_like(size) + np.where(self.balls > 0, self.balls, -np.inf)[:, None]
+        square = size * size
+        cosines = self.cosines
+        for strut, distance in enumerate(distances):
+            radius = self.radii[:, strut, None]
+            cosine = cosines[:, strut, None]
+            t = _along(points, self.directions[:, :, strut])
+            np.multiply(t, t, out=distance)
+            np.subtract(square, distance, out=distance)
+            np.maximum(distance, (NEAR_AXIS * radius) ** 2, out=distance)
+            np.sqrt(distance, out=distance)
+            if self._is_straight:
+                is_behind = t <= 0
+                distance -= radius
+            else:
+                sine = cosine * self.slopes[:, strut, None]
+                is_behind = t * cosine + distance * sine <= 0
+                distance *= cosine
+                distance -= t * sine + radius * cosine
+            np.maximum(ball, np.where(is_behind, radius * cosine, -np.inf), out=ball)
+            distance += np.where(is_behind, np.inf, 0.0)
+        return distances, size - ball
+
+    def _normals(self, points: Floats, row: Ints, strut: Ints) -> Floats:
+        """Return the gradients of distances to a strut, or to the ball (N), of each point.
+
+        Parameters
+        ----------
+        points : (3, P) float64
+        row, strut : (P,) intp
+
+        Returns
+        -------
+        (3, P) float64, unit vectors
+        """
+        place = row * (self.radii.shape[1] + 1) + strut
+        axis = self._axes[:, place]  # (3, P), 0 for the ball
+        across = points - _dot(points, axis) * axis
+        across /= np.sqrt(np.maximum(_square(across), 1e-300))
+        if self._is_straight:
+            return np.asarray(across)
+        cosine, sine = self._leans[:, place]
+        return np.asarray(cosine * across - sine * axis)
+
+    @cached_property
+    def _is_straight(self) -> bool:
+        """Whether all struts are cylinders."""
+        return bool((self.slopes == 0).all())
+
+    @cached_property
+    def _axes(self) -> Floats:
+        """Directions of each node's struts, then 0 for its ball, shape (3, M (N + 1))."""
+        axes = np.pad(self.directions, ((0, 0), (0, 0), (0, 1)))
+        return np.ascontiguousarray(axes.reshape(3, -1))
+
+    @cached_property
+    def _leans(self) -> Floats:
+        """Cos α and sin α of each node's struts, then 1 and 0 for its ball, (2, M (N + 1))."""
+        sines = np.pad(self.cosines * self.slopes, ((0, 0), (0, 1)))
+        cosines = np.pad(self.cosines, ((0, 0), (0, 1)), constant_values=1.0)
+        return np.stack([cosines.reshape(-1), sines.reshape(-1)])
 
     def projected(self, points: Floats, steps: int, urge: float = 0.0) -> Floats:
         """Return `points` (3, M, S) moved towards f = 0 by Newton steps along the gradient.
@@ -176,46 +230,90 @@ class Union(Frozen):
             far = far - value / np.maximum(rate, LEAST_SLOPE)
         return far
 
-    def _parts(self, points: Floats, square: Floats) -> list[tuple[Floats, Floats, Floats | None]]:
-        """Return each strut's and the ball's distance and gradient, all (M, S).
 
-        The gradient is given by its part along the point and its part along the axis.
-        """
-        cosines = self.cosines
-        size = np.sqrt(np.maximum(square, 1e-300))
-        inverse = 1 / size
-        parts: list[tuple[Floats, Floats, Floats | None]] = []
-        straight = (self.slopes == 0).all(axis=0)
-        for strut in range(self.radii.shape[1]):
-            radius = self.radii[:, strut, None]
-            t = _along(points, self.directions[:, :, strut])
-            least = (NEAR_AXIS * radius) ** 2
-            q = np.sqrt(np.maximum(square - t * t, least))
-            if straight[strut]:
-                is_beside = t > 0
-                distance = np.where(is_beside, q, size) - radius
-                by_point = np.where(is_beside, 1 / q, inverse)
-                by_axis = np.where(is_beside, -t * by_point, 0.0)
-            else:
-                cosine = cosines[:, strut, None]
-                sine = cosine * self.slopes[:, strut, None]
-                is_beside = t * cosine + q * sine > 0
-                cone = q * cosine - t * sine
-                distance = np.where(is_beside, cone, size) - radius * cosine
-                by_point = np.where(is_beside, cosine / q, inverse)
-                by_axis = np.where(is_beside, -t * by_point - sine, 0.0)
-            parts.append((distance, by_point, by_axis))
-        if (self.balls > 0).any():
-            ball = np.where(self.balls > 0, self.balls, -np.inf)[:, None]
-            parts.append((size - ball, inverse, None))
-        return parts
+def _nearby(distances: Floats, reach: Floats) -> tuple[Ints, Ints, Ints]:
+    """Return two of the distances (n, P) below `reach` (P,), and how many there are, all (P,).
+
+    Where there is only one, it is the first of the two; where there are more, any two are.
+    """
+    count, total, square = (np.zeros(len(reach), dtype=np.int32) for _ in range(3))
+    for strut, distance in enumerate(distances):
+        is_near = distance < reach
+        count += is_near
+        total += np.multiply(is_near, strut, dtype=np.int32)
+        square += np.multiply(is_near, strut * strut, dtype=np.int32)
+    # Two numbers with a given sum and a given sum of squares; or one, and 0.
+    apart = np.sqrt(np.maximum(2 * square - total * total, 0)).astype(np.int32)
+    near = np.where(count == 1, total, (total + apart) >> 1)
+    near = np.minimum(near, len(distances) - 1)
+    return near.astype(np.intp), ((total - apart) >> 1).astype(np.intp), count.astype(np.intp)
+
+
+def _of_two(one: Floats, other: Floats, first: Floats, second: Floats) -> tuple[Floats, Floats]:
+    """Return |y| and its direction where two surfaces are near, (P,) and (3, P).
+
+    Parameters
+    ----------
+    one, other : (P,) float64, what distances lack
+    first, second : (3, P) float64, the normals
+    """
+    cosine = np.clip(_dot(first, second), 0.0, 1.0)
+    # The shares of both, up to a factor; where one is none the other's need is enough for both.
+    shares = np.maximum(one - cosine * other, 0.0), np.maximum(other - cosine * one, 0.0)
+    is_corner = (shares[0] > 0) & (shares[1] > 0) & (cosine < SAME_WAY)
+    sine = np.where(is_corner, np.sqrt(1 - cosine**2), 1.0)
+    norm = np.sqrt(one * shares[0] + other * shares[1]) / sine
+    norm = np.where(is_corner, norm, np.maximum(one, other))
+    parts = (
+        np.where(is_corner, share / (sine**2 * norm), is_more)
+        for share, is_more in zip(shares, (one >= other, one < other), strict=True)
+    )
+    return norm, next(parts) * first + next(parts) * second
+
+
+def _of_many(needs: Floats, normals: Sequence[Floats]) -> tuple[Floats, Floats]:
+    """Return |y| and its direction where n surfaces are near, (P,) and (3, P).
+
+    λ ≥ 0 makes e · λ / |y| greatest, e what each distance lacks; found by Gauss and Seidel's
+    steps, of which few are enough: |y| is wrong by the square of what λ is.
+
+    Parameters
+    ----------
+    needs : (n, P) float64, what distances lack
+    normals : n (3, P) float64
+    """
+    every = range(len(needs))
+    cosines = [[np.clip(_dot(normals[i], normals[j]), 0.0, 1.0) for j in range(i)] for i in every]
+    shares = list(np.where(needs == needs.max(axis=0), needs, 0.0))
+    for _ in range(SWEEPS):
+        for i in every:
+            rest = needs[i]
+            for j in every:
+                if j != i:
+                    rest = rest - cosines[max(i, j)][min(i, j)] * shares[j]
+            shares[i] = np.maximum(rest, 0.0)
+    norm, square = np.zeros(needs.shape[1]), np.zeros(needs.shape[1])
+    slope = np.zeros((3, needs.shape[1]))
+    for i in every:
+        norm += needs[i] * shares[i]
+        square += shares[i] * shares[i]
+        slope += shares[i] * normals[i]
+        for j in range(i):
+            square += 2 * cosines[i][j] * shares[i] * shares[j]
+    norm /= np.sqrt(np.maximum(square, 1e-300))
+    return norm, slope / norm
 
 
 def _square(points: Floats) -> Floats:
-    square: Floats = points[0] * points[0]
-    square += points[1] * points[1]
-    square += points[2] * points[2]
-    return square
+    return _dot(points, points)
+
+
+def _dot(one: Floats, other: Floats) -> Floats:
+    """Return the dot products of vectors whose coordinates come first."""
+    product: Floats = one[0] * other[0]
+    product += one[1] * other[1]
+    product += one[2] * other[2]
+    return product
 
 
 def _along(points: Floats, axes: Floats) -> Floats:

@@ -15,7 +15,7 @@ from scaffold_cad.struts.evenness import phases
 from scaffold_cad.struts.fits import free_of_pulls, patch_fit
 from scaffold_cad.struts.layouts import Layout
 from scaffold_cad.struts.proof import prove
-from scaffold_cad.struts.recipes import FIRST_STEPS, Recipe
+from scaffold_cad.struts.recipes import FIRST_STEPS, RAY_STEPS, Recipe
 from scaffold_cad.struts.rows import Rings, given_rows, rings
 from scaffold_cad.struts.system import System, system_of
 
@@ -42,16 +42,17 @@ def solve(stars: Stars, vertices: UnitVectors, sides: Ints, twins: Ints, recipe:
     corners = corners_of(vertices, stars.quads)[turned]  # (m, N, 4, 3)
     most = stars.most[row, strut]
     union, fitted = _placed(stars, row, strut, most, recipe.swell)
-    fitted = _longer(union, fitted, corners, most)
+    at = np.concatenate([[0.0, 0.5], recipe.layout.at_u])
+    arcs = _arcs(_leading(corners), at)  # (3, m, N, 4, n + 2) directions
+    reached = union.reached(arcs.reshape(3, len(stars), -1), RAY_STEPS)
+    on_arcs = reached.reshape(arcs.shape[1:]) * arcs
+    fitted = _longer(union, fitted, on_arcs[..., 0], most)
     frame_x = any_perpendicular(stars.directions[row, strut])
     frame_y = np.cross(stars.directions[row, strut], frame_x)
     phase = phases(corners, frame_x, frame_y)
     ring = rings(union, fitted, _leading(frame_x), _leading(frame_y), phase)
 
     system = system_of(twins, recipe.layout)
-    at = np.concatenate([[0.0, 0.5], recipe.layout.at_u])
-    arcs = _arcs(_leading(corners), at)  # (3, m, N, 4, n + 2) directions
-    on_arcs = union.reached(arcs.reshape(3, len(stars), -1)).reshape(arcs.shape[1:]) * arcs
     rows = _rows(union, fitted, ring, on_arcs[..., :2], system, recipe)
     points = _fitted(union, rows, on_arcs[..., 2:], system, twins, recipe)  # (3, m, count)
     control = points[:, :, system.net.number]  # (3, m, 4 N, n_u, n_v)
@@ -91,11 +92,9 @@ def _placed(
     return Union(directions, radii, slopes, stars.balls, fitted.blends), fitted
 
 
-def _longer(union: Union, fitted: Collars, corners: UnitVectors, most: Floats) -> Collars:
-    """Return the collars moved out to where the corners of their patches lie behind them."""
-    flat = _leading(corners.reshape(len(corners), -1, 3))  # (3, m, 4 N)
-    points = (union.reached(flat) * flat).reshape(3, *corners.shape[:3])
-    along = (points * union.directions[..., None]).sum(axis=0).max(axis=2)  # (m, N)
+def _longer(union: Union, fitted: Collars, corners: Floats, most: Floats) -> Collars:
+    """Return the collars moved out to where the corners (3, m, N, 4) of patches lie behind them."""
+    along = (corners * union.directions[..., None]).sum(axis=0).max(axis=2)  # (m, N)
     distances = np.maximum(fitted.distances, np.minimum(along + BEHIND * fitted.radii, most))
     radii = union.radii + union.slopes * distances
     return Collars(distances, radii, fitted.blends, fitted.has_room)

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 from scaffold_cad.struts.layouts import Layout
 
-FIRST_STEPS = 4
+RAY_STEPS = 4
+"""Newton steps along rays from the node to arcs."""
+FIRST_STEPS = 2
 """Newton steps of the first samples; one step a round follows."""
 
 
