@@ -24,14 +24,10 @@ from scaffold_cad.struts.distances import Union
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.nodes import blends
 from scaffold_cad.struts.options import BLEND, Ends, Joints, StrutOptions
-from scaffold_cad.struts.recipes import RECIPES, WHOLE, Recipe
 from scaffold_cad.struts.room import allotted
 from scaffold_cad.struts.runs import Runs, straight_runs
 from scaffold_cad.struts.sockets import sockets_of
 from scaffold_cad.struts.walls import without_wall
-
-MOST_IN_PIECES = 4
-"""Most struts of a node whose patches may be cut into polynomial pieces."""
 
 
 @checks_keywords()
@@ -192,18 +188,9 @@ def _shortening(options: StrutOptions) -> float:
     return max([flat, *(depth for _, depth in (options.sockets or {}).values())])
 
 
-def _recipes(valency: int) -> list[Recipe]:
-    """Return the ways that are tried to fit blends: for high valencies only those that cost little.
-
-    The equations of patches in pieces are four times as many, and few nodes of high valency have
-    the same: what has not been proved by then is a field solid sooner.
-    """
-    return [each for each in RECIPES if valency <= MOST_IN_PIECES or each.layout == WHOLE]
-
-
 def _blended(group: _Group, stars: Stars) -> Iterator[BlendedNodes]:
     """Yield the blends of nodes, those together whose patches are cut alike."""
-    for found in blends(stars, _recipes(group.half_runs.shape[1])):
+    for found in blends(stars):
         _, first = np.unique(found.shape_of, return_index=True)
         yield BlendedNodes(
             group.nodes[found.nodes],

@@ -14,18 +14,19 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints
+from scaffold_cad.base.blocks import CACHE, blocks
 from scaffold_cad.struts.distances import Union
 
 LEAST_BLEND = 0.1
 """Least ρ over the mean radius of the node's struts: where that has no room, nothing has."""
-HALVINGS, SECANTS = 6, 10
-"""Halvings of the range that a collar is searched in, and steps along secants after them."""
-FITTINGS = 30
-"""Halvings of the range that the largest ρ with room is searched in."""
-BLOCK = 1 << 16
-"""Points on circles looked at at once: their arrays stay in the processor's cache."""
+HALVINGS = 30
+"""Halvings of the range that a collar, or the largest ρ with room, is searched in."""
+POINT_BYTES = 256
+"""What a point on a circle takes where it is looked at."""
 AROUND = 9
 """Points on half a circle at which a collar is looked at."""
+TOWARDS = np.cos(np.linspace(0.0, np.pi, AROUND))
+"""Cosines of their angles from the other strut."""
 EXACT = 1e-9
 """How far a fillet may be past a collar, in radii: rounding."""
 NEVER = 1e9
@@ -44,6 +45,9 @@ class Collars(Frozen):
     """ρ that has room, mm, shape (M,)."""
     has_room: Bools
     """Whether every collar is as near as asked for, shape (M,)."""
+
+    def __getitem__(self, rows: Ints) -> Collars:
+        return Collars(*(getattr(self, field.name)[rows] for field in fields(self)))
 
 
 def collars(union: Union, most: Floats) -> Collars:
@@ -67,7 +71,7 @@ def collars(union: Union, most: Floats) -> Collars:
         )
         low, high = least[short], wanted[short]
         has_room[short] = (collar_distances(part, low) <= most[short]).all(axis=1)
-        for _ in range(FITTINGS):
+        for _ in range(HALVINGS):
             middle = (low + high) / 2
             fits = (collar_distances(part, middle) <= most[short]).all(axis=1)
             low, high = np.where(fits, middle, low), np.where(fits, high, middle)
@@ -84,9 +88,8 @@ def collar_distances(union: Union, blends: Floats) -> Floats:
     count = union.radii.shape[1]
     pairs = np.nonzero(~np.eye(count, dtype=np.bool_))
     nearest = np.zeros_like(union.radii)
-    room = max(1, BLOCK // (AROUND * count * count))
-    for start in range(0, len(nearest) if count > 1 else 0, room):
-        part = slice(start, start + room)
+    each = POINT_BYTES * AROUND * len(pairs[0])  # of a node
+    for part in blocks(len(nearest) if count > 1 else 0, each, CACHE):
         clear = _clear(_Pairs.of(union[part], *pairs), blends[part, None])
         nearest[part] = clear.reshape(-1, count, count - 1).max(axis=2)
     # A ball of radius ρ that touches the node's ball and a cylinder touches them from outside.
@@ -131,40 +134,35 @@ class _Pairs(Frozen):
 def _clear(pairs: _Pairs, blends: Floats) -> Floats:
     """Return from where on the circle of struts is clear of the fillet with another one, (M, P)."""
     low, high = np.zeros_like(pairs.radius), _surely_clear(pairs, blends)
-    below, above = _margin(pairs, blends, low), np.maximum(_margin(pairs, blends, high), 0.0)
-    for step in range(HALVINGS + SECANTS):
+    pairs = _Pairs(*(getattr(pairs, field.name)[..., None] for field in fields(pairs)))
+    blends = blends[..., None]
+    for _ in range(HALVINGS):
         middle = (low + high) / 2
-        if step >= HALVINGS:
-            share = np.clip(-below / np.maximum(above - below, 1e-300), 1e-3, 1 - 1e-3)
-            middle = low + share * (high - low)
-        margin = _margin(pairs, blends, middle)
-        clear = margin >= 0
-        # The value at an end that stays is halved, or the other one would hardly move.
-        above, below = np.where(clear, margin, above / 2), np.where(clear, below / 2, margin)
+        clear = _is_clear(pairs, blends, middle)
         low, high = np.where(clear, low, middle), np.where(clear, middle, high)
     return np.asarray(high)
 
 
-def _margin(pairs: _Pairs, blends: Floats, distance: Floats) -> Floats:
-    """Return how far circles at a `distance` are from their fillets, at the least, mm, (M, P)."""
-    towards = np.cos(np.linspace(0.0, np.pi, AROUND))
-    each = _Pairs(*(getattr(pairs, field.name)[..., None] for field in fields(pairs)))
+def _is_clear(pairs: _Pairs, blends: Floats, distance: Floats) -> Bools:
+    """Return whether circles at a `distance` (M, P) are clear of their fillets, (M, P).
+
+    Fields of `pairs`, and `blends`, have an axis more.
+    """
     c = distance[..., None]
-    own = 1 / np.sqrt(1 + each.slope**2)
-    wide = each.radius + each.slope * c
-    t = c * each.cosine + wide * each.sine * towards  # (M, P, AROUND)
+    own = 1 / np.sqrt(1 + pairs.slope**2)
+    wide = pairs.radius + pairs.slope * c
+    t = c * pairs.cosine + wide * pairs.sine * TOWARDS  # (M, P, AROUND)
     square = c * c + wide * wide
     q = np.sqrt(np.maximum(square - t * t, 1e-18 * square))
     size = np.sqrt(square)
-    beside = t * each.turn + q * each.lean > 0
-    gap = np.where(beside, q * each.turn - t * each.lean, size) - each.inscribed
-    by_point = np.where(beside, each.turn / q, 1 / size)
-    by_axis = np.where(beside, -t * by_point - each.lean, 0.0)
-    along_point = own * (wide - each.slope * c)
-    along_axis = own * (each.sine * towards - each.slope * each.cosine)
+    beside = t * pairs.turn + q * pairs.lean > 0
+    gap = np.where(beside, q * pairs.turn - t * pairs.lean, size) - pairs.inscribed
+    by_point = np.where(beside, pairs.turn / q, 1 / size)
+    by_axis = np.where(beside, -t * by_point - pairs.lean, 0.0)
+    along_point = own * (wide - pairs.slope * c)
+    along_axis = own * (pairs.sine * TOWARDS - pairs.slope * pairs.cosine)
     normals = np.maximum(by_point * along_point + by_axis * along_axis, 0.0)
-    margin = (gap - blends[..., None] * (1 - normals)).min(axis=-1)
-    return np.asarray(margin + EXACT * pairs.radius)
+    return np.asarray((gap >= blends * (1 - normals) - EXACT * pairs.radius).all(axis=-1))
 
 
 def _surely_clear(pairs: _Pairs, gap: Floats) -> Floats:

@@ -20,7 +20,6 @@ M nodes, all relative to their node.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -105,15 +104,14 @@ class Union(Frozen):
             *needs, slope[:, two], self._normals(flat[:, two], row[two], second)
         )
         value[two] = reach[two] - norm
-        for most in range(3, int(count.max(initial=0)) + 1):
-            many = np.flatnonzero(count == most)
+        for most in {3, int(count.max(initial=3))}:
+            many = np.flatnonzero((count > 3) if most > 3 else (count == 3))
             if len(many) == 0:
                 continue
-            is_near = every[:, many] < reach[many]
-            struts = np.nonzero(is_near.T)[1].reshape(-1, most).T  # (most, P)
+            struts, lacks = _most_needed(every[:, many], reach[many], most)
             at, of = flat[:, many], row[many]
             normals = [self._normals(at, of, each) for each in struts]
-            norm, slope[:, many] = _of_many(reach[many] - every[struts, many], normals)
+            norm, slope[:, many] = _of_many(lacks, np.stack(normals))
             value[many] = reach[many] - norm
         return value.reshape(ball.shape), slope.reshape(points.shape)
 
@@ -249,6 +247,20 @@ def _nearby(distances: Floats, reach: Floats) -> tuple[Ints, Ints, Ints]:
     return near.astype(np.intp), ((total - apart) >> 1).astype(np.intp), count.astype(np.intp)
 
 
+def _most_needed(distances: Floats, reach: Floats, most: int) -> tuple[Ints, Floats]:
+    """Return which of distances (n, P) are below `reach` (P,), and by how much, both (most, P).
+
+    Where fewer are, the first one stands for the rest, with needs of 0.
+    """
+    is_near = distances < reach
+    place = np.cumsum(is_near, axis=0) - 1
+    which, point = np.nonzero(is_near)
+    struts, needs = np.zeros((most, len(reach)), dtype=np.intp), np.zeros((most, len(reach)))
+    struts[place[which, point], point] = which
+    needs[place[which, point], point] = reach[point] - distances[which, point]
+    return struts, needs
+
+
 def _of_two(one: Floats, other: Floats, first: Floats, second: Floats) -> tuple[Floats, Floats]:
     """Return |y| and its direction where two surfaces are near, (P,) and (3, P).
 
@@ -271,7 +283,7 @@ def _of_two(one: Floats, other: Floats, first: Floats, second: Floats) -> tuple[
     return norm, next(parts) * first + next(parts) * second
 
 
-def _of_many(needs: Floats, normals: Sequence[Floats]) -> tuple[Floats, Floats]:
+def _of_many(needs: Floats, normals: Floats) -> tuple[Floats, Floats]:
     """Return |y| and its direction where n surfaces are near, (P,) and (3, P).
 
     λ ≥ 0 makes e · λ / |y| greatest, e what each distance lacks; found by Gauss and Seidel's
@@ -280,28 +292,22 @@ def _of_many(needs: Floats, normals: Sequence[Floats]) -> tuple[Floats, Floats]:
     Parameters
     ----------
     needs : (n, P) float64, what distances lack
-    normals : n (3, P) float64
+    normals : (n, 3, P) float64
     """
     every = range(len(needs))
-    cosines = [[np.clip(_dot(normals[i], normals[j]), 0.0, 1.0) for j in range(i)] for i in every]
-    shares = list(np.where(needs == needs.max(axis=0), needs, 0.0))
+    cosines = np.zeros((len(needs), *needs.shape))  # 0 on the diagonal
+    for i in every:
+        for j in range(i):
+            cosines[i, j] = cosines[j, i] = np.clip(_dot(normals[i], normals[j]), 0.0, 1.0)
+    # Rounding must not choose between equal needs.
+    shares = np.where(needs >= (1 - 1e-9) * needs.max(axis=0), needs, 0.0)
     for _ in range(SWEEPS):
         for i in every:
-            rest = needs[i]
-            for j in every:
-                if j != i:
-                    rest = rest - cosines[max(i, j)][min(i, j)] * shares[j]
-            shares[i] = np.maximum(rest, 0.0)
-    norm, square = np.zeros(needs.shape[1]), np.zeros(needs.shape[1])
-    slope = np.zeros((3, needs.shape[1]))
-    for i in every:
-        norm += needs[i] * shares[i]
-        square += shares[i] * shares[i]
-        slope += shares[i] * normals[i]
-        for j in range(i):
-            square += 2 * cosines[i][j] * shares[i] * shares[j]
-    norm /= np.sqrt(np.maximum(square, 1e-300))
-    return norm, slope / norm
+            shares[i] = np.maximum(needs[i] - (cosines[i] * shares).sum(axis=0), 0.0)
+    rest = np.stack([(cosines[i] * shares).sum(axis=0) for i in every])
+    square = (shares * (shares + rest)).sum(axis=0)
+    norm = (needs * shares).sum(axis=0) / np.sqrt(np.maximum(square, 1e-300))
+    return norm, (shares[:, None] * normals).sum(axis=0) / norm
 
 
 def _square(points: Floats) -> Floats:

@@ -19,6 +19,52 @@ from scaffold_cad.struts.layouts import Layout
 from scaffold_cad.struts.system import KEPT_SYSTEMS, system_of
 
 
+class TypeFit:
+    """The fit of m nodes of one type, whose targets may change from round to round."""
+
+    def __init__(self, twins: Ints, layout: Layout, rows: Floats) -> None:
+        """Begin with the given control points among `rows` (3, m, 4 N, n_u, n_v)."""
+        self._twins, self._layout, self._shape = twins, layout, rows.shape
+        self._system = system_of(twins, layout)
+        patches = rows.reshape(-1, len(twins), layout.u.count * layout.v.count)
+        self._known = patches[:, :, layout.given]
+        self._given = patches.reshape(len(patches), -1)[:, self._system.given]
+        self._fixed = self._given @ self._system.rim_of_given
+        self._targets: Floats = np.empty(0)
+        self._rim = self._fixed
+
+    def stiffen(self, stiffness: float) -> None:
+        """Take another weight of the thin-plate energy, see `patch_fit`."""
+        patch = self._patch = patch_fit(self._layout, stiffness)
+        self._solving = free_of_pulls(self._twins, self._layout, stiffness)
+        fixed = self._fixed[:, self._system.rims]
+        self._pulled = self._known @ patch.pulls_of_given + fixed @ patch.pulls_of_rim
+        self._still = self._known @ patch.samples_of_given
+
+    def samples(self, wanted: Floats) -> Floats:
+        """Return the samples of the surfaces that are best for those wanted, both (3, m, S)."""
+        patch = self._patch
+        self._targets = wanted.reshape(len(self._fixed), len(self._twins), -1)
+        pulls = self._targets @ patch.pulls_of_samples + self._pulled
+        free = pulls.reshape(len(pulls), -1) @ self._solving
+        self._rim = free @ self._system.rim_of_free + self._fixed
+        rims = self._rim[:, self._system.rims]
+        found = self._targets @ patch.samples_of_samples + rims @ patch.samples_of_rim
+        found += self._still
+        return np.asarray(found.reshape(wanted.shape))
+
+    def control(self) -> Floats:
+        """Return the control points of the last surfaces, (3, m, 4 N, n_u, n_v)."""
+        patch, net = self._patch, self._system.net
+        number = net.number.reshape(len(self._twins), -1)
+        core = self._targets @ patch.core_of_samples + self._known @ patch.core_of_given
+        core += self._rim[:, self._system.rims] @ patch.core_of_rim
+        points = np.empty((len(core), net.count))
+        points[:, : net.rim + net.given] = np.concatenate([self._rim, self._given], axis=1)
+        points[:, number[:, self._layout.core]] = core
+        return points[:, number].reshape(self._shape)
+
+
 @dataclass(frozen=True, eq=False)
 class PatchFit(Frozen):
     """What is best in a patch, for a layout and a stiffness.

@@ -1,23 +1,26 @@
-"""Fitting the smooth surfaces of one combinatorial type to the filleted unions of their nodes."""
+"""Fitting smooth surfaces to the filleted unions of their nodes, those of many types at once."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Ints, UnitVectors
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.base.products import row_products
 from scaffold_cad.base.vectors import any_perpendicular
 from scaffold_cad.partition.certificate import corners_of
 from scaffold_cad.struts.blend import Solved, Stars
 from scaffold_cad.struts.collars import Collars, collars
+from scaffold_cad.struts.curves import share
 from scaffold_cad.struts.distances import Union
 from scaffold_cad.struts.evenness import phases
-from scaffold_cad.struts.fits import free_of_pulls, patch_fit
+from scaffold_cad.struts.fits import TypeFit
+from scaffold_cad.struts.joins import valences
 from scaffold_cad.struts.layouts import Layout
 from scaffold_cad.struts.proof import prove
 from scaffold_cad.struts.recipes import FIRST_STEPS, RAY_STEPS, Recipe
 from scaffold_cad.struts.rows import Rings, given_rows, rings
-from scaffold_cad.struts.system import System, system_of
 
 BEHIND = 0.3
 """How far a collar stands beyond the corners of its patches, in radii, where there is room."""
@@ -25,50 +28,85 @@ CHECKED = 6
 """Samples of each piece in either direction at which the fit is measured."""
 
 
-def solve(stars: Stars, vertices: UnitVectors, sides: Ints, twins: Ints, recipe: Recipe) -> Solved:
-    """Return the blends of m nodes of one type.
+@dataclass(frozen=True, eq=False)
+class Turned(Frozen):
+    """Nodes of one valency by their types, their struts and corners in the order of the type."""
+
+    stars: Stars
+    """The nodes, with struts in their own order."""
+    vertices: UnitVectors
+    """Vertices of the partitions, moved, shape (m, N + 2, 3)."""
+    sides: Ints
+    """Each node's own number of each side of its type, shape (m, 4 N)."""
+    parts: tuple[tuple[slice, Ints], ...]
+    """The nodes of each type, and the twin of each of its sides, (4 N,)."""
+
+    @property
+    def struts(self) -> tuple[Ints, Ints]:
+        """What takes an array (m, N, ...) to the order of the type."""
+        return np.arange(len(self.stars))[:, None], self.sides[:, ::4] // 4
+
+    @property
+    def corners(self) -> tuple[Ints, Ints, Ints]:
+        """What takes an array (m, N, 4, ...) to the order of the type."""
+        row, strut = self.struts
+        first = self.sides[:, ::4] % 4
+        return row[..., None], strut[..., None], (first[..., None] + np.arange(4)) % 4
+
+
+def collars_of(stars: Stars, swell: float) -> Collars:
+    """Return the collars of nodes, and the ρ that has room, for ρ times `swell`."""
+    return collars(_union(stars, swell * stars.blends), stars.most)
+
+
+def solve(turned: Turned, fitted: Collars, recipe: Recipe) -> Solved:
+    """Return the blends of m nodes.
 
     Parameters
     ----------
-    stars : the nodes
-    vertices : (m, N + 2, 3) float64, the vertices of their partitions, moved
-    sides : (m, 4 N) intp, each node's own number of each side of the type
-    twins : (4 N,) intp, the twin of each side of the type
+    turned : the nodes
+    fitted : their collars, in their own order of struts
     recipe : how to fit
     """
-    # Struts and corners in the order of the type.
-    row, strut, corner = np.arange(len(stars))[:, None], sides[:, ::4] // 4, sides[:, ::4] % 4
-    turned = row[..., None], strut[..., None], (corner[..., None] + np.arange(4)) % 4
-    corners = corners_of(vertices, stars.quads)[turned]  # (m, N, 4, 3)
-    most = stars.most[row, strut]
-    union, fitted = _placed(stars, row, strut, most, recipe.swell)
+    stars, own_order = turned.stars, turned.struts
+    corners = corners_of(turned.vertices, stars.quads)[turned.corners]  # (m, N, 4, 3)
+    most, directions = stars.most[own_order], stars.directions[own_order]
+    union = Union(
+        _leading(directions),
+        stars.radii[own_order],
+        stars.slopes[own_order],
+        stars.balls,
+        fitted.blends,
+    )
+    fitted = replace(fitted, distances=fitted.distances[own_order], radii=fitted.radii[own_order])
     at = np.concatenate([[0.0, 0.5], recipe.layout.at_u])
     arcs = _arcs(_leading(corners), at)  # (3, m, N, 4, n + 2) directions
     reached = union.reached(arcs.reshape(3, len(stars), -1), RAY_STEPS)
     on_arcs = reached.reshape(arcs.shape[1:]) * arcs
     fitted = _longer(union, fitted, on_arcs[..., 0], most)
-    frame_x = any_perpendicular(stars.directions[row, strut])
-    frame_y = np.cross(stars.directions[row, strut], frame_x)
+    frame_x = any_perpendicular(directions)
+    frame_y = np.cross(directions, frame_x)
     phase = phases(corners, frame_x, frame_y)
     ring = rings(union, fitted, _leading(frame_x), _leading(frame_y), phase)
 
-    system = system_of(twins, recipe.layout)
-    rows = _rows(union, fitted, ring, on_arcs[..., :2], system, recipe)
-    points = _fitted(union, rows, on_arcs[..., 2:], system, twins, recipe)  # (3, m, count)
-    control = points[:, :, system.net.number]  # (3, m, 4 N, n_u, n_v)
+    shares = np.empty(corners.shape[:3])
+    for part, twins in turned.parts:
+        shares[part] = share(valences(twins)).reshape(-1, 4)
+    rows = _rows(union, fitted, ring, on_arcs[..., :2], shares, recipe)
+    control = _fitted(union, rows, on_arcs[..., 2:], turned, recipe)  # (3, m, 4 N, n_u, n_v)
     misfit, depth = _errors(union, control, recipe.layout)
     control = np.moveaxis(control, 0, -1)
     proof = prove(_pieces(control, recipe.layout), fitted.distances, fitted.radii)
 
     own_control, own_corners = np.empty_like(control), np.empty_like(corners)
-    own_control[row, sides] = control
-    own_corners[turned] = np.moveaxis(ring.corners, 0, -1)
+    own_control[own_order[0], turned.sides] = control
+    own_corners[turned.corners] = np.moveaxis(ring.corners, 0, -1)
     distances, radii = np.empty_like(fitted.distances), np.empty_like(fitted.radii)
-    distances[row, strut], radii[row, strut] = fitted.distances, fitted.radii
+    distances[own_order], radii[own_order] = fitted.distances, fitted.radii
     return Solved(
         recipe.layout,
         own_control,
-        vertices,
+        turned.vertices,
         distances,
         radii,
         own_corners,
@@ -82,14 +120,8 @@ def solve(stars: Stars, vertices: UnitVectors, sides: Ints, twins: Ints, recipe:
     )
 
 
-def _placed(
-    stars: Stars, row: Ints, strut: Ints, most: Floats, swell: float
-) -> tuple[Union, Collars]:
-    """Return the union in the order of the type, with the ρ that has room, and its collars."""
-    directions = _leading(stars.directions[row, strut])
-    radii, slopes = stars.radii[row, strut], stars.slopes[row, strut]
-    fitted = collars(Union(directions, radii, slopes, stars.balls, swell * stars.blends), most)
-    return Union(directions, radii, slopes, stars.balls, fitted.blends), fitted
+def _union(stars: Stars, blends: Floats) -> Union:
+    return Union(_leading(stars.directions), stars.radii, stars.slopes, stars.balls, blends)
 
 
 def _longer(union: Union, fitted: Collars, corners: Floats, most: Floats) -> Collars:
@@ -124,13 +156,14 @@ def _arcs(corners: Floats, at: Floats) -> Floats:
 
 
 def _rows(
-    union: Union, fitted: Collars, ring: Rings, on_arcs: Floats, system: System, recipe: Recipe
+    union: Union, fitted: Collars, ring: Rings, on_arcs: Floats, shares: Floats, recipe: Recipe
 ) -> Floats:
     """Return the given rows among control points (3, m, 4 N, n_u, n_v); the others are 0.
 
     Parameters
     ----------
     on_arcs : (3, m, N, 4, 2) float64, start and middle of each arc on the surface
+    shares : (m, N, 4) float64, see `given_rows`
     """
     along = (on_arcs * union.directions[..., None, None]).sum(axis=0)  # (m, N, 4, 2)
     lengths = fitted.distances[:, :, None, None] - along
@@ -139,49 +172,39 @@ def _rows(
     straight = np.sqrt(((on_arcs[..., 1] - halfway) ** 2).sum(axis=0))
     pinch = recipe.pinch
     wanted = lengths[..., 0], pinch * lengths[..., 1] + (1 - pinch) * straight
-    last, before = given_rows(union, fitted, ring, wanted, system.shares, recipe.layout)
+    last, before = given_rows(union, fitted, ring, wanted, shares, recipe.layout)
     rows = np.zeros((*last.shape, recipe.layout.v.count))
     rows[..., -1], rows[..., -2] = last, before
     return rows.reshape(3, last.shape[1], -1, *rows.shape[-2:])
 
 
-def _fitted(
-    union: Union, rows: Floats, on_arcs: Floats, system: System, twins: Ints, recipe: Recipe
-) -> Floats:
-    """Return the control points (3, m, count) that fit the union.
+def _fitted(union: Union, rows: Floats, on_arcs: Floats, turned: Turned, recipe: Recipe) -> Floats:
+    """Return the control points (3, m, 4 N, n_u, n_v) that fit the union.
 
     Parameters
     ----------
     rows : (3, m, 4 N, n_u, n_v) float64, the given control points
     on_arcs : (3, m, N, 4, n) float64, where the samples in u lie on the arcs
     """
-    layout, nodes = recipe.layout, rows.shape[1]
+    layout = recipe.layout
+    fits = [TypeFit(twins, layout, rows[:, part]) for part, twins in turned.parts]
     wanted = _first_samples(union, rows[..., -1], on_arcs, layout)
-    patches = rows.reshape(3 * nodes, len(twins), -1)
-    known = patches[:, :, layout.given]
-    given = patches.reshape(3 * nodes, -1)[:, system.given]
-    fixed = given @ system.rim_of_given
     before = None
     for stiffness, rounds in recipe.rounds:
-        patch, solving = patch_fit(layout, stiffness), free_of_pulls(twins, layout, stiffness)
-        pulled = known @ patch.pulls_of_given + fixed[:, system.rims] @ patch.pulls_of_rim
-        still = known @ patch.samples_of_given
+        for fit in fits:
+            fit.stiffen(stiffness)
         for _ in range(rounds):
-            targets = wanted.reshape(3 * nodes, len(twins), -1)
-            pulls = targets @ patch.pulls_of_samples + pulled
-            rim = (pulls.reshape(3 * nodes, -1) @ solving) @ system.rim_of_free + fixed
-            rims = rim[:, system.rims]
-            samples = targets @ patch.samples_of_samples + rims @ patch.samples_of_rim + still
-            samples = samples.reshape(3, nodes, -1)
+            samples = np.concatenate(
+                [
+                    fit.samples(wanted[:, part])
+                    for fit, (part, _) in zip(fits, turned.parts, strict=True)
+                ],
+                axis=1,
+            )
             ahead = samples if before is None else samples + recipe.momentum * (samples - before)
             before = samples
             wanted = union.projected(ahead, 1, recipe.urge)
-    core = targets @ patch.core_of_samples + rims @ patch.core_of_rim
-    core += known @ patch.core_of_given
-    points = np.empty((3 * nodes, system.net.count))
-    points[:, : system.net.rim + system.net.given] = np.concatenate([rim, given], axis=1)
-    points[:, system.net.number.reshape(len(twins), -1)[:, layout.core]] = core
-    return points.reshape(3, nodes, -1)
+    return np.concatenate([fit.control() for fit in fits], axis=1)
 
 
 def _first_samples(union: Union, last: Floats, on_arcs: Floats, layout: Layout) -> Floats:

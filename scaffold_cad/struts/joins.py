@@ -28,6 +28,15 @@ class Types(Frozen):
     sides: Ints
     """Each node's own number of each side of its type, shape (M, 4 N)."""
 
+    def parts(self, rows: Ints) -> tuple[tuple[slice, Ints], ...]:
+        """Return where each type's nodes are among `rows`, by type, and its twins."""
+        found, first = np.unique(self.type_of[rows], return_index=True)
+        ends = [*first[1:].tolist(), len(rows)]
+        return tuple(
+            (slice(start, end), self.twins[kind])
+            for start, end, kind in zip(first.tolist(), ends, found.tolist(), strict=True)
+        )
+
 
 def types_of(quads: Ints) -> Types:
     """Return the types of M closed partitions `quads` (M, N, 4)."""

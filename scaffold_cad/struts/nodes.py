@@ -18,12 +18,13 @@ from scaffold_cad.base.threads import in_order
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.partition.arcs import side_twins
 from scaffold_cad.struts.blend import Blends, Solved, Stars
+from scaffold_cad.struts.collars import Collars
 from scaffold_cad.struts.evenness import even
-from scaffold_cad.struts.fitting import solve
+from scaffold_cad.struts.fitting import Turned, collars_of, solve
 from scaffold_cad.struts.joins import types_of
 from scaffold_cad.struts.recipes import MOST_DEPTH, RECIPES, Recipe
 
-SAMPLE_BYTES = 128
+SAMPLE_BYTES = 64
 """What a sample of a blend takes where it is treated."""
 STAR_BYTES = 2048
 """What a partition takes where its vertices are moved."""
@@ -61,6 +62,7 @@ def blends(stars: Stars, recipes: Iterable[Recipe] = RECIPES) -> tuple[Blends, .
     first, shape_of = _distinct(stars)
     own = _rounded(stars[first])
     best: list[Solved] = []
+    fitted: dict[float, Collars] = {}
     chosen = np.full(len(own), -1, dtype=np.intp)
     place = np.zeros(len(own), dtype=np.intp)
     score = np.full(len(own), np.inf)
@@ -72,7 +74,9 @@ def blends(stars: Stars, recipes: Iterable[Recipe] = RECIPES) -> tuple[Blends, .
             open_nodes = open_nodes[score[open_nodes] > UNPROVED]
             if len(open_nodes) == 0:
                 continue
-        found = _solved(own[open_nodes], recipe)
+        if recipe.swell not in fitted:
+            fitted[recipe.swell] = collars_of(own, recipe.swell)
+        found = _solved(own[open_nodes], fitted[recipe.swell][open_nodes], recipe)
         best.append(found)
         value = np.where(found.proved, 0.0, UNPROVED) + np.maximum(found.depth, MOST_DEPTH)
         better = value < score[open_nodes]
@@ -110,24 +114,20 @@ def _grouped(
     return groups
 
 
-def _solved(own: Stars, recipe: Recipe) -> Solved:
+def _solved(own: Stars, fitted: Collars, recipe: Recipe) -> Solved:
     """Return the blends that a recipe gives."""
     vertices = _evened(own, recipe.openness)
     kinds = types_of(own.quads)
     samples = 4 * own.directions.shape[1] * len(recipe.layout.weights)  # of a star
-    members = [np.flatnonzero(kinds.type_of == kind) for kind in range(len(kinds.twins))]
-    pieces = [
-        (kind, some)
-        for kind, part in enumerate(members)
-        for some in cut(part, samples * SAMPLE_BYTES, CACHE)
-    ]
+    order = np.argsort(kinds.type_of, kind="stable")
+    pieces = cut(order, samples * SAMPLE_BYTES, CACHE)
 
-    def work(piece: tuple[int, Ints]) -> Solved:
-        kind, rows = piece
-        return solve(own[rows], vertices[rows], kinds.sides[rows], kinds.twins[kind], recipe)
+    def work(rows: Ints) -> Solved:
+        turned = Turned(own[rows], vertices[rows], kinds.sides[rows], kinds.parts(rows))
+        return solve(turned, fitted[rows], recipe)
 
     solved = Solved.joined(list(in_order(work, pieces)))
-    return solved[np.argsort(np.concatenate([rows for _, rows in pieces]))]
+    return solved[np.argsort(order)]
 
 
 def _evened(own: Stars, openness: float) -> UnitVectors:

@@ -57,7 +57,7 @@ def given_rows(
     ----------
     lengths : two (M, N, 4) float64
         The wanted m at the corners and in the middle of each quarter, mm.
-    shares : (N, 4) float64
+    shares : (M, N, 4) float64
         What tangents along the spoke of each corner have of it at its vertex: α = share (1 − v).
         On the collar the derivative across it turns off by that share at corners.
     """
@@ -68,8 +68,8 @@ def given_rows(
     least = LEAST_LENGTH * collars.radii[:, :, None]
     first = np.maximum(corner, least)  # (M, N, 4)
     second = np.roll(first, -1, axis=2)
-    half = shares[..., None] / 2, np.roll(shares, -1, axis=1)[..., None] / 2
-    fades = [OUTWARD.fade + each * OUTWARD_SLOPE.fade for each in half]  # (N, 4, 6)
+    half = shares[..., None] / 2, np.roll(shares, -1, axis=-1)[..., None] / 2
+    fades = [OUTWARD.fade + each * OUTWARD_SLOPE.fade for each in half]  # (M, N, 4, 6)
     length = first[..., None] * fades[0] + second[..., None] * fades[1][..., ::-1]
     wanted = np.maximum(middle, least)
     bump = _bump(length, wanted, least)
@@ -99,7 +99,7 @@ def _bump(length: Floats, wanted: Floats, least: Floats) -> Floats:
 
 
 def _both(curves: list[Floats], sizes: tuple[Floats, Floats], start: Floats, end: Floats) -> Floats:
-    """Return a curve (N, 4, 6, 2) of a size and the mirror image of another, (3, M, N, 4, 6)."""
+    """Return a curve (M, N, 4, 6, 2) of a size and the mirror image of another, (3, M, N, 4, 6)."""
     here, there = curves[0], curves[1][..., ::-1, ::-1]
     first = sizes[0][..., None] * (here[..., 0] * start + here[..., 1] * end)
     second = sizes[1][..., None] * (there[..., 0] * start + there[..., 1] * end)

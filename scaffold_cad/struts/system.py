@@ -21,7 +21,8 @@ import numpy as np
 from scipy.linalg import qr, solve_triangular
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
-from scaffold_cad.struts.curves import RANK, Curve, Kind, curve_of, share
+from scaffold_cad.base.vectors import sums_by_row
+from scaffold_cad.struts.curves import RANK, Curve, Kind, curve_of
 from scaffold_cad.struts.joins import shared_numbers, valences
 from scaffold_cad.struts.layouts import Layout
 
@@ -57,8 +58,6 @@ class System(Frozen):
 
     net: Net
     """The numbers of the control points."""
-    shares: Floats
-    """What α has at the vertex of each spoke, 2 cos(2π/n), shape (N, 4)."""
     given: Ints
     """Place of each given control point among those of all patches, shape (g,)."""
     rims: Ints
@@ -151,7 +150,6 @@ def _system(key: tuple[int, ...], layout: Layout) -> System:
     _, first = np.unique(net.number.reshape(-1), return_index=True)
     return System(
         net,
-        share(valences(twins)).reshape(-1, 4),
         first[known],
         net.number.reshape(len(twins), -1)[:, layout.rim],
         np.ascontiguousarray(points[: net.rim, : net.given].T),
@@ -203,12 +201,13 @@ def _at_corners(curves: Sequence[_Curves], net: Net) -> Floats:
     parts = []
     for each in curves:
         of_ends = each.solved.conditions  # (p, 8)
-        matrix = np.zeros((len(each.curve), len(of_ends), net.rim + net.given))
-        place = np.arange(len(each.curve))[:, None, None], np.arange(len(of_ends))[None, :, None]
-        half = np.split(of_ends, 2, axis=1)
-        for row, values in ((each.curve, half[0]), (each.left, half[1]), (each.right, half[1])):
-            np.add.at(matrix, (*place, row[:, None, AT_ENDS]), values)
-        parts.append(matrix.reshape(-1, matrix.shape[-1]))
+        size, count = len(each.curve) * len(of_ends), net.rim + net.given
+        first = count * np.arange(size).reshape(len(each.curve), -1, 1)
+        half = np.split(np.broadcast_to(of_ends, (len(each.curve), *of_ends.shape)), 2, axis=2)
+        columns = [row[:, None, AT_ENDS] for row in (each.curve, each.left, each.right)]
+        places = first + np.concatenate(columns, axis=2)  # (c, p, 12)
+        values = np.concatenate([half[0], half[1], half[1]], axis=2)
+        parts.append(sums_by_row(values, places, size * count).reshape(size, count))
     return np.concatenate(parts)
 
 
