@@ -74,7 +74,7 @@ def test_fillets_of_mild_corners_are_arcs_of_their_radius(turn: int) -> None:
     center = np.linalg.solve(normals[:, :2], [1.6, 1.6])
     middle = normals.sum(axis=0)[:2]
     point = np.append(center - 0.6 * middle / np.linalg.norm(middle), 0.0)
-    assert field.value_and_slope(point[:, None, None])[0][0, 0] == pytest.approx(0, abs=1e-3)
+    assert field.value_and_slope(point[:, None, None])[0][0, 0] == pytest.approx(0, abs=1e-9)
 
 
 def test_fillet_at_right_angles_is_an_arc_of_its_radius() -> None:

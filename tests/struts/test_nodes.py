@@ -140,6 +140,23 @@ def test_a_node_is_the_same_alone_and_among_others() -> None:
     assert together.control[together.shape_of[2]] == pytest.approx(alone.control[0], abs=1e-9)
 
 
+def test_nodes_of_other_types_change_nothing() -> None:
+    some = stars_of(random_stars(6, 6, 60, np.random.default_rng(2)))
+    together = blends(some)
+    for node in range(2):
+        (alone,) = blends(some[np.array([node])])
+        for found in together:
+            for shape in found.shape_of[found.nodes == node]:
+                assert found.layout == alone.layout
+                assert found.control[shape] == pytest.approx(alone.control[0], abs=1e-9)
+
+
+@pytest.mark.parametrize("valency", [6, 8])
+def test_struts_30_degrees_apart_are_proved_at_high_valencies(valency: int) -> None:
+    some = stars_of(random_stars(3, valency, 30, np.random.default_rng(5)))
+    assert sum(found.proved.sum() for found in blends(some)) == 3
+
+
 def test_scaled_nodes_have_scaled_blends() -> None:
     (one,) = blends(stars_of(TRIPOD))
     (ten,) = blends(stars_of(TRIPOD, 10.0, blends=6.0))
