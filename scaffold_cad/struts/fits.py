@@ -15,8 +15,17 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
+from scaffold_cad.base.products import row_products
+from scaffold_cad.struts.curves import curve_of
 from scaffold_cad.struts.layouts import Layout
-from scaffold_cad.struts.system import KEPT_SYSTEMS, system_of
+from scaffold_cad.struts.system import KEPT_SYSTEMS, forget_types, system_of
+
+
+def forget_systems() -> None:
+    """Let all matrices be made anew: their last bits depend on how many threads made them."""
+    forget_types()
+    for kept in (curve_of, patch_fit, _free_of_pulls):
+        kept.cache_clear()
 
 
 class TypeFit:
@@ -29,7 +38,7 @@ class TypeFit:
         patches = rows.reshape(-1, len(twins), layout.u.count * layout.v.count)
         self._known = patches[:, :, layout.given]
         self._given = patches.reshape(len(patches), -1)[:, self._system.given]
-        self._fixed = self._given @ self._system.rim_of_given
+        self._fixed = row_products(self._given, self._system.rim_of_given)
         self._targets: Floats = np.empty(0)
         self._rim = self._fixed
 
@@ -46,8 +55,8 @@ class TypeFit:
         patch = self._patch
         self._targets = wanted.reshape(len(self._fixed), len(self._twins), -1)
         pulls = self._targets @ patch.pulls_of_samples + self._pulled
-        free = pulls.reshape(len(pulls), -1) @ self._solving
-        self._rim = free @ self._system.rim_of_free + self._fixed
+        free = row_products(pulls.reshape(len(pulls), -1), self._solving)
+        self._rim = row_products(free, self._system.rim_of_free) + self._fixed
         rims = self._rim[:, self._system.rims]
         found = self._targets @ patch.samples_of_samples + rims @ patch.samples_of_rim
         found += self._still

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, UnitVectors
-from scaffold_cad.base.products import row_products
 from scaffold_cad.base.vectors import any_perpendicular
 from scaffold_cad.partition.certificate import corners_of
 from scaffold_cad.struts.blend import Solved, Stars

@@ -21,7 +21,7 @@ from scaffold_cad.base.arguments import as_path, checks_keywords
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.files import replacing
 from scaffold_cad.errors import FormatError
-from scaffold_cad.struts.system import forget_systems
+from scaffold_cad.struts.fits import forget_systems
 from scaffold_cad.tiles.tiling import LatticeTiles, SkeletonTiles, Source
 from scaffold_cad.tiles.works import Work
 

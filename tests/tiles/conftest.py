@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 from threadpoolctl import threadpool_limits
 
-from scaffold_cad.struts.system import forget_systems
+from scaffold_cad.struts.fits import forget_systems
 
 
 @pytest.fixture(autouse=True)
