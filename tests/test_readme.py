@@ -6,7 +6,9 @@ import re
 import shlex
 from pathlib import Path
 
+import numpy as np
 import pytest
+from build123d import GeomType, import_step
 
 from scaffold_cad import read_skeleton
 from scaffold_cad.cli import main
@@ -44,8 +46,14 @@ def test_program_runs_and_writes_what_it_names(program: str, checkout: Path) -> 
         assert (checkout / name).stat().st_size > 0
 
 
-def test_first_program_has_at_most_ten_lines() -> None:
-    assert len(blocks("python")[0].strip().splitlines()) <= 10
+def test_first_program_makes_true_cylinders(checkout: Path) -> None:
+    program = blocks("python")[0]
+    assert len(program.strip().splitlines()) <= 10
+    exec(compile(program, "README.md", "exec"), {})
+    solid = import_step(checkout / "node.step")
+    assert solid.is_valid
+    radii = sorted(face.radius for face in solid.faces().filter_by(GeomType.CYLINDER))
+    np.testing.assert_allclose(np.unique(np.round(radii, 6)), [9, 14, 16, 17.5], rtol=1e-6)
 
 
 @pytest.mark.parametrize("command", commands())
