@@ -80,6 +80,12 @@ def test_the_tasks_of_the_first_hour_are_twelve_short_programs() -> None:
 def test_each_task_of_the_first_hour_is_a_whole_program(folder: Path) -> None:
     for _, text in steps(DOCS / "hour.md"):
         exec(compile(text, "hour.md", "exec"), {})
+        written = re.findall(r'"([\w{}]+\.(?:stl|step|3mf|obj|png))"', text)
+        for pattern in written:
+            assert list(folder.glob(re.sub(r"{\w+}", "*", pattern)))
+    made = list(folder.glob("*.*"))
+    assert len(made) >= 10
+    assert all(file.stat().st_size > 0 for file in made)
 
 
 def test_most_pages_show_something_that_runs() -> None:
