@@ -42,10 +42,9 @@ class Runs(Frozen):
 
     def chosen(self, keep: Bools) -> Runs:
         """Return some of the runs; nodes keep their valency."""
-        number = np.where(keep, np.cumsum(keep) - 1, -1)
-        return Runs(
-            self.nodes, self.edges[keep], self.radii[keep], number[self.run_of_edge], self.valency
-        )
+        number = np.append(np.where(keep, np.cumsum(keep) - 1, -1), -1)  # the last one for -1
+        run = number[self.run_of_edge]
+        return Runs(self.nodes, self.edges[keep], self.radii[keep], run, self.valency)
 
     @cached_property
     def tails(self) -> Ints:

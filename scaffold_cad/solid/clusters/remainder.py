@@ -57,7 +57,10 @@ def remainder(struts: RoundStruts, nodes: Bools, spans: Spans) -> Remainder:
     run, edges, half_run = _bands(runs, spans, at_low, at_high)
     places = [runs.nodes, cuts.base + (CUT * cuts.radius)[:, None] * cuts.outward]
     left = Runs.of(
-        np.concatenate(places), edges, _radii(runs, half_run, edges, cuts), runs.run_of_edge
+        np.concatenate(places),
+        edges,
+        _radii(runs, half_run, edges, cuts),
+        np.full_like(runs.run_of_edge, -1),  # an edge may be cut in several
     )
     own = half_run >= 0
     collar = np.where(own, struts.collar[half_run], 0.0)

@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 
 from scaffold_cad.lattice import tile
-from scaffold_cad.mesh.intersections import self_intersections
-from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid.clusters import whole_struts
 from scaffold_cad.solid.field import field_solid
 from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts import RoundStruts, round_struts
-from tests.solids import check_watertight, distance_to_axes
+from tests.crossings import check_as_written
+from tests.solids import distance_to_axes
 
 TIPS = [[20, 0, 0], [19, 8, 0], [-15, 8, 0], [-9, -10, 17]]
 NARROW = Skeleton([[0, 0, 0], *TIPS], [[0, i] for i in range(1, 5)], 1.0)
@@ -23,15 +22,6 @@ CROSSING = Skeleton([[0, 0, 0], [40, 0, 0], [20, -16, 0.5], [20, 16, 0.5]], [[0,
 """Two struts that cross in their middles."""
 
 TAPERS = Skeleton([[0, 0, 0], *TIPS], NARROW.edges, [1.2, 0.5, 0.6, 1.8, 0.9])
-
-
-def check_as_written(mesh: TriangleMesh) -> None:
-    """Assert that the mesh is a solid in 32-bit coordinates, vertices at one place welded."""
-    points, number = np.unique(mesh.vertices.astype(np.float32), axis=0, return_inverse=True)
-    assert len(points) == len(mesh.vertices)
-    written = TriangleMesh(points.astype(np.float64), number.reshape(-1)[mesh.triangles])
-    check_watertight(written)
-    assert len(self_intersections(written)) == 0
 
 
 def field_triangles(struts: RoundStruts) -> int:
@@ -110,3 +100,16 @@ def test_random_frames_with_crowded_nodes_are_whole_as_written(seed: int) -> Non
     edges = [[i, int(rng.integers(max(0, i - 3), i))] for i in range(1, count)]
     radii = rng.uniform(0.3, 1.0, count) if seed % 2 else 0.6
     check_as_written(round_mesh(round_struts(Skeleton(nodes, edges, radii)), 8))
+
+
+def test_curves_beside_struts_that_are_fields_are_whole_as_written() -> None:
+    angle = np.linspace(0, 4 * np.pi, 40)
+    helix = np.stack([8 * np.cos(angle), 8 * np.sin(angle), 0.8 * angle], axis=1)
+    rods = [[20, 0, 0], [23, 0, 0], [21.5, -1.5, 0.2], [21.5, 1.5, 0.2], [21, -1, -0.2],
+            [22, 1.5, -0.2]]  # fmt: skip
+    chain = 6 + np.column_stack([np.arange(39), np.arange(1, 40)])
+    edges = np.concatenate([[[0, 1], [2, 3], [4, 5]], chain])
+    struts = round_struts(Skeleton(np.concatenate([rods, helix]), edges, 0.8))
+    assert struts.overlapping.tolist() == [0, 1, 2]
+    assert struts.curves.curved.sum() == 37
+    check_as_written(round_mesh(struts, 8))
