@@ -53,7 +53,12 @@ def faulty_runs(struts: RoundStruts, made: Triangulated, sides: int) -> Bools:
     runs = struts.crowded_runs | faulty[struts.runs.edges].any(axis=1)
     runs[
         crossing_runs(
-            struts.runs, struts.blended, struts.curves, struts.collar, polygon_slack(sides)
+            struts.runs,
+            struts.blended,
+            struts.curves,
+            struts.collar,
+            struts.options.ends,
+            polygon_slack(sides),
         )
     ] = True
     return np.asarray(runs)

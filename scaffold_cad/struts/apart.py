@@ -22,6 +22,7 @@ from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.struts.curved import ALONG, Curves
 from scaffold_cad.struts.model import BlendedNodes
+from scaffold_cad.struts.options import Ends
 from scaffold_cad.struts.quarter import DEGREE
 from scaffold_cad.struts.runs import Runs
 from scaffold_cad.struts.splines import Spline
@@ -140,6 +141,7 @@ def crossing_runs(
     blended: tuple[BlendedNodes, ...],
     curves: Curves,
     collar: Floats,
+    ends: Ends,
     slack: float = 0.0,
 ) -> Edges:
     """Return the pairs of runs that are not known to keep apart, each once, shape (p, 2).
@@ -147,11 +149,24 @@ def crossing_runs(
     Parameters
     ----------
     collar : (2 k,) distance of each half-run's collar from its node, mm
+    ends : round ones reach beyond their nodes
     slack : how much thicker all are taken to be, in radii: polygons reach beyond their circles
     """
-    pieces = pieces_of(runs, blended, curves, collar)
+    reach = with_domes(runs, collar, ends, len(runs.nodes))
+    pieces = pieces_of(runs, blended, curves, reach)
     pairs = pieces.run[meeting(pieces, slack)]
     return np.unique(np.sort(pairs, axis=1), axis=0)
+
+
+def with_domes(runs: Runs, collar: Floats, ends: Ends, count: int) -> Floats:
+    """Return `collar` (2 k,), at round ends as far beyond the node as the strut is thick, < 0.
+
+    Parameters
+    ----------
+    count : nodes that are those of a skeleton, the first ones
+    """
+    domed = (runs.valency[runs.tails] == 1) & (runs.tails < count) & (ends == "round")
+    return np.where(domed, -runs.radii.reshape(-1), collar)
 
 
 def pieces_of(

@@ -331,7 +331,7 @@ def _assembled(
     for side, first in enumerate((passed.offsets[:-1], passed.offsets[1:] - 1)):
         x[passed.half_runs[open_ones, side]] = passed.x[first[open_ones]]
     _turn_ends(runs, x)
-    crossing = crossing_runs(runs, solved, passed, collar)
+    crossing = crossing_runs(runs, solved, passed, collar, options.ends)
     crowded[runs.edges[plan.no_room]] = True
     crowded[runs.edges[crossing]] = True
     _crowd_curves(passed, crowded)

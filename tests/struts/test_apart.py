@@ -9,9 +9,11 @@ from hypothesis import strategies as st
 
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts import round_struts
 from scaffold_cad.struts.apart import crossing_runs, slicing
 from scaffold_cad.struts.splines import spline
+from tests.crossings import check_as_written
 
 
 def pair(gap: float, radii: object = 1.0) -> Skeleton:
@@ -29,8 +31,8 @@ def test_cylinders_meet_where_axes_are_nearer_than_their_radii(gap: float, meet:
 def test_thicker_polygons_meet_sooner() -> None:
     struts = round_struts(pair(2.01))
     parts = struts.runs, struts.blended, struts.curves, struts.collar
-    assert len(crossing_runs(*parts)) == 0
-    assert crossing_runs(*parts, 0.01).tolist() == [[0, 1]]
+    assert len(crossing_runs(*parts, "flat")) == 0
+    assert crossing_runs(*parts, "flat", 0.01).tolist() == [[0, 1]]
 
 
 def test_cones_are_looked_at_in_pieces() -> None:
@@ -54,10 +56,19 @@ def test_struts_that_meet_are_always_found(seed: int) -> None:
         assert not found
 
 
+@pytest.mark.parametrize(("gap", "meet"), [(1.9, True), (2.1, False)])
+def test_round_ends_reach_beyond_their_nodes(gap: float, meet: bool) -> None:
+    tips = Skeleton([[0, 0, 0], [10, 0, 0], [10 + gap, 0, 0], [20, 0, 0]], [[0, 1], [2, 3]], 1.0)
+    assert round_struts(tips, ends="round").overlapping.tolist() == ([0, 1] if meet else [])
+    assert round_struts(tips, ends="flat").overlapping.tolist() == []
+    check_as_written(round_mesh(round_struts(tips, ends="round")))
+
+
 def test_neighbors_are_not_compared() -> None:
     bent = Skeleton([[0, 0, 0], [10, 0, 0], [10, 10, 0]], [[0, 1], [1, 2]], 1.0)
     struts = round_struts(bent)
-    assert len(crossing_runs(struts.runs, struts.blended, struts.curves, struts.collar)) == 0
+    parts = struts.runs, struts.blended, struts.curves, struts.collar
+    assert len(crossing_runs(*parts, "flat")) == 0
 
 
 def test_slices_together_are_the_curve() -> None:

@@ -25,6 +25,7 @@ from scaffold_cad.struts.apart import (
     meeting,
     node_pieces,
     strut_pieces,
+    with_domes,
 )
 from scaffold_cad.struts.curved import ALONG
 from scaffold_cad.struts.curveproof import proved
@@ -191,7 +192,9 @@ class _Found:
         pieces = [_padded(joined(parts), 0.5 * np.concatenate(blends))]
         if len(rest.run):
             curved = rest.struts.curves.curved
-            left = strut_pieces(rest.struts.runs, curved, rest.struts.collar)
+            bands, ends = rest.struts.runs, self.struts.options.ends
+            collar = with_domes(bands, rest.struts.collar, ends, len(runs.nodes))
+            left = strut_pieces(bands, curved, collar)
             of_run = rest.run[left.run]
             left = replace(left, nodes=runs.edges[of_run], run=of_run)
             # Curves are in clusters as a whole.
