@@ -46,14 +46,7 @@ def add_parser(
         "build", parents=[common], help="build a solid, a shell or a frame from a skeleton"
     )
     source.add_arguments(parser)
-    parser.add_argument(
-        "-o",
-        "--output",
-        required=True,
-        type=Path,
-        metavar="OUT",
-        help="file to write: .step .brep .stl .3mf .obj .ply .glb",
-    )
+    source.add_output(parser, "file to write: .step .brep .stl .3mf .obj .ply .glb")
     parser.add_argument(
         "--as",
         dest="product",

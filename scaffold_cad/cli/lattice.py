@@ -94,13 +94,9 @@ def add_parser(
         action="store_true",
         help="write no solid but the struts: a 3MF beam lattice, or JSON",
     )
-    parser.add_argument(
-        "-o",
-        "--output",
-        required=True,
-        type=Path,
-        metavar="OUT",
-        help="file to write: .3mf .stl .obj .ply .glb; .step .brep of a box without --skin, or "
+    source.add_output(
+        parser,
+        "file to write: .3mf .stl .obj .ply .glb; .step .brep of a box without --skin, or "
         "with it of a part from such a file",
     )
     slicing.add_layer_arguments(parser, required=False)

@@ -35,14 +35,7 @@ def add_parser(
         "file with a closed mesh is cut as it is.",
     )
     source.add_arguments(parser)
-    parser.add_argument(
-        "-o",
-        "--output",
-        required=True,
-        type=Path,
-        metavar="OUT",
-        help="file to write: .cli .3mf .svg, or .zip with PNG images",
-    )
+    source.add_output(parser, "file to write: .cli .3mf .svg, or .zip with PNG images")
     add_layer_arguments(parser, required=True)
     build.add_strut_arguments(parser)
     parser.add_argument(

@@ -60,6 +60,11 @@ def add_units(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_output(parser: argparse.ArgumentParser, about: str) -> None:
+    """Add the argument of the file that is written."""
+    parser.add_argument("-o", "--output", required=True, type=Path, metavar="OUT", help=about)
+
+
 def add_max_nodes(parser: argparse.ArgumentParser, what: str = "file") -> None:
     """Add the argument that guards memory; `max_nodes` gives its value."""
     parser.add_argument(
