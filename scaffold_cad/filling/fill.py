@@ -157,7 +157,7 @@ def struts_touching(
     OptionError
         If an argument is out of its range.
     SkeletonError
-        If there are none.
+        If no strut touches the region.
     """
     low, high = space.bounds
     if on is None:

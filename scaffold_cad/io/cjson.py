@@ -37,7 +37,7 @@ def read_cjson(path: Path) -> RawSkeleton:
 
 
 def _elements(path: Path, atoms: dict[str, object], count: int) -> list[str] | None:
-    """Return the symbol of each atom, or None if there are none."""
+    """Return the symbol of each atom, or None if the file names no elements."""
     named = atoms.get("elements")
     if not isinstance(named, dict):
         return None

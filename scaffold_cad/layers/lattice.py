@@ -150,7 +150,7 @@ class RepeatedLattice:
         loops: list[Floats] = []
         for some in parts.loops(np.array([plane])):
             found = self._stamp.repeated(some.points, some.offsets)
-            if found is not None and len(found[0]):  # none is too wide: they are told apart
+            if found is not None and len(found[0]):  # else one is too wide to be told apart
                 loops += np.split(found[0], found[1][1:-1])
         layer = layer_of(united(loops), plane, 0.0)
         return layer.points, layer.offsets

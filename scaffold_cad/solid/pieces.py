@@ -261,7 +261,7 @@ def _corner_directions(scaffold: Scaffold, edges: Ints) -> UnitVectors:
 
 
 def _across(axis: UnitVectors, vectors: UnitVectors) -> UnitVectors:
-    """Return the directions of the parts of `vectors` across `axis`; any where there is none."""
+    """Return the directions of the parts of `vectors` across `axis`; any if they are along it."""
     parts = vectors - dot(vectors, axis)[:, None] * axis
     return np.where(length(parts)[:, None] > 0.1, normalize(parts), any_perpendicular(axis))
 

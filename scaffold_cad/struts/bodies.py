@@ -18,7 +18,7 @@ from scaffold_cad.struts.surface import (
 )
 
 OFTEN, MOST_KINDS = 8, 256
-"""How many equal nodes are told so, at least, and most kinds of them."""
+"""Least number of equal nodes that make a kind, and most kinds."""
 
 SAME = 1e-6
 """Rings whose size agrees to this part of their radius are equally large."""

@@ -18,7 +18,7 @@ from scaffold_cad.struts.options import Joints
 from scaffold_cad.struts.runs import Runs
 
 SAME_RADIUS = 1e-9
-"""Difference of the radii of two edges at their joint that is none, in radii."""
+"""Radii of two edges at their joint that differ by less are equal, in radii."""
 
 SAMPLED_TURN = np.pi / 4
 """Greatest turn of a joint that is taken for a sample of a curve, rad."""

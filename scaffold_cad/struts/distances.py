@@ -48,7 +48,7 @@ class Union(Frozen):
     slopes: Floats
     """Growth of the radius along the strut, mm a mm, shape (M, N)."""
     balls: Floats
-    """Radius of the ball, mm, 0 where there is none, shape (M,)."""
+    """Radius of the ball, mm, 0 at nodes without a ball, shape (M,)."""
     blends: Floats
     """ρ, mm, shape (M,)."""
 
@@ -80,8 +80,9 @@ class Union(Frozen):
         for strut in range(self.radii.shape[1]):
             radius = self.radii[:, strut, None]
             np.maximum(deepest, self.cosines[:, strut, None] - size / radius, out=deepest)
-        ball = np.where(self.balls > 0, self.balls, 1e-300)[:, None]
-        return np.asarray(np.maximum(deepest, 1 - size / ball))
+        balls = np.flatnonzero(self.balls > 0)
+        deepest[balls] = np.maximum(deepest[balls], 1 - size[balls] / self.balls[balls, None])
+        return np.asarray(deepest)
 
     def value_and_slope(self, points: Floats) -> tuple[Floats, Floats]:
         """Return f at `points` (3, M, S), shape (M, S), and its gradient, (3, M, S)."""

@@ -103,7 +103,7 @@ class Slots:
         return corners
 
     def _across(self, cell: Ints, way: Ints) -> tuple[Ints, Bools]:
-        """Return the centers across faces, or the directions where there is none."""
+        """Return the centers across faces, or the directions where no cell is."""
         group, child = np.divmod(cell, 8)
         axis, ahead = way >> 1, way & 1
         inner = (child >> axis & 1) != ahead
