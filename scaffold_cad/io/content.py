@@ -68,7 +68,7 @@ class Content:
         FormatError
             If it has no surface, or no face.
         """
-        mesh = _mesh(self.what, self.overlaps or "unite", self.sides)
+        mesh = _mesh(self.what, self.overlaps or "unite", self.sides, self.factor)
         return _scaled(mesh, self.factor)
 
     def triangles(self) -> TriangleMesh:
@@ -162,7 +162,7 @@ def closed_triangles(what: Any) -> TriangleMesh | None:
     """
     if what is None:
         return None
-    triangles = _single_precision(_mesh(what, "unite", SIDES))
+    triangles = _single_precision(_mesh(what, "unite", SIDES, 1.0))
     triangles.check_closed()
     return triangles
 
@@ -181,8 +181,8 @@ def _scaled(mesh: QuadMesh | TriangleMesh, factor: float) -> QuadMesh | Triangle
     return TriangleMesh(mesh.vertices * factor, mesh.triangles)
 
 
-def _mesh(what: Any, overlaps: Overlaps, sides: int) -> QuadMesh | TriangleMesh:
-    mesh = surface_of(what, overlaps=overlaps, sides=sides)
+def _mesh(what: Any, overlaps: Overlaps, sides: int, factor: float) -> QuadMesh | TriangleMesh:
+    mesh = surface_of(what, overlaps=overlaps, sides=sides, factor=factor)
     kind = type(what).__name__
     if mesh is None:
         raise FormatError(

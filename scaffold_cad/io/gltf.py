@@ -157,6 +157,12 @@ def write_glb_content(content: Content, path: Path) -> None:
 
 
 def write_glb(mesh: TriangleMesh, path: Path) -> None:
-    """Write `mesh` as glTF has it: in meters, y up, so (x, y, z) mm is at (x, z, -y) / 1000."""
-    turned = mesh.vertices[:, [0, 2, 1]] / (_MM, _MM, -_MM)
-    path.write_bytes(to_trimesh(TriangleMesh(turned, mesh.triangles)).export(file_type="glb"))
+    """Write `mesh` as glTF has it: in meters, y up, so (x, y, z) mm is at (x, z, -y) / 1000.
+
+    Its positions are in mm, below a node that scales them: divided by 1000 their 32-bit numbers
+    would be rounded anew, and would not be those that were looked at for crossings.
+    """
+    turned = to_trimesh(TriangleMesh(mesh.vertices[:, [0, 2, 1]] * (1, 1, -1), mesh.triangles))
+    scene = turned.scene()
+    scene.apply_transform(np.diag([1 / _MM, 1 / _MM, 1 / _MM, 1.0]))
+    path.write_bytes(scene.export(file_type="glb"))

@@ -17,7 +17,7 @@ from scaffold_cad.products.assembly import Assembly, assembly_solid
 from scaffold_cad.products.breps import to_brep
 from scaffold_cad.products.overlaps import Overlaps, to_unite
 from scaffold_cad.scaffold import Scaffold
-from scaffold_cad.solid import Solidified, to_solid
+from scaffold_cad.solid import Solidified, solidified
 from scaffold_cad.solid.manifolds import manifold_triangles
 from scaffold_cad.solid.rounds import SIDES, round_mesh
 from scaffold_cad.struts import RoundStruts
@@ -25,7 +25,7 @@ from scaffold_cad.struts.surface import triangulated
 
 
 def surface_of(
-    what: Any, *, overlaps: Overlaps = "unite", sides: int = SIDES
+    what: Any, *, overlaps: Overlaps = "unite", sides: int = SIDES, factor: float = 1.0
 ) -> QuadMesh | TriangleMesh | None:
     """Return the surface of `what`, as quads if it has any; None if it has no surface.
 
@@ -39,6 +39,7 @@ def surface_of(
 
     overlaps : what becomes of struts that overlap, see `to_brep`; by default they are united
     sides : of the polygon that stands for the circle of a round strut, a multiple of 4
+    factor : what lengths are multiplied with before they are written, see `solidified`
 
     Raises
     ------
@@ -54,7 +55,7 @@ def surface_of(
         return what.mesh
     if isinstance(what, Scaffold):
         if to_unite(overlaps, what.embedding().left_out, what.skeleton):
-            return manifold_triangles(to_solid(what))
+            return manifold_triangles(solidified(what, factor=factor).manifold)
         return what.mesh
     if isinstance(what, RoundStruts):
         if to_unite(overlaps, what.overlapping, what.skeleton) or overlaps != "allow":

@@ -37,8 +37,8 @@ where their union crosses itself. The first that works is taken."""
 NEAR_FAULT = 3.0
 """How far from a fault of a union struts are changed, in their radii."""
 
-SINGLE_PRECISION = 2.0**-22
-"""Least length of an edge after a union, in greatest coordinates: a few roundings to 32 bits."""
+SINGLE_PRECISION = 2.0**-20
+"""Least length of an edge after a union, in greatest coordinates: some roundings to 32 bits."""
 
 _log = logging.getLogger(__name__)
 
@@ -95,13 +95,17 @@ def to_solid(
 
 
 @checks_keywords()
-def solidified(what: Scaffold | RoundStruts, *, sides: int | None = None) -> Solidified:
+def solidified(
+    what: Scaffold | RoundStruts, *, sides: int | None = None, factor: float = 1.0
+) -> Solidified:
     """Return the watertight solid of a scaffold or of round struts, and which struts were united.
 
     Parameters
     ----------
     sides : of the polygons that stand for the circles of round struts, a multiple of 4; 16 by
         default. They have the circles' area
+    factor : what lengths are multiplied with in a file: a union is free of crossings in the 32-bit
+        numbers that it has there
 
     Raises
     ------
@@ -126,10 +130,10 @@ def solidified(what: Scaffold | RoundStruts, *, sides: int | None = None) -> Sol
         raise OptionError(
             f"sides is {sides} for a Scaffold, whose struts are square; need round_struts(skeleton)"
         )
-    return _square_solid(what)
+    return _square_solid(what, factor)
 
 
-def _square_solid(scaffold: Scaffold) -> Solidified:
+def _square_solid(scaffold: Scaffold, factor: float) -> Solidified:
     embedded = scaffold.embedding()
     if embedded.certified:
         return Solidified(manifolds.to_manifold(scaffold.mesh), embedded.left_out, [])
@@ -139,11 +143,11 @@ def _square_solid(scaffold: Scaffold) -> Solidified:
         surfaces = [pieces.surface] if len(pieces.surface.triangles) else []
         return manifolds.union([*surfaces, *pieces.spheres], pieces.hulls)
 
-    return _clean_union(united, scaffold.skeleton, embedded.left_out)
+    return _clean_union(united, scaffold.skeleton, embedded.left_out, factor)
 
 
 def _clean_union(
-    united: Callable[[Floats], Manifold], skeleton: Skeleton, edges: Ints
+    united: Callable[[Floats], Manifold], skeleton: Skeleton, edges: Ints, factor: float
 ) -> Solidified:
     """Return the first union without a fault, its voids filled.
 
@@ -154,16 +158,18 @@ def _clean_union(
     ----------
     united : gives the union for a wobble of the struts at each node, shape (n,)
     edges : whose struts are united
+    factor : see `solidified`
     """
     tries = np.zeros(len(skeleton.nodes), dtype=np.intp)
     while True:
         filled, voids = manifolds.without_voids(united(WOBBLES[tries]))
         try:
-            mesh = clean_surface(filled)
+            mesh = clean_surface(filled.scale((factor, factor, factor)))
             _check_touching(mesh)
+            mesh = TriangleMesh(mesh.vertices / factor, mesh.triangles)
             return Solidified(manifolds.to_manifold(mesh), edges, voids)
         except FaultySurfaceError as fault:
-            tries[_nodes_near(fault.places, skeleton, edges)] += 1
+            tries[_nodes_near(fault.places / factor, skeleton, edges)] += 1
             _log.debug("the union of %d struts %s", len(edges), fault)
             if tries.max() == len(WOBBLES):
                 raise MeshError(

@@ -23,7 +23,7 @@ from scaffold_cad.solid.manifolds import manifold_triangles
 from scaffold_cad.solid.pieces import Pieces, solid_pieces
 from scaffold_cad.struts import round_struts
 from tests import skeletons as named
-from tests.crossings import check_as_written
+from tests.crossings import check_as_written, check_whole
 from tests.meshes import CUBE
 from tests.real_files import RADII, real_skeleton
 from tests.scaffold.test_embedding import CROSSING, DOUBLED_BACK, NARROW, OVERLAPPING_SPHERES
@@ -143,3 +143,21 @@ def test_a_part_beside_itself_is_one_solid_as_written(shift: float) -> None:
         solids = to_solid(made).decompose()
         assert len(solids) == 1
         check_as_written(manifold_triangles(solids[0]))
+
+
+@pytest.mark.parametrize(
+    ("suffix", "options", "millimeters"),
+    [(".stl", {}, 1), (".stl", {"units": "in"}, 25.4), (".stl", {"units": "m"}, 1000),
+     (".glb", {}, 1000)],
+)  # fmt: skip
+def test_a_union_is_whole_as_it_is_written(
+    shared_data: Path, tmp_path: Path, suffix: str, options: dict[str, str], millimeters: float
+) -> None:
+    scaffold = build_scaffold(real_skeleton(shared_data, "nrn_ordering.swc"))
+    path = tmp_path / f"neuron{suffix}"
+    write(scaffold, path, **options)
+    read = trimesh.load_mesh(path, process=False)
+    mesh = TriangleMesh(np.asarray(read.vertices, dtype=np.float64), np.asarray(read.faces))
+    size = np.ptp(scaffold.mesh.vertices, axis=0).max()
+    assert np.ptp(mesh.vertices, axis=0).max() == pytest.approx(size / millimeters, rel=0.01)
+    check_whole(mesh)
