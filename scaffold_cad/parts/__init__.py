@@ -25,13 +25,10 @@ from scaffold_cad.filling.solids import lattice_solid
 from scaffold_cad.products.meshshapes import to_mesh_shape
 
 if TYPE_CHECKING:
-    from scaffold_cad.parts.objects import (
-        LatticeBox,
-        LatticeFill,
-        RoundStrutsSolid,
-        ScaffoldSolid,
-        StrutFrame,
-    )
+    from scaffold_cad.parts.lattices import LatticeBox, LatticeFill
+    from scaffold_cad.parts.solids import RoundStrutsSolid, ScaffoldSolid, StrutFrame
+
+LATTICES = ("LatticeBox", "LatticeFill")
 
 __all__ = [
     "LatticeBox",
@@ -49,7 +46,8 @@ def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     need("build123d", f"the part object {name}")
-    return getattr(import_module("scaffold_cad.parts.objects"), name)
+    room = "lattices" if name in LATTICES else "solids"
+    return getattr(import_module(f"scaffold_cad.parts.{room}"), name)
 
 
 def __dir__() -> list[str]:

@@ -11,6 +11,8 @@ from build123d import BasePartObject, Mode, Plane, RigidJoint, Shape
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.parts.booleans import Operation, check_boolean
 from scaffold_cad.parts.models import Model
+from scaffold_cad.products.breps import to_brep
+from scaffold_cad.products.overlaps import Overlaps
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts import RoundStruts
 
@@ -25,6 +27,10 @@ CHECKED_MODES: dict[Mode, Operation] = {
 class CommonOptions(TypedDict, total=False):
     """What every part object takes, as build123d's objects do, but for `align`."""
 
+    overlaps: Overlaps
+    """What becomes of struts that overlap, see `to_brep`; "refuse" by default."""
+    with_joints: bool
+    """Whether extremities get joints; they do by default, but for lattices."""
     label: str
     """Name of the part."""
     color: Any
@@ -54,16 +60,19 @@ class SkeletonPart(BasePartObject):  # type: ignore[misc]  # build123d is not ch
 
     def __init__(
         self,
-        body: Shape,
+        body: Shape | Model,
         model: Model,
         *,
-        with_joints: bool,
+        overlaps: Overlaps = "refuse",
+        with_joints: bool = True,
         label: str = "",
         color: Any = None,
         rotation: Any = (0, 0, 0),
         align: Any = None,
         mode: Mode = Mode.ADD,
     ) -> None:
+        if not isinstance(body, Shape):
+            body = to_brep(body, overlaps=overlaps)
         if with_joints:
             add_joints(body, model)
         super().__init__(part=body, rotation=rotation, align=align, mode=mode)

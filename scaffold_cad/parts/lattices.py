@@ -1,0 +1,217 @@
+"""Part objects of build123d that are lattices: a box of cells, and a part filled with them.
+
+Imports build123d: `scaffold_cad.parts` does so when one of the classes is asked for.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from build123d import Align, Shape, tuplify
+from numpy.typing import ArrayLike
+
+from scaffold_cad.base.arguments import as_real, checks_keywords
+from scaffold_cad.base.radii import Radius
+from scaffold_cad.base.regions import Keep
+from scaffold_cad.errors import OptionError
+from scaffold_cad.filling import fill
+from scaffold_cad.filling.parts import flush_box
+from scaffold_cad.filling.solids import Section, filled_solid
+from scaffold_cad.lattice import CellMap, UnitCell
+from scaffold_cad.parts.models import Model, model_of
+from scaffold_cad.parts.skeletonpart import CommonOptions, PartOptions, SkeletonPart
+from scaffold_cad.parts.stubs import without_overlapping_stubs
+from scaffold_cad.products.facets import faceted
+from scaffold_cad.products.overlaps import Overlaps
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.solid.manifolds import manifold_triangles
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+ALIGNED = {Align.MIN: 0.0, Align.CENTER: 0.5, Align.MAX: 1.0, Align.NONE: 0.0}
+"""Where the origin is in a box, as a fraction of its size."""
+
+FLUSH_SIDES = 8
+"""Sides of round struts that are cut flush: each of their triangles becomes a face."""
+
+
+class LatticeBox(SkeletonPart):
+    """A box of lattice: the axes of its struts fill a box, and the struts are around them.
+
+    It lines up with build123d's `Box` of the same size and `align`; what is in its sides stands
+    out, struts by their radius and nodes by more.
+
+    Examples
+    --------
+    >>> from scaffold_cad import LatticeBox
+    >>> box = LatticeBox("bcc", 8.0, 8, 8, 8, radius=0.5)
+    >>> len(box.skeleton.edges), box.is_valid
+    (8, True)
+    """
+
+    @checks_keywords(SkeletonPart.__init__)
+    def __init__(
+        self,
+        cell: str | UnitCell,
+        size: ArrayLike,
+        length: float,
+        width: float,
+        height: float,
+        radius: Radius,
+        *,
+        keep: Keep = "clip",
+        dangling: bool = True,
+        drop_stubs: bool = True,
+        axes: ArrayLike | None = None,
+        on: CellMap | None = None,
+        trim: bool = False,
+        section: Section = "square",
+        align: Any = (Align.CENTER, Align.CENTER, Align.CENTER),
+        **options: Unpack[CommonOptions],
+    ) -> None:
+        """Build the lattice.
+
+        Parameters
+        ----------
+        cell : a unit cell or its name, see `cells`
+        size : of one cell, mm: three numbers, or one
+        length, width, height : of the box, mm
+        radius : of the struts, mm; one number, or a function of positions (n, 3) in the box before
+            it is rotated and placed, that returns (n,)
+        keep, dangling, axes, on : what becomes of struts that the box cuts, how cells are turned,
+            and a map that they are put on, see `fill`
+        drop_stubs : whether struts that end free and overlap others are left out, unless they are
+            united
+        section : "square", or "round" for round struts, see `round_struts`
+        trim : whether the struts' solids are cut flush with the box, so that the part measures
+            `length` x `width` x `height`; struts that overlap are then united, and the faces are
+            triangles
+        align : of the box, as of build123d's `Box`
+        **options : overlaps, with_joints (False by default), label, color, rotation and mode, see
+            `CommonOptions`
+
+        Raises
+        ------
+        OptionError
+            If an argument is out of its range.
+        BrepError
+            If struts overlap and are refused, more than a fifth of them would be left out as stubs,
+            or their union has too many triangles.
+        """
+        sides = np.array([as_real(side, "a side of the box") for side in (length, width, height)])
+        if not (np.isfinite(sides) & (sides > 0)).all():
+            raise OptionError(f"the box is {length:g} x {width:g} x {height:g} mm; need > 0")
+        low = -sides * [ALIGNED[one] for one in tuplify(align, 3) or [Align.NONE] * 3]
+        bounds = np.stack([low, low + sides])
+        skeleton = fill(bounds, cell, size, radius, keep=keep, dangling=dangling, axes=axes, on=on)
+        if trim:
+            lattice = model_of(skeleton, "square")  # its skeleton alone is asked for
+            flush = FLUSH_SIDES if section == "round" else 4
+            trimmed = flush_box(bounds, cell, size, radius, axes=axes, on=on, sides=flush)
+            body: Shape | Model = faceted(manifold_triangles(trimmed))
+        else:
+            body = lattice = _lattice(skeleton, section, drop_stubs, options)
+        options.setdefault("with_joints", False)
+        super().__init__(body, lattice, **options)
+
+
+class LatticeFill(SkeletonPart):
+    """The struts of a lattice that are inside a part, cut where their axes leave it.
+
+    The ends of slanted struts stand out of the part by up to their radius: `LatticeFill(...) &
+    part` trims them, slowly. With `skin` the result is the part itself with a closed wall, see
+    `lattice_solid`; `lattice_part` makes it of triangles.
+
+    Examples
+    --------
+    >>> from build123d import Cylinder
+    >>> from scaffold_cad import LatticeFill
+    >>> core = LatticeFill(Cylinder(20, 8), "bcc", 8.0, radius=0.5, keep="whole")
+    >>> core.is_valid
+    True
+    """
+
+    @checks_keywords(SkeletonPart.__init__)
+    def __init__(
+        self,
+        part: Any,
+        cell: str | UnitCell,
+        size: ArrayLike,
+        radius: Radius,
+        *,
+        keep: Keep = "clip",
+        dangling: bool = True,
+        drop_stubs: bool = True,
+        origin: ArrayLike | None = None,
+        axes: ArrayLike | None = None,
+        on: CellMap | None = None,
+        skin: float | None = None,
+        section: Section = "square",
+        **options: Unpack[PartOptions],
+    ) -> None:
+        """Build the lattice.
+
+        Parameters
+        ----------
+        part : a build123d solid, or another region that `fill` knows
+        cell : a unit cell or its name, see `cells`
+        size : of one cell, mm: three numbers, or one
+        radius : of the struts, mm; one number, or a function of positions (n, 3) that returns (n,)
+        keep, dangling, origin, axes, on : see `fill`
+        drop_stubs : whether struts that end free and overlap others, as cut ones do, are left out,
+            unless they are united
+        skin : thickness of a closed wall at the part's surface, mm; none by default. The struts are
+            then whole up to it: `keep`, `dangling`, `drop_stubs` and `overlaps` are for none
+        section : "square", or "round" for round struts, see `round_struts`
+        **options : overlaps, with_joints (False by default), label, color, rotation, align and
+            mode, see `PartOptions`
+
+        Raises
+        ------
+        OptionError
+            If an argument is out of its range.
+        SkeletonError
+            If no strut is in the part.
+        BrepError
+            If OCCT cannot make the skin or unite struts with it, see `lattice_solid`; if struts
+            overlap and are refused, more than a fifth of them would be left out as stubs,
+            or their union has too many triangles.
+        """
+        if skin is not None:
+            if (keep, dangling, _overlaps(options)) != ("clip", True, "refuse"):
+                raise OptionError(
+                    "keep, dangling or overlaps is given with a skin; need none of them"
+                )
+            filled = filled_solid(part, cell, size, radius, skin, section, origin, axes, on)
+            body: Shape | Model = filled.solid
+            lattice: Model = filled.struts
+        else:
+            skeleton = fill(
+                part,
+                cell,
+                size,
+                radius,
+                keep=keep,
+                dangling=dangling,
+                origin=origin,
+                axes=axes,
+                on=on,
+            )
+            body = lattice = _lattice(skeleton, section, drop_stubs, options)
+        options.setdefault("with_joints", False)
+        super().__init__(body, lattice, **options)
+
+
+def _overlaps(options: CommonOptions) -> Overlaps:
+    return options.get("overlaps", "refuse")
+
+
+def _lattice(
+    skeleton: Skeleton, section: Section, drop_stubs: bool, options: CommonOptions
+) -> Model:
+    """Return the struts of a lattice, without stubs that overlap if asked and not united."""
+    if drop_stubs and _overlaps(options) == "refuse":
+        return without_overlapping_stubs(skeleton, section)
+    return model_of(skeleton, section)
