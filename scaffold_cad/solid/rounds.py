@@ -9,15 +9,13 @@ leaves it.
 
 from __future__ import annotations
 
-import numpy as np
-
 from scaffold_cad.base.arguments import as_count, check_kind
 from scaffold_cad.base.arrays import Bools
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters import polygon_slack, surface_of, unseen, whole_struts
 from scaffold_cad.solid.field import field_solid
-from scaffold_cad.struts.apart import crossing_runs
+from scaffold_cad.struts.apart import crossings
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.surface import Triangulated
 
@@ -50,18 +48,18 @@ def faulty_runs(struts: RoundStruts, made: Triangulated, sides: int) -> Bools:
     made : the triangles with so many `sides`
     """
     faulty = struts.crowded | unseen(struts, made)
+    found = crossings(
+        struts.runs,
+        struts.blended,
+        struts.curves,
+        struts.collar,
+        struts.options.ends,
+        faulty,
+        polygon_slack(sides),
+    )
     runs = struts.crowded_runs | faulty[struts.runs.edges].any(axis=1)
-    runs[
-        crossing_runs(
-            struts.runs,
-            struts.blended,
-            struts.curves,
-            struts.collar,
-            struts.options.ends,
-            polygon_slack(sides),
-        )
-    ] = True
-    return np.asarray(runs)
+    runs[found.runs] = True
+    return runs
 
 
 def coarse_union(struts: RoundStruts) -> TriangleMesh:

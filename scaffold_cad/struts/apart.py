@@ -124,6 +124,18 @@ class Pieces(Frozen):
         return found
 
 
+@dataclass(frozen=True, eq=False)
+class Crossings(Frozen):
+    """What of round struts is not known to keep apart."""
+
+    runs: Edges
+    """Pairs of runs, each once, shape (p, 2)."""
+    nodes: Bools
+    """Whether the surface at a node, or of a curve beside it, is near something, shape (n,)."""
+    struts: Bools
+    """Whether a run is so between its collars, shape (k,)."""
+
+
 def _furthest_of_discs(discs: Floats, directions: Floats) -> Points:
     """Return the furthest points of the hulls of ellipses (q, 4, 3, 3) in directions (q, 3)."""
     along = np.einsum("qjkx,qx->qjk", discs, directions)  # of centers and half-diameters
@@ -136,26 +148,39 @@ def _furthest_of_discs(discs: Floats, directions: Floats) -> Points:
     return points
 
 
-def crossing_runs(
+def crossings(
     runs: Runs,
     blended: tuple[BlendedNodes, ...],
     curves: Curves,
     collar: Floats,
     ends: Ends,
+    crowded: Bools,
     slack: float = 0.0,
-) -> Edges:
-    """Return the pairs of runs that are not known to keep apart, each once, shape (p, 2).
+) -> Crossings:
+    """Return what is not known to keep apart.
 
     Parameters
     ----------
     collar : (2 k,) distance of each half-run's collar from its node, mm
     ends : round ones reach beyond their nodes
+    crowded : (n,) nodes without a surface of their own: there struts go on to the node
     slack : how much thicker all are taken to be, in radii: polygons reach beyond their circles
     """
-    reach = with_domes(runs, collar, ends, len(runs.nodes))
-    pieces = pieces_of(runs, blended, curves, reach)
-    pairs = pieces.run[meeting(pieces, slack)]
-    return np.unique(np.sort(pairs, axis=1), axis=0)
+    straight = runs.valency[runs.tails] > 1
+    reach = np.where(crowded[runs.tails] & straight, 0.0, collar)
+    reach = with_domes(runs, reach, ends, len(runs.nodes))
+    curved = curves.curved & ~crowded[runs.edges].any(axis=1)
+    bodies = joined([node_pieces(runs, blended), curve_pieces(curves)])
+    own: Bools = ~np.asarray(crowded[bodies.nodes].any(axis=1))
+    bodies = bodies.chosen(own)
+    pieces = joined([strut_pieces(runs, curved, reach), bodies])
+    pairs = meeting(pieces, slack)
+    found = pairs.reshape(-1)
+    is_strut = (pieces.hull[found] < 0) & (pieces.curve[found] < 0)
+    nodes, struts = np.zeros(len(runs.nodes), np.bool_), np.zeros(len(runs.edges), np.bool_)
+    nodes[pieces.nodes[found[~is_strut]]] = True
+    struts[pieces.run[found[is_strut]]] = True
+    return Crossings(np.unique(np.sort(pieces.run[pairs], axis=1), axis=0), nodes, struts)
 
 
 def with_domes(runs: Runs, collar: Floats, ends: Ends, count: int) -> Floats:
@@ -167,14 +192,6 @@ def with_domes(runs: Runs, collar: Floats, ends: Ends, count: int) -> Floats:
     """
     domed = (runs.valency[runs.tails] == 1) & (runs.tails < count) & (ends == "round")
     return np.where(domed, -runs.radii.reshape(-1), collar)
-
-
-def pieces_of(
-    runs: Runs, blended: tuple[BlendedNodes, ...], curves: Curves, collar: Floats
-) -> Pieces:
-    """Return the pieces of runs: struts, what lies between nodes and collars, and curves."""
-    struts = strut_pieces(runs, curves.curved, collar)
-    return joined([struts, node_pieces(runs, blended), curve_pieces(curves)])
 
 
 def meeting(pieces: Pieces, slack: float = 0.0) -> Edges:

@@ -13,7 +13,7 @@ from scaffold_cad.base.vectors import any_perpendicular
 from scaffold_cad.errors import OptionError
 from scaffold_cad.partition import partition_spheres
 from scaffold_cad.skeleton import Skeleton, check_skeleton
-from scaffold_cad.struts.apart import crossing_runs
+from scaffold_cad.struts.apart import crossings
 from scaffold_cad.struts.bends import bend_partitions
 from scaffold_cad.struts.blend import Stars
 from scaffold_cad.struts.collars import LEAST_BLEND, collar_distances
@@ -331,13 +331,12 @@ def _assembled(
     for side, first in enumerate((passed.offsets[:-1], passed.offsets[1:] - 1)):
         x[passed.half_runs[open_ones, side]] = passed.x[first[open_ones]]
     _turn_ends(runs, x)
-    crossing = crossing_runs(runs, solved, passed, collar, options.ends)
     crowded[runs.edges[plan.no_room]] = True
-    crowded[runs.edges[crossing]] = True
     _crowd_curves(passed, crowded)
-    crowded_runs = plan.no_room.copy()
-    crowded_runs[np.unique(crossing)] = True
-    crowded_runs |= crowded[runs.edges].all(axis=1)
+    crossing = crossings(runs, solved, passed, collar, options.ends, crowded)
+    crowded |= crossing.nodes
+    _crowd_curves(passed, crowded)
+    crowded_runs = plan.no_room | crossing.struts | crowded[runs.edges].all(axis=1)
     return RoundStruts(
         skeleton, options, runs, solved, collar, passed, x, fillet, crowded, crowded_runs
     )

@@ -21,8 +21,9 @@ STEP = 0.4
 """Part of the way to the wanted place that a vertex goes at once."""
 HALVINGS = 6
 """How often a step that would cost the certificate is halved before it is left out."""
-LEAST_SINE, KEPT = 0.05, 0.5
-"""A step may take the least determinant down to this, or to this part of what it was."""
+LEAST_SINE, KEPT = 0.3, 0.9
+"""No step takes the least determinant below this, or below this part of what it was at first: a
+vertex near a direction, or in line with two corners, makes folds."""
 
 
 def even(
@@ -40,18 +41,17 @@ def even(
     frame_x = any_perpendicular(directions)
     frame_y = np.cross(directions, frame_x)
     current = np.array(vertices)
-    least = _least(directions, current, quads)
+    bound = np.minimum(LEAST_SINE, KEPT * _least(directions, current, quads))
     for _ in range(STEPS):
         pull = _wanted(directions, frame_x, frame_y, current, quads) - current
         pull -= openness * _crowding(directions, current)
-        bound = np.minimum(LEAST_SINE, KEPT * least)
         step = np.full(len(current), STEP)
         open_rows = np.arange(len(current))
         for _ in range(HALVINGS):
             moved = normalize(current[open_rows] + step[open_rows, None, None] * pull[open_rows])
             found = _least(directions[open_rows], moved, quads[open_rows])
             kept = found > bound[open_rows]
-            current[open_rows[kept]], least[open_rows[kept]] = moved[kept], found[kept]
+            current[open_rows[kept]] = moved[kept]
             open_rows = open_rows[~kept]
             if len(open_rows) == 0:
                 break

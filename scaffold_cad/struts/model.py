@@ -68,7 +68,8 @@ class RoundStruts(Frozen, Shown):
     crowded: Bools
     """Nodes without a surface of their own, shape (n,): what is there overlaps or is not proved."""
     crowded_runs: Bools
-    """Runs that have no surface of their own, shape (k,): both of their nodes are crowded."""
+    """Runs that have no surface of their own, shape (k,): they cross others between their collars,
+    or both of their nodes are crowded."""
     like: RoundStruts | None = None
     """Struts of the same skeleton, moved, whose partitions and triangles these have."""
     sockets: Sockets = NO_SOCKETS
@@ -86,8 +87,8 @@ class RoundStruts(Frozen, Shown):
 
     @property
     def overlapping(self) -> Ints:
-        """Edges at a crowded node, whose surfaces may cross others, ascending."""
-        crowded: Bools = np.asarray(self.crowded[self.runs.edges].any(axis=1))
+        """Edges whose surface, or that at one of their nodes, may cross others, ascending."""
+        crowded: Bools = self.crowded_runs | self.crowded[self.runs.edges].any(axis=1)
         edges = np.flatnonzero(crowded[self.runs.run_of_edge])
         return edges if self.inner is None else np.union1d(edges, self.inner.overlapping)
 

@@ -11,7 +11,7 @@ from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts import round_struts
-from scaffold_cad.struts.apart import crossing_runs, slicing
+from scaffold_cad.struts.apart import crossings, slicing
 from scaffold_cad.struts.splines import spline
 from tests.crossings import check_as_written
 
@@ -28,11 +28,35 @@ def test_cylinders_meet_where_axes_are_nearer_than_their_radii(gap: float, meet:
     assert struts.crowded_runs.tolist() == [meet, meet]
 
 
+def test_nodes_of_struts_that_cross_between_them_are_not_crowded() -> None:
+    bent = Skeleton(
+        [[0, 0, 0], [20, 0, 0], [20, 20, 0], [10, -8, 0], [10, 8, 0]],
+        [[0, 1], [1, 2], [3, 4]],
+        1.0,
+    )
+    struts = round_struts(bent)
+    assert struts.crowded_runs.tolist() == [True, False, True]
+    assert not struts.crowded.any()
+    assert struts.overlapping.tolist() == [0, 2]
+    assert struts.exact.tolist() == [False, True, False]
+
+
+def test_struts_at_crowded_nodes_are_no_thicker_than_they_are() -> None:
+    # Two struts 1° apart have no collars within reach; one beside them is 3 radii away.
+    turn = np.radians(1.0)
+    nodes = [[0, 0, 0], [40, 0, 0], [40 * np.cos(turn), 40 * np.sin(turn), 0], [0, 0, -20]]
+    fan = Skeleton([*nodes, [-9, 0, 5], [30, 0, 5]], [[0, 1], [0, 2], [0, 3], [4, 5]], 1.0)
+    struts = round_struts(fan)
+    assert struts.crowded[0]
+    assert not struts.crowded[3:].any()
+    assert struts.overlapping.tolist() == [0, 1, 2]
+
+
 def test_thicker_polygons_meet_sooner() -> None:
     struts = round_struts(pair(2.01))
-    parts = struts.runs, struts.blended, struts.curves, struts.collar
-    assert len(crossing_runs(*parts, "flat")) == 0
-    assert crossing_runs(*parts, "flat", 0.01).tolist() == [[0, 1]]
+    parts = struts.runs, struts.blended, struts.curves, struts.collar, "flat", struts.crowded
+    assert len(crossings(*parts).runs) == 0
+    assert crossings(*parts, 0.01).runs.tolist() == [[0, 1]]
 
 
 def test_cones_are_looked_at_in_pieces() -> None:
@@ -67,8 +91,8 @@ def test_round_ends_reach_beyond_their_nodes(gap: float, meet: bool) -> None:
 def test_neighbors_are_not_compared() -> None:
     bent = Skeleton([[0, 0, 0], [10, 0, 0], [10, 10, 0]], [[0, 1], [1, 2]], 1.0)
     struts = round_struts(bent)
-    parts = struts.runs, struts.blended, struts.curves, struts.collar
-    assert len(crossing_runs(*parts, "flat")) == 0
+    parts = struts.runs, struts.blended, struts.curves, struts.collar, "flat", struts.crowded
+    assert len(crossings(*parts).runs) == 0
 
 
 def test_slices_together_are_the_curve() -> None:

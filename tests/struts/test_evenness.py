@@ -3,9 +3,10 @@ import numpy as np
 from scaffold_cad.base.vectors import angle_between
 from scaffold_cad.partition import certify, partition_spheres
 from scaffold_cad.partition.certificate import corners_of
+from scaffold_cad.struts import blends
 from scaffold_cad.struts.bends import bend_partitions
 from scaffold_cad.struts.evenness import even
-from tests.struts.stars import CUBIC, random_stars
+from tests.struts.stars import CUBIC, random_stars, stars_of
 
 RNG = np.random.default_rng(6)
 
@@ -21,6 +22,19 @@ def test_even_vertices_are_certified_and_their_arcs_longer() -> None:
     assert certify(some.directions, moved, some.quads).valid.all()
     before, after = shortest(some.vertices, some.quads), shortest(moved, some.quads)
     assert np.quantile(after, 0.05) > 2 * np.quantile(before, 0.05)
+
+
+def test_vertices_keep_away_from_directions() -> None:
+    # Three struts of a truss to one side, 45 and 60° apart, whose quads share a vertex.
+    diagonals = np.array([[-1, 1, -1], [0, -1, -1], [1, 0, -1]], dtype=np.float64)
+    diagonals /= np.linalg.norm(diagonals, axis=1, keepdims=True)
+    truss = partition_spheres(np.concatenate([diagonals, [[0, 0, 1], [0, 0, -1]]])[None])
+    moved = even(truss.directions, truss.vertices, truss.quads, 0.3)
+    nearest = (moved @ truss.directions.transpose(0, 2, 1)).max()
+    assert np.degrees(np.arccos(nearest)) > 15
+    (found,) = blends(stars_of(truss.directions))
+    assert found.proved.all()
+    assert found.layout.along_arc == 1
 
 
 def test_a_cube_stays_a_cube() -> None:
