@@ -331,12 +331,14 @@ def _assembled(
     for side, first in enumerate((passed.offsets[:-1], passed.offsets[1:] - 1)):
         x[passed.half_runs[open_ones, side]] = passed.x[first[open_ones]]
     _turn_ends(runs, x)
-    crowded[runs.edges[plan.no_room]] = True
+    # Collars also stand beyond the corners of their patches, further out than fillets ask for.
+    no_room = plan.no_room | (collar.reshape(-1, 2).sum(axis=1) > runs.lengths)
+    crowded[runs.edges[no_room]] = True
     _crowd_curves(passed, crowded)
     crossing = crossings(runs, solved, passed, collar, options.ends, crowded)
     crowded |= crossing.nodes
     _crowd_curves(passed, crowded)
-    crowded_runs = plan.no_room | crossing.struts | crowded[runs.edges].all(axis=1)
+    crowded_runs = no_room | crossing.struts | crowded[runs.edges].all(axis=1)
     return RoundStruts(
         skeleton, options, runs, solved, collar, passed, x, fillet, crowded, crowded_runs
     )

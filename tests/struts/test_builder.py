@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice import tile
@@ -13,6 +14,7 @@ from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts import round_struts
 from scaffold_cad.struts.surface import triangulated
 from tests.skeletons import BCC_STAR, CUBE, ELBOW, JACK, K4, STRUT, TETRAPOD, TRIPOD, TWO_STRUTS
+from tests.struts.stars import random_stars
 
 APART = {
     "strut": STRUT,
@@ -142,3 +144,17 @@ def test_a_node_beside_one_with_a_ball_has_its_own_blend() -> None:
 def test_struts_without_ends_may_end_round() -> None:
     mesh = triangulated(round_struts(K4, ends="round"), 8).mesh
     mesh.check_closed()
+
+
+def test_no_strut_is_exact_whose_collars_pass_each_other() -> None:
+    # One of the stars has a partition with a corner 6.5 radii along the strut that both share.
+    first, second = random_stars(2, 4, 35, np.random.default_rng(38))
+    second = second @ Rotation.align_vectors(-first[:1], second[:1])[0].as_matrix().T
+    middle = 6.33 * first[0]
+    nodes = [[0, 0, 0], *(20 * first[1:]), middle, *(middle + 20 * second[1:])]
+    edges = [*([0, k] for k in (1, 2, 3, 4)), *([4, k] for k in (5, 6, 7))]
+    struts = round_struts(Skeleton(nodes, edges, 1.0))
+    passing = struts.collar.reshape(-1, 2).sum(axis=1) > struts.runs.lengths
+    assert passing.tolist() == [False, False, False, True, False, False, False]
+    assert not struts.exact[passing].any()
+    assert struts.crowded[[0, 4]].all()
