@@ -128,10 +128,12 @@ def _built(
     """
     runs = straight_runs(skeleton) if like is None else like.runs.moved(skeleton)
     plan = _planned(skeleton, runs, options, like, outer)
+    # Nodes beside a run without room are crowded: for them one recipe is enough.
+    limits = np.where(np.repeat(plan.no_room, 2), 0.0, plan.limits)
     solved = [
         part
         for group, stars in zip(plan.groups, plan.wanted, strict=True)
-        for part in _blended(group, _limited(stars, plan.limits[group.half_runs]))
+        for part in _blended(group, _limited(stars, limits[group.half_runs]))
     ]
     return replace(_assembled(skeleton, options, runs, tuple(solved), plan), like=like)
 

@@ -9,6 +9,7 @@ the circle, on one side of the plane of both axes, as the other is its mirror im
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -69,15 +70,39 @@ def collars(union: Union, most: Floats) -> Collars:
             union.balls[short],
             wanted[short],
         )
-        low, high = least[short], wanted[short]
-        has_room[short] = (collar_distances(part, low) <= most[short]).all(axis=1)
-        for _ in range(HALVINGS):
-            middle = (low + high) / 2
-            fits = (collar_distances(part, middle) <= most[short]).all(axis=1)
-            low, high = np.where(fits, middle, low), np.where(fits, high, middle)
-        blends[short] = low
-        nearest[short] = collar_distances(part, low)
+        has_room[short] = have_room(part, least[short], most[short])
+        blends[short] = largest_blends(part, least[short], most[short], HALVINGS)
+        own = collar_distances(part, blends[short])
+        nearest[short] = np.where(has_room[short, None], np.minimum(own, most[short]), own)
     return Collars(nearest, union.radii + union.slopes * nearest, blends, has_room)
+
+
+def largest_blends(union: Union, least: Floats, most: Floats, halvings: int) -> Floats:
+    """Return the largest ρ with collars within `most` (M, N), from `least` to that wanted, (M,).
+
+    It is `least` where even that has no room.
+
+    Parameters
+    ----------
+    halvings : how often the range is halved in which it is searched
+    """
+    low, high = least, union.blends
+    for _ in range(halvings):
+        middle = (low + high) / 2
+        fits = have_room(union, middle, most)
+        low, high = np.where(fits, middle, low), np.where(fits, high, middle)
+    return low
+
+
+def have_room(union: Union, blends: Floats, most: Floats) -> Bools:
+    """Return whether collars at `most` (M, N) are clear of fillets of `blends` (M,), (M,)."""
+    room = np.asarray((most >= _beside_balls(union, blends)).all(axis=1))
+    for part, strut, other in _pairs_of(union):
+        pairs, own = _Pairs.of(union[part], strut, other), blends[part, None]
+        far, place = _surely_clear(pairs, own), most[part][:, strut]
+        clear = _is_clear(pairs.apart(), own[..., None], np.minimum(place, far))
+        room[part] &= (clear | (place >= far)).all(axis=1)
+    return room
 
 
 def collar_distances(union: Union, blends: Floats) -> Floats:
@@ -86,15 +111,27 @@ def collar_distances(union: Union, blends: Floats) -> Floats:
     It is `NEVER` radii where two struts do not part.
     """
     count = union.radii.shape[1]
-    pairs = np.nonzero(~np.eye(count, dtype=np.bool_))
     nearest = np.zeros_like(union.radii)
-    each = POINT_BYTES * AROUND * len(pairs[0])  # of a node
-    for part in blocks(len(nearest) if count > 1 else 0, each, CACHE):
+    for part, *pairs in _pairs_of(union):
         clear = _clear(_Pairs.of(union[part], *pairs), blends[part, None])
         nearest[part] = clear.reshape(-1, count, count - 1).max(axis=2)
+    return np.maximum(nearest, _beside_balls(union, blends))
+
+
+def _beside_balls(union: Union, blends: Floats) -> Floats:
+    """Return where the fillets of struts with the balls of their nodes end, mm, (M, N)."""
     # A ball of radius ρ that touches the node's ball and a cylinder touches them from outside.
     with_ball = np.where(union.balls > 0, union.balls + blends, 0.0)[:, None]
-    return np.maximum(nearest, _outside(union.radii, union.slopes, with_ball))
+    return _outside(union.radii, union.slopes, with_ball)
+
+
+def _pairs_of(union: Union) -> Iterator[tuple[slice, Ints, Ints]]:
+    """Yield blocks of nodes, with each strut beside each other one of its node, (P,) and (P,)."""
+    count = union.radii.shape[1]
+    strut, other = np.nonzero(~np.eye(count, dtype=np.bool_))
+    each = POINT_BYTES * AROUND * len(strut)  # of a node
+    for part in blocks(len(union.radii) if count > 1 else 0, each, CACHE):
+        yield part, strut, other
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,6 +152,10 @@ class _Pairs(Frozen):
     inscribed: Floats
     """Radius of the ball at the end of the other strut, mm."""
 
+    def apart(self) -> _Pairs:
+        """Return the pairs with an axis more, for the points on their circles."""
+        return _Pairs(*(getattr(self, field.name)[..., None] for field in fields(self)))
+
     @staticmethod
     def of(union: Union, strut: Ints, other: Ints) -> _Pairs:
         axes, cosines = union.directions, union.cosines
@@ -134,8 +175,7 @@ class _Pairs(Frozen):
 def _clear(pairs: _Pairs, blends: Floats) -> Floats:
     """Return from where on the circle of struts is clear of the fillet with another one, (M, P)."""
     low, high = np.zeros_like(pairs.radius), _surely_clear(pairs, blends)
-    pairs = _Pairs(*(getattr(pairs, field.name)[..., None] for field in fields(pairs)))
-    blends = blends[..., None]
+    pairs, blends = pairs.apart(), blends[..., None]
     for _ in range(HALVINGS):
         middle = (low + high) / 2
         clear = _is_clear(pairs, blends, middle)

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Ints, UnitVectors
+from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors
 from scaffold_cad.base.blocks import CACHE, blocks, cut
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.base.vectors import normalize
@@ -34,6 +34,9 @@ ROOM = 1e-9
 """Part of a radius that room for collars is rounded to: it is found by bisection."""
 MOST_ROOM = 1e6
 """Room for a collar above which it is without end, in radii."""
+NARROW = np.cos(np.radians(10.0))
+"""Cosine of the least angle between struts of nodes that any recipe proves: none was among random
+stars with less. Others have one recipe only."""
 SAME = 1e-11
 """Nodes whose numbers agree to this part of a radius are solved once, with their numbers rounded:
 so what a node gets depends on no other node, to the last bit."""
@@ -83,7 +86,15 @@ def blends(stars: Stars, recipes: Iterable[Recipe] = RECIPES) -> tuple[Blends, .
         chosen[open_nodes[better]], place[open_nodes[better]] = trial, np.flatnonzero(better)
         score[open_nodes[better]] = value[better]
         open_nodes = open_nodes[(score[open_nodes] > MOST_DEPTH) & found.has_room]
+        if trial == 0:
+            open_nodes = open_nodes[~_narrow(own[open_nodes])]
     return tuple(_grouped(stars, first, shape_of, best, chosen, place))
+
+
+def _narrow(stars: Stars) -> Bools:
+    """Return whether struts leave each node at too narrow angles for any recipe, (M,)."""
+    cosines = stars.directions @ stars.directions.transpose(0, 2, 1)
+    return np.asarray((np.triu(cosines, 1) > NARROW).any(axis=(1, 2)))
 
 
 def _grouped(

@@ -14,7 +14,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints
 from scaffold_cad.solid.clusters.spans import BAND, CUT, FACING
-from scaffold_cad.struts.collars import LEAST_BLEND, collar_distances
+from scaffold_cad.struts.collars import LEAST_BLEND, collar_distances, largest_blends
 from scaffold_cad.struts.distances import Union
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.options import BLEND
@@ -104,12 +104,7 @@ def _shrunk(union: Union, wanted: Floats, most: Floats) -> Floats:
         union.balls[short],
         gaps[short],
     )
-    low, high = _least_gaps(part, gaps[short]), gaps[short]
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        fits = (collar_distances(part, middle) <= most[short]).all(axis=1)
-        low, high = np.where(fits, middle, low), np.where(fits, high, middle)
-    gaps[short] = low
+    gaps[short] = largest_blends(part, _least_gaps(part, gaps[short]), most[short], HALVINGS)
     return gaps
 
 
