@@ -16,13 +16,11 @@ from scaffold_cad.skeleton import Skeleton, check_skeleton
 from scaffold_cad.struts.apart import crossings
 from scaffold_cad.struts.bends import bend_partitions
 from scaffold_cad.struts.blend import Stars
-from scaffold_cad.struts.collars import LEAST_BLEND, collar_distances
 from scaffold_cad.struts.curved import Curves, curves
 from scaffold_cad.struts.curvedjoints import CurvedJoints, curved_joints, possible, sampled
 from scaffold_cad.struts.curveproof import proved
-from scaffold_cad.struts.distances import Union
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
-from scaffold_cad.struts.nodes import blends
+from scaffold_cad.struts.nodes import blends, nearest_collars
 from scaffold_cad.struts.options import BLEND, Ends, Joints, StrutOptions
 from scaffold_cad.struts.room import allotted
 from scaffold_cad.struts.runs import Runs, straight_runs
@@ -274,19 +272,11 @@ def _of_nodes(struts: RoundStruts, group: _Group) -> tuple[Ints, UnitVectors]:
     return quads, vertices
 
 
-def _union(stars: Stars) -> Union:
-    leading = np.ascontiguousarray(np.moveaxis(stars.directions, -1, 0))
-    return Union(leading, stars.radii, stars.slopes, stars.balls, stars.blends)
-
-
 def _collars(runs: Runs, groups: list[_Group], wanted: list[Stars]) -> tuple[Floats, Floats]:
     """Return the collar distances that blends want, and those of the smallest fillets, (2 k,)."""
     full, least = np.zeros(len(runs.tails)), np.zeros(len(runs.tails))
     for group, stars in zip(groups, wanted, strict=True):
-        union = _union(stars)
-        small = np.minimum(stars.blends, LEAST_BLEND * stars.radii.mean(axis=1))
-        full[group.half_runs] = collar_distances(union, stars.blends)
-        least[group.half_runs] = collar_distances(union, small)
+        full[group.half_runs], least[group.half_runs] = nearest_collars(stars)
     return full, least
 
 

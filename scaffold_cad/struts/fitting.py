@@ -55,7 +55,7 @@ class Turned(Frozen):
 
 def collars_of(stars: Stars, swell: float) -> Collars:
     """Return the collars of nodes, and the ρ that has room, for ρ times `swell`."""
-    return collars(_union(stars, swell * stars.blends), stars.most)
+    return collars(union_of(stars, swell * stars.blends), stars.most)
 
 
 def solve(turned: Turned, fitted: Collars, recipe: Recipe) -> Solved:
@@ -119,7 +119,8 @@ def solve(turned: Turned, fitted: Collars, recipe: Recipe) -> Solved:
     )
 
 
-def _union(stars: Stars, blends: Floats) -> Union:
+def union_of(stars: Stars, blends: Floats) -> Union:
+    """Return the filleted unions of nodes, with ρ of `blends` (M,), mm."""
     return Union(_leading(stars.directions), stars.radii, stars.slopes, stars.balls, blends)
 
 

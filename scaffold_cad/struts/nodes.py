@@ -18,9 +18,9 @@ from scaffold_cad.base.threads import in_order
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.partition.arcs import side_twins
 from scaffold_cad.struts.blend import Blends, Solved, Stars
-from scaffold_cad.struts.collars import Collars
+from scaffold_cad.struts.collars import LEAST_BLEND, Collars, collar_distances
 from scaffold_cad.struts.evenness import even
-from scaffold_cad.struts.fitting import Turned, collars_of, solve
+from scaffold_cad.struts.fitting import Turned, collars_of, solve, union_of
 from scaffold_cad.struts.joins import types_of
 from scaffold_cad.struts.recipes import MOST_DEPTH, RECIPES, Recipe
 
@@ -89,6 +89,19 @@ def blends(stars: Stars, recipes: Iterable[Recipe] = RECIPES) -> tuple[Blends, .
         if trial == 0:
             open_nodes = open_nodes[~_narrow(own[open_nodes])]
     return tuple(_grouped(stars, first, shape_of, best, chosen, place))
+
+
+def nearest_collars(stars: Stars) -> tuple[Floats, Floats]:
+    """Return where collars stand with the fillets asked for, and with the least, mm, both (M, N).
+
+    For equal nodes they are found once.
+    """
+    first, kind = _distinct(stars)
+    own, size = _rounded(stars[first]), _size(stars[first])
+    union = union_of(own, own.blends)
+    small = np.minimum(own.blends, LEAST_BLEND * own.radii.mean(axis=1))
+    found = [size * collar_distances(union, blends) for blends in (own.blends, small)]
+    return found[0][kind], found[1][kind]
 
 
 def _narrow(stars: Stars) -> Bools:

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Floats, Ints
-from scaffold_cad.base.vectors import length, triple
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
+from scaffold_cad.base.blocks import CACHE, blocks
+from scaffold_cad.base.vectors import length
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
@@ -40,6 +41,9 @@ whole."""
 
 STEP = 0.4
 """By how much a span grows whose seam failed, in radii: the next window has other vertices."""
+
+TRIANGLE_BYTES = 256
+"""What a triangle takes where it is looked at."""
 
 _log = logging.getLogger(__name__)
 
@@ -217,19 +221,41 @@ def _further(struts: RoundStruts, clusters: Clusters, failed: Ints) -> Spans:
 
 def unseen(struts: RoundStruts, made: Triangulated) -> Bools:
     """Return the nodes with triangles that do not face away from them in 32 bits, (n,)."""
-    corners = made.mesh.single_precision().vertices[made.mesh.triangles[: len(made.node)]]
-    a, b, c = np.moveaxis(corners - struts.runs.nodes[made.node][:, None], 1, 0)
-    size: Floats = length(a) * length(b) * length(c)
+    written = _rounded(made.mesh.vertices)
+    triangles = made.mesh.triangles[: len(made.node)]
+    node = np.zeros(len(written), dtype=np.intp)  # that each vertex stands around
+    node[triangles] = made.node[:, None]
+    spokes = written - struts.runs.nodes[node]
+    leading, size = np.ascontiguousarray(spokes.T), length(spokes)
     found = np.zeros(len(struts.runs.nodes), dtype=np.bool_)
-    found[made.node[~(triple(a, b, c) > MARGIN * size)]] = True
+    for part in blocks(len(triangles), TRIANGLE_BYTES, CACHE):
+        a, b, c = np.ascontiguousarray(triangles[part].T)
+        least = MARGIN * size[a] * size[b] * size[c]
+        seen = _volumes(*(leading[:, corner] for corner in (a, b, c))) > least
+        found[made.node[part][~seen]] = True
     if not _in_order(made).all():
         found[struts.curves.nodes[struts.curves.nodes >= 0]] = True
     return found
 
 
+def _rounded(points: Points) -> Points:
+    """Return points (n, 3) as they are in 32-bit coordinates."""
+    return points.astype(np.float32).astype(np.float64)
+
+
+def _volumes(a: Floats, b: Floats, c: Floats) -> Floats:
+    """Return det(a, b, c) of vectors (3, t) whose coordinates come first, (t,)."""
+    volumes: Floats = a[0] * (b[1] * c[2] - b[2] * c[1])
+    volumes += a[1] * (b[2] * c[0] - b[0] * c[2])
+    volumes += a[2] * (b[0] * c[1] - b[1] * c[0])
+    return volumes
+
+
 def _in_order(made: Triangulated) -> Bools:
     """Return whether the rings of curves follow each other in 32-bit coordinates, (l,)."""
     rings = made.curve_rings
+    if len(rings.low) == 0:
+        return np.ones(0, dtype=np.bool_)
     start = len(made.node)
     triangles = made.mesh.triangles[start : start + 2 * rings.low.size]
-    return rings_hold(made.mesh.single_precision().vertices, rings, triangles)
+    return rings_hold(_rounded(made.mesh.vertices), rings, triangles)
