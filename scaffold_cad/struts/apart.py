@@ -1,37 +1,34 @@
 """Which parts of round struts keep apart from all that they do not join: a proof by distances.
 
-Every run is cut into convex pieces: the hulls of slices of the patches between its nodes and its
-collars, and the strut between. Pieces that share no node must keep apart; those that share one are
-apart because the node's body is star-shaped around it, see `proof`, and those of one run are one
-behind the other. Pieces are first looked at as capsules, and where these meet as what they are.
-
-Cones are bounded by their larger radius, piece by piece.
+Pieces, see `pieces`, that share no node must keep apart; those that share one are apart because
+the node's body is star-shaped around it, see `proof`, and those of one run are one behind the
+other. Pieces are first looked at as capsules, and where these meet as what they are.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points
-from scaffold_cad.base.blocks import CACHE, blocks
+from scaffold_cad.base.blocks import CACHE, blocks, uneven_blocks
 from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import dot, length, normalize
-from scaffold_cad.brep.bernstein import bernstein
-from scaffold_cad.struts.curved import ALONG, Curves
+from scaffold_cad.struts.curved import Curves
 from scaffold_cad.struts.model import BlendedNodes
 from scaffold_cad.struts.options import Ends
-from scaffold_cad.struts.quarter import DEGREE
+from scaffold_cad.struts.pieces import (
+    Pieces,
+    curve_pieces,
+    joined,
+    node_pieces,
+    strut_pieces,
+    with_domes,
+)
 from scaffold_cad.struts.runs import Runs
-from scaffold_cad.struts.splines import Spline
-
-PIECES = 4
-"""Pieces that the strut of a cone is cut into, so that its larger radius bounds little."""
-
-SLICES = 4
-"""Slices that patches are cut into from their arcs to their collars."""
 
 ROUNDS = 40
 """Steps in which a direction is looked for that parts two pieces."""
@@ -41,87 +38,6 @@ PAIR_BYTES = 512
 
 LEAST_GAP = 1e-9
 """Gap between pieces that is more than rounding, in their radii."""
-
-
-_NO_DISCS = np.empty((0, ALONG + 1, 3, 3))
-
-
-@dataclass(frozen=True, eq=False)
-class Pieces(Frozen):
-    """Convex pieces, each within a capsule: a segment with a radius."""
-
-    start: Points
-    """Shape (c, 3), mm."""
-    end: Points
-    """Shape (c, 3), mm."""
-    radius: Floats
-    """Shape (c,), mm."""
-    nodes: Edges
-    """The one or two nodes that each touches, shape (c, 2); twice the same for one."""
-    run: Ints
-    """Run that each is of, shape (c,)."""
-    hull: Ints
-    """Row of `points` whose hull it is, or -1 for the cylinder around its segment, shape (c,)."""
-    points: Floats
-    """Points of the hulls relative to their node, shape (h, k, 3), mm."""
-    offset: Points
-    """Node of each piece with a hull, shape (c, 3), mm."""
-    curve: Ints
-    """Row of `discs` whose hull it is, or -1, shape (c,)."""
-    discs: Floats
-    """Centers and half-diameters of ellipses, shape (d, 4, 3, 3), mm."""
-
-    def thickened(self, factor: float) -> Pieces:
-        """Return the pieces with radii multiplied by `factor` ≥ 1, and as much around hulls."""
-        return Pieces(
-            self.start,
-            self.end,
-            factor * self.radius,
-            self.nodes,
-            self.run,
-            self.hull,
-            self.points,
-            self.offset,
-            self.curve,
-            self.discs,
-        )
-
-    def chosen(self, keep: Bools) -> Pieces:
-        """Return some of the pieces."""
-        return Pieces(
-            self.start[keep],
-            self.end[keep],
-            self.radius[keep],
-            self.nodes[keep],
-            self.run[keep],
-            self.hull[keep],
-            self.points,
-            self.offset[keep],
-            self.curve[keep],
-            self.discs,
-        )
-
-    def furthest(self, piece: Ints, directions: Floats, around: Floats) -> Points:
-        """Return the point of each of some pieces that is furthest in a direction, (p, 3).
-
-        Parameters
-        ----------
-        around : (p,) how far beyond its hull a piece reaches, mm
-        """
-        start, end = self.start[piece], self.end[piece]
-        axis = normalize(end - start)
-        across = normalize(directions - dot(directions, axis)[:, None] * axis)
-        ahead = dot(directions, end - start) > 0
-        found = np.where(ahead[:, None], end, start) + self.radius[piece, None] * across
-        hulls = np.flatnonzero(self.hull[piece] >= 0)
-        points = self.points[self.hull[piece[hulls]]]  # (q, k, 3)
-        best = np.einsum("qkx,qx->qk", points, directions[hulls]).argmax(axis=1)
-        corner = points[np.arange(len(hulls)), best] + self.offset[piece[hulls]]
-        found[hulls] = corner + around[hulls, None] * normalize(directions[hulls])
-        curves = np.flatnonzero(self.curve[piece] >= 0)
-        corner = _furthest_of_discs(self.discs[self.curve[piece[curves]]], directions[curves])
-        found[curves] = corner + around[curves, None] * normalize(directions[curves])
-        return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,18 +50,6 @@ class Crossings(Frozen):
     """Whether the surface at a node, or of a curve beside it, is near something, shape (n,)."""
     struts: Bools
     """Whether a run is so between its collars, shape (k,)."""
-
-
-def _furthest_of_discs(discs: Floats, directions: Floats) -> Points:
-    """Return the furthest points of the hulls of ellipses (q, 4, 3, 3) in directions (q, 3)."""
-    along = np.einsum("qjkx,qx->qjk", discs, directions)  # of centers and half-diameters
-    width = np.hypot(along[..., 1], along[..., 2])  # (q, 4)
-    row = np.arange(len(discs))
-    best = (along[..., 0] + width).argmax(axis=1)
-    place = along[row, best, 1:] / np.maximum(width[row, best], 1e-300)[:, None]  # (q, 2)
-    chosen = discs[row, best]
-    points: Points = chosen[:, 0] + np.einsum("qk,qkx->qx", place, chosen[:, 1:])
-    return points
 
 
 def crossings(
@@ -183,25 +87,13 @@ def crossings(
     return Crossings(np.unique(np.sort(pieces.run[pairs], axis=1), axis=0), nodes, struts)
 
 
-def with_domes(runs: Runs, collar: Floats, ends: Ends, count: int) -> Floats:
-    """Return `collar` (2 k,), at round ends as far beyond the node as the strut is thick, < 0.
-
-    Parameters
-    ----------
-    count : nodes that are those of a skeleton, the first ones
-    """
-    domed = (runs.valency[runs.tails] == 1) & (runs.tails < count) & (ends == "round")
-    return np.where(domed, -runs.radii.reshape(-1), collar)
-
-
 def meeting(pieces: Pieces, slack: float = 0.0) -> Edges:
     """Return the pairs i < j of pieces that are not known to keep apart, shape (p, 2)."""
     pieces = pieces.thickened(1.0 + slack)
-    reach = pieces.radius[:, None]
-    low, high = np.minimum(pieces.start, pieces.end) - reach, np.maximum(pieces.start, pieces.end)
     found = [np.empty((0, 2), dtype=np.intp)]
-    for i, j in overlapping_boxes(low, high + reach):
-        i, j = _without_neighbors(pieces, i, j)
+    for i, j in _near_boxes(pieces):
+        apart = _are_neighbors(pieces, i, j)
+        i, j = i[~apart], j[~apart]
         a, b = nearest_on_segments(pieces.start[i], pieces.end[i], pieces.start[j], pieces.end[j])
         near = length(a - b) < pieces.radius[i] + pieces.radius[j]
         i, j = i[near], j[near]
@@ -212,12 +104,66 @@ def meeting(pieces: Pieces, slack: float = 0.0) -> Edges:
     return np.concatenate(found)
 
 
-def _without_neighbors(pieces: Pieces, i: Ints, j: Ints) -> tuple[Ints, Ints]:
-    """Return the pairs that share neither a node nor a run."""
-    a, b = pieces.nodes[i], pieces.nodes[j]  # (p, 2)
-    shared: Bools = (a[:, :, None] == b[:, None, :]).any(axis=(1, 2))
-    shared |= pieces.run[i] == pieces.run[j]  # its collars are one behind the other
-    return i[~shared], j[~shared]
+def _near_boxes(pieces: Pieces) -> Iterator[tuple[Ints, Ints]]:
+    """Yield blocks of pairs i < j of pieces whose boxes overlap, but for those at one node.
+
+    The pieces at a node all overlap each other: they are first taken together, then run by run.
+    """
+    reach = pieces.radius[:, None]
+    node, alone = pieces.nodes[:, 0], pieces.hull < 0
+    body = np.where(alone, node.max(initial=0) + 1 + np.arange(len(node)), node)
+    order = np.lexsort((pieces.run, body))
+    low = (np.minimum(pieces.start, pieces.end) - reach)[order]
+    high = (np.maximum(pieces.start, pieces.end) + reach)[order]
+    new_body = np.diff(body[order], prepend=-1) != 0
+    new_run = new_body | (np.diff(pieces.run[order], prepend=-1) != 0)
+    by_run = np.flatnonzero(new_run)
+    by_body = np.flatnonzero(new_body)
+    if len(order) == 0:
+        return
+    bounds = np.append(by_run, len(order)), np.append(np.cumsum(new_run)[by_body] - 1, len(by_run))
+    lows, highs = np.minimum.reduceat(low, by_run), np.maximum.reduceat(high, by_run)
+    ends = pieces.nodes[order[by_body]]  # (b, 2)
+    for one, other in overlapping_boxes(
+        np.minimum.reduceat(low, by_body), np.maximum.reduceat(high, by_body)
+    ):
+        apart = _share_nodes(ends[one], ends[other])
+        for i, j in _parts(one[~apart], other[~apart], bounds[1], lows, highs):
+            for k, m in _parts(i, j, bounds[0], low, high):
+                yield np.minimum(order[k], order[m]), np.maximum(order[k], order[m])
+
+
+def _parts(
+    one: Ints, other: Ints, bounds: Ints, low: Points, high: Points
+) -> Iterator[tuple[Ints, Ints]]:
+    """Yield blocks of the pairs of parts of pairs (p,) whose boxes overlap.
+
+    Parameters
+    ----------
+    bounds : (n + 1,) the first part of each, in ascending order, and how many there are
+    low, high : (parts, 3) corners of their boxes
+    """
+    tall, wide = bounds[one + 1] - bounds[one], bounds[other + 1] - bounds[other]
+    for some in uneven_blocks(tall * wide, PAIR_BYTES):
+        sizes = tall[some] * wide[some]
+        pair = np.repeat(np.arange(some.start, some.stop), sizes)
+        place = np.arange(len(pair)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+        i, j = bounds[one[pair]] + place // wide[pair], bounds[other[pair]] + place % wide[pair]
+        overlap = ((low[i] <= high[j]) & (low[j] <= high[i])).all(axis=1)
+        yield i[overlap], j[overlap]
+
+
+def _are_neighbors(pieces: Pieces, i: Ints, j: Ints) -> Bools:
+    """Return whether pieces share a node or a run: its collars are one behind the other, (p,)."""
+    of_one_run: Bools = pieces.run[i] == pieces.run[j]
+    return _share_nodes(pieces.nodes[i], pieces.nodes[j]) | of_one_run
+
+
+def _share_nodes(a: Edges, b: Edges) -> Bools:
+    """Return whether pairs of nodes (p, 2) have one in common, (p,)."""
+    shared: Bools = (a[:, 0] == b[:, 0]) | (a[:, 1] == b[:, 1])
+    shared |= (a[:, 0] == b[:, 1]) | (a[:, 1] == b[:, 0])
+    return shared
 
 
 def _apart(pieces: Pieces, i: Ints, j: Ints, slack: float) -> Bools:
@@ -244,141 +190,3 @@ def _apart(pieces: Pieces, i: Ints, j: Ints, slack: float) -> Bools:
     apart = np.ones(len(i), dtype=np.bool_)
     apart[rows] = False
     return apart
-
-
-def strut_pieces(runs: Runs, curved: Bools, collar: Floats) -> Pieces:
-    """Return the struts between their collars, cones in pieces, but for curved ones."""
-    cone = runs.slopes[0::2] != 0
-    pieces = np.where(curved, 0, np.where(cone, PIECES, 1))
-    run = np.repeat(np.arange(len(pieces)), pieces)
-    piece = np.arange(len(run)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
-    first, last = collar[0::2][run], (runs.lengths - collar[1::2])[run]
-    bounds = [first + (last - first) * (piece + side) / pieces[run] for side in (0, 1)]
-    ahead, tail = runs.directions[0::2][run], runs.nodes[runs.edges[run, 0]]
-    start, end = (tail + bound[:, None] * ahead for bound in bounds)
-    radius = np.maximum(*(runs.radii_at(2 * run, bound) for bound in bounds))
-    no_hull = np.full(len(run), -1, dtype=np.intp)
-    return Pieces(
-        start,
-        end,
-        radius,
-        runs.edges[run],
-        run,
-        no_hull,
-        np.empty((0, 1, 3)),
-        np.zeros_like(start),
-        no_hull,
-        _NO_DISCS,
-    )
-
-
-def curve_pieces(curves: Curves) -> Pieces:
-    """Return the pieces of curves: the hulls of the discs that control them."""
-    first = curves.pieces
-    start, end, discs = curves.centers[first], curves.centers[first + 1], curves.frames
-    chord = end - start
-    along = np.einsum("pjx,px->pj", discs[:, :, 0] - start[:, None], chord)
-    share = np.clip(along / dot(chord, chord)[:, None], 0.0, 1.0)
-    foot = start[:, None] + share[..., None] * chord[:, None]
-    half = discs[:, :, 1:]  # (p, 4, 2, 3)
-    wide = np.linalg.norm(half, ord=2, axis=(2, 3))  # half the greatest diameter
-    nodes = np.stack([curves.nodes[first], curves.nodes[first + 1]], axis=1)
-    none = np.full(len(first), -1, dtype=np.intp)
-    return Pieces(
-        start,
-        end,
-        (length(discs[:, :, 0] - foot) + wide).max(axis=1, initial=0.0),
-        np.where(nodes < 0, nodes[:, ::-1], nodes),
-        curves.run[first],
-        none,
-        np.empty((0, 1, 3)),
-        np.zeros_like(start),
-        np.arange(len(first)),
-        discs,
-    )
-
-
-def node_pieces(runs: Runs, blended: tuple[BlendedNodes, ...]) -> Pieces:
-    """Return what lies between nodes and collars."""
-    empty, none = np.empty((0, 3)), np.empty(0, dtype=np.intp)
-    nothing = Pieces(
-        empty,
-        empty,
-        empty[:, 0],
-        none.reshape(0, 2),
-        none,
-        none,
-        np.empty((0, 1, 3)),
-        empty,
-        none,
-        _NO_DISCS,
-    )
-    return joined([nothing, *(_node_parts(runs, group) for group in blended)])
-
-
-def _node_parts(runs: Runs, group: BlendedNodes) -> Pieces:
-    """Return what lies between nodes and collars: the hulls of slices of the patches."""
-    made, axes = group.shapes, group.axes
-    count, valency = axes.shape[:2]
-    control = made.control.reshape(count, valency, 4, *made.control.shape[2:])
-    slices = np.einsum("sjl,unkilx->unskijx", slicing(SLICES, made.layout.v), control)
-    points = slices.reshape(count, valency, SLICES, -1, 3)
-    along = np.einsum("unspx,unx->unsp", points, axes)
-    low = np.maximum(along.min(axis=3), 0.0)  # (U, N, SLICES)
-    high = np.maximum(along.max(axis=3), low)
-    foot = np.clip(along, low[..., None], high[..., None])
-    wide = length(points - foot[..., None] * axes[:, :, None, None]).max(axis=3)
-    half_runs = np.repeat(group.half_runs.reshape(-1), SLICES)
-    first, last, radius = (each[group.shape_of].reshape(-1) for each in (low, high, wide))
-    node, ahead = runs.nodes[runs.tails[half_runs]], runs.directions[half_runs]
-    return Pieces(
-        node + first[:, None] * ahead,
-        node + last[:, None] * ahead,
-        radius,
-        np.repeat(runs.tails[half_runs][:, None], 2, axis=1),
-        half_runs >> 1,
-        np.arange(low.size).reshape(low.shape)[group.shape_of].reshape(-1),
-        points.reshape(low.size, -1, 3),
-        node,
-        np.full(len(node), -1, dtype=np.intp),
-        _NO_DISCS,
-    )
-
-
-def joined(parts: list[Pieces]) -> Pieces:
-    """Return all pieces, their hulls with as many points each."""
-    most = max(part.points.shape[1] for part in parts)
-    points, hulls, count = [], [], 0
-    curves, discs = [], 0
-    for part in parts:
-        missing = most - part.points.shape[1]
-        points.append(np.pad(part.points, ((0, 0), (0, missing), (0, 0)), mode="edge"))
-        hulls.append(np.where(part.hull >= 0, part.hull + count, -1))
-        count += len(part.points)
-        curves.append(np.where(part.curve >= 0, part.curve + discs, -1))
-        discs += len(part.discs)
-    return Pieces(
-        np.concatenate([part.start for part in parts]),
-        np.concatenate([part.end for part in parts]),
-        np.concatenate([part.radius for part in parts]),
-        np.concatenate([part.nodes for part in parts]),
-        np.concatenate([part.run for part in parts]),
-        np.concatenate(hulls),
-        np.concatenate(points),
-        np.concatenate([part.offset for part in parts]),
-        np.concatenate(curves),
-        np.concatenate([part.discs for part in parts]),
-    )
-
-
-def slicing(count: int, spline: Spline) -> Floats:
-    """Return what takes control points to the Bézier points of equal slices, (count, d + 1, n).
-
-    Parameters
-    ----------
-    count : of slices, a multiple of the spline's pieces
-    """
-    at = np.arange(DEGREE + 1) / DEGREE
-    places = (np.arange(count)[:, None] + 0.5 * at + 0.25) / count  # inside of a piece
-    values = spline.values_at(places.reshape(-1)).reshape(count, DEGREE + 1, spline.count)
-    return np.asarray(np.linalg.solve(bernstein(DEGREE, 0.5 * at + 0.25)[None], values), np.float64)

@@ -11,8 +11,7 @@ from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts import round_struts
-from scaffold_cad.struts.apart import crossings, slicing
-from scaffold_cad.struts.splines import spline
+from scaffold_cad.struts.apart import crossings
 from tests.crossings import check_as_written
 
 
@@ -93,12 +92,3 @@ def test_neighbors_are_not_compared() -> None:
     struts = round_struts(bent)
     parts = struts.runs, struts.blended, struts.curves, struts.collar, "flat", struts.crowded
     assert len(crossings(*parts).runs) == 0
-
-
-def test_slices_together_are_the_curve() -> None:
-    curve = spline(2)
-    control = np.random.default_rng(2).normal(size=(curve.count, 3))
-    pieces = slicing(4, curve) @ control  # (4, d + 1, 3)
-    for number, piece in enumerate(pieces):
-        ends = curve.values_at(np.array([number, number + 1]) / 4) @ control
-        np.testing.assert_allclose(piece[[0, -1]], ends, atol=1e-12)

@@ -18,18 +18,18 @@ from scaffold_cad.base.vectors import length
 from scaffold_cad.solid.clusters.remainder import Remainder, remainder
 from scaffold_cad.solid.clusters.spans import Spans, merged, no_spans, radii_at, tail_length
 from scaffold_cad.solid.clusters.stumps import GAP, Reaches, stumps
-from scaffold_cad.struts.apart import (
+from scaffold_cad.struts.apart import meeting
+from scaffold_cad.struts.curved import ALONG
+from scaffold_cad.struts.curveproof import proved
+from scaffold_cad.struts.model import RoundStruts
+from scaffold_cad.struts.pieces import (
     Pieces,
     curve_pieces,
     joined,
-    meeting,
     node_pieces,
     strut_pieces,
     with_domes,
 )
-from scaffold_cad.struts.curved import ALONG
-from scaffold_cad.struts.curveproof import proved
-from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.runs import Runs
 
 HALVINGS = 30
