@@ -312,8 +312,8 @@ def _as_rows(
         rows = rows.reshape(0, width)
     if rows.ndim != 2 or rows.shape[1] != width:
         raise error(f"{name} has shape {rows.shape}; need (n, {width})")
-    bad = np.flatnonzero(((rows < 0) | (rows >= count)).any(axis=1))
-    if len(bad):
+    if rows.size and (rows.min() < 0 or rows.max() >= count):
+        bad = np.flatnonzero(((rows < 0) | (rows >= count)).any(axis=1))
         found = rows[bad[0]].tolist()
         raise error(f"{name}[{bad[0]}] {verb} {found}; need 0 to {count - 1}")
     return read_only(rows)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Frozen, Ints, Triangles, UnitVectors
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Triangles, UnitVectors
 from scaffold_cad.base.vectors import dot
 
 
@@ -61,14 +61,27 @@ def band_triangles(near: Ints, far: Ints, shift: Ints, twist: Floats) -> Triangl
     count, sides = near.shape
     k = np.arange(sides)
     opposite = far[np.arange(count)[:, None], (shift[:, None] - k) % sides]  # (b, n)
-    a, b = near, np.roll(near, -1, axis=1)
-    d, c = opposite, np.roll(opposite, -1, axis=1)
-    ahead = np.stack([np.stack([a, b, c], -1), np.stack([a, c, d], -1)], axis=2)
-    behind = np.stack([np.stack([a, b, d], -1), np.stack([b, c, d], -1)], axis=2)
     # The shorter diagonals: from k to what stands over k where the far ring is turned back.
-    chosen = np.where((twist > 0)[:, None, None, None], behind, ahead)
-    triangles: Triangles = chosen.reshape(-1, 3)
-    return triangles
+    return between(near, opposite, ~np.broadcast_to((twist > 0)[:, None], near.shape))
+
+
+def between(near: Ints, far: Ints, ahead: Bools) -> Triangles:
+    """Return the triangles between rings whose points stand over each other, (2 n b, 3).
+
+    Parameters
+    ----------
+    near, far : (b, n) vertices of the rings, counter-clockwise seen from the far one
+    ahead : (b, n) whether the diagonal from each point goes to the one after that over it, or that
+        from the next point to the one over this
+    """
+    a, b = near, np.roll(near, -1, axis=1)
+    d, c = far, np.roll(far, -1, axis=1)
+    triangles = np.empty((*near.shape, 2, 3), dtype=np.intp)
+    triangles[:, :, 0, 0], triangles[:, :, 0, 1] = a, b
+    triangles[:, :, 0, 2] = np.where(ahead, c, d)
+    triangles[:, :, 1, 0] = np.where(ahead, a, b)
+    triangles[:, :, 1, 1], triangles[:, :, 1, 2] = c, d
+    return triangles.reshape(-1, 3)
 
 
 def enlargement(twist: Floats, sides: int) -> Floats:

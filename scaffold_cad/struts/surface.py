@@ -8,7 +8,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Triangles
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.struts.bands import band_triangles, enlargement, matching, twist_of
+from scaffold_cad.struts.bands import band_triangles, between, enlargement, matching, twist_of
 from scaffold_cad.struts.curverings import CurveRings, curve_rings
 from scaffold_cad.struts.ends import flat_ends, round_ends
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
@@ -294,13 +294,9 @@ def node_surface(
 
 def ring_triangles(points: Points, low: Ints, high: Ints) -> Triangles:
     """Return the triangles between rings that follow each other, with the shorter diagonals."""
-    a, b = low, np.roll(low, -1, axis=1)
-    d, c = high, np.roll(high, -1, axis=1)
-    across = _square(points[a] - points[c]) <= _square(points[b] - points[d])
-    ahead = np.stack([np.stack([a, b, c], -1), np.stack([a, c, d], -1)], axis=2)
-    behind = np.stack([np.stack([a, b, d], -1), np.stack([b, c, d], -1)], axis=2)
-    chosen: Triangles = np.where(across[..., None, None], ahead, behind)
-    return chosen.reshape(-1, 3)
+    near, far = points[low], points[high]  # (r, s, 3)
+    ahead = _square(near - np.roll(far, -1, axis=1)) <= _square(np.roll(near, -1, axis=1) - far)
+    return between(low, high, ahead)
 
 
 def _square(vectors: Floats) -> Floats:
