@@ -1,4 +1,9 @@
-"""Work on blocks of arrays in several threads: numpy lets them run at the same time."""
+"""Work on blocks of arrays in several threads: numpy lets them run at the same time.
+
+Products of matrices then take one thread each. Left to themselves they take as many as there are
+processors, which wait for each other: the same work took fifteen times as long. And the last bits
+of products depend on how many threads there are.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +11,12 @@ import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import TypeVar
+from contextlib import ExitStack
+from threading import Lock
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    from threadpoolctl import ThreadpoolController
 
 T = TypeVar("T")
 U = TypeVar("U")
@@ -24,6 +34,7 @@ def in_order(function: Callable[[T], U], items: Iterable[T]) -> Iterator[U]:
     threads = min(os.cpu_count() or 1, MOST_THREADS)
     waiting: deque[Future[U]] = deque()
     pool = ThreadPoolExecutor(threads)
+    _single.enter()
     try:
         for item in items:
             waiting.append(pool.submit(function, item))
@@ -33,3 +44,33 @@ def in_order(function: Callable[[T], U], items: Iterable[T]) -> Iterator[U]:
             yield waiting.popleft().result()
     finally:
         pool.shutdown(cancel_futures=True)
+        _single.leave()
+
+
+class _SingleProducts:
+    """Lets products of matrices take one thread each, for as long as anyone wants it."""
+
+    def __init__(self) -> None:
+        self._lock = Lock()
+        self._users = 0
+        self._limits = ExitStack()
+        self._controller: ThreadpoolController | None = None
+
+    def enter(self) -> None:
+        with self._lock:
+            if self._users == 0:
+                if self._controller is None:
+                    from threadpoolctl import ThreadpoolController
+
+                    self._controller = ThreadpoolController()  # looks for libraries: some ms
+                self._limits.enter_context(self._controller.limit(limits=1, user_api="blas"))
+            self._users += 1
+
+    def leave(self) -> None:
+        with self._lock:
+            self._users -= 1
+            if self._users == 0:
+                self._limits.close()
+
+
+_single = _SingleProducts()

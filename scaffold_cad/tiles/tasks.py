@@ -91,7 +91,7 @@ def run_tiles(
     FormatError
         If a file cannot be written.
     MissingBackendError
-        If joblib or threadpoolctl is not installed.
+        If joblib is not installed.
 
     Examples
     --------
@@ -105,8 +105,7 @@ def run_tiles(
     >>> len(manifest.files), manifest.files[0].name
     (8, 'tile-000000.stl')
     """
-    for package in ("joblib", "threadpoolctl"):
-        need(package, "work on tiles")
+    need("joblib", "work on tiles")
     import joblib
 
     target = as_path(folder, "folder")

@@ -8,6 +8,7 @@ from threading import Event, Timer
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from scaffold_cad.base.threads import MOST_THREADS, in_order
 from scaffold_cad.mesh.intersections import self_intersections
@@ -37,6 +38,19 @@ def test_few_items_are_taken_ahead() -> None:
     results = in_order(abs, items())
     assert next(results) == 0
     assert len(taken) <= 2 * MOST_THREADS + 1
+
+
+def test_products_take_one_thread_while_any_work_runs() -> None:
+    def threads(_: object = None) -> set[int]:
+        return {pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"}
+
+    with threadpool_limits(2):
+        before = threads()
+        outer, inner = in_order(threads, range(4)), in_order(threads, range(4))
+        assert next(outer) == next(inner) == {1}
+        assert list(outer) == [{1}] * 3
+        assert list(inner) == [{1}] * 3
+        assert threads() == before
 
 
 def test_an_error_in_a_thread_is_raised() -> None:
