@@ -8,15 +8,16 @@ of products depend on how many threads there are.
 from __future__ import annotations
 
 import os
+import sys
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack
+from functools import lru_cache
 from threading import Lock
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
-if TYPE_CHECKING:
-    from threadpoolctl import ThreadpoolController
+from threadpoolctl import ThreadpoolController
 
 T = TypeVar("T")
 U = TypeVar("U")
@@ -54,16 +55,12 @@ class _SingleProducts:
         self._lock = Lock()
         self._users = 0
         self._limits = ExitStack()
-        self._controller: ThreadpoolController | None = None
 
     def enter(self) -> None:
         with self._lock:
             if self._users == 0:
-                if self._controller is None:
-                    from threadpoolctl import ThreadpoolController
-
-                    self._controller = ThreadpoolController()  # looks for libraries: some ms
-                self._limits.enter_context(self._controller.limit(limits=1, user_api="blas"))
+                controller = _controller("scipy.linalg" in sys.modules)
+                self._limits.enter_context(controller.limit(limits=1, user_api="blas"))
             self._users += 1
 
     def leave(self) -> None:
@@ -71,6 +68,12 @@ class _SingleProducts:
             self._users -= 1
             if self._users == 0:
                 self._limits.close()
+
+
+@lru_cache(maxsize=2)
+def _controller(with_scipy: bool) -> ThreadpoolController:  # noqa: ARG001  (it has its own library)
+    """Return what holds back the libraries that are loaded: to look for them takes some 30 ms."""
+    return ThreadpoolController()
 
 
 _single = _SingleProducts()
