@@ -11,9 +11,17 @@ from scaffold_cad.partition import Partitions
 STRAIGHT = 1e-6
 """Below this length the sum of two unit vectors has no direction to rely on."""
 
+WIDE = np.radians(45)
+"""Angle between both struts from which on the inner arc is a quarter of the circle."""
+NARROW = np.radians(20), np.radians(4)
+"""Such an angle, and how far from the middle the inner arc ends there: a crotch that lies far out
+is sharp, and wants a short arc."""
+
 
 def bend_partitions(directions: UnitVectors) -> Partitions:
     """Return the partitions of M bends: four vertices on the great circle midway between both.
+
+    They need no evening: each arc looks like that of the other strut.
 
     Parameters
     ----------
@@ -34,9 +42,13 @@ def bend_partitions(directions: UnitVectors) -> Partitions:
     inner = np.where(bent, normalize(inner), any_perpendicular(normal))
     side = np.cross(normal, inner)
     # Towards the inside of the bend lies the middle of an arc.
-    corners = [inner - side, inner + side, side - inner, -inner - side]
-    vertices = np.stack(corners, axis=1) / np.sqrt(2)  # (M, 4, 3)
+    between = angle_between(first, second)
+    half = np.interp(between, [NARROW[0], WIDE], [NARROW[1], np.pi / 4])[:, None]
+    ahead, aside = np.cos(half) * inner, np.sin(half) * side
+    behind = np.stack([side - inner, -inner - side], axis=1) / np.sqrt(2)
+    ends = np.stack([ahead - aside, ahead + aside], axis=1)
+    vertices = np.concatenate([ends, behind], axis=1)  # (M, 4, 3)
     quads = np.broadcast_to(np.array([[0, 1, 2, 3], [3, 2, 1, 0]]), (len(directions), 2, 4))
-    clearance = np.repeat(angle_between(first, second)[:, None] / 2, 2, axis=1)
+    clearance = np.repeat(between[:, None] / 2, 2, axis=1)
     methods = np.full(len(directions), "dual", dtype="<U9")
     return Partitions(directions, vertices, quads.astype(np.intp), clearance, methods)

@@ -13,6 +13,9 @@ from scaffold_cad.errors import OptionError
 from scaffold_cad.partition import Partitions
 from scaffold_cad.struts.layouts import Layout
 
+TOO_DEEP = 0.1
+"""Depth inside a strut, over its radius, of a surface that is not the one asked for."""
+
 
 @dataclass(frozen=True, eq=False)
 class Stars(Frozen):
@@ -148,6 +151,11 @@ class Solved(Frozen):
         """Whether each blend is proved to be free of folds, shape (U,)."""
         covered = np.abs(self.solid_angle - 4 * np.pi) < 1.0
         return np.asarray(self.is_star_shaped & covered)
+
+    @property
+    def sound(self) -> Bools:
+        """Whether each blend is proved, has room and is nowhere deep inside a strut, shape (U,)."""
+        return np.asarray(self.proved & self.has_room & (self.depth <= TOO_DEEP))
 
     @property
     def reach(self) -> Floats:

@@ -317,7 +317,7 @@ def _assembled(
         collar[group.half_runs] = made.collar_distances[which]
         x[group.half_runs] = made.collar_corners[which][:, :, 0]
         fillet[group.nodes] = made.rho[which]
-        crowded[group.nodes[~(made.proved & made.has_room)[which]]] = True
+        crowded[group.nodes[~made.sound[which]]] = True
     passed = curves(runs, plan.joints, collar, x)
     open_ones = ~passed.closed
     for side, first in enumerate((passed.offsets[:-1], passed.offsets[1:] - 1)):

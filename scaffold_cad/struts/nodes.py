@@ -155,7 +155,9 @@ def _solved(own: Stars, fitted: Collars, recipe: Recipe) -> Solved:
 
 
 def _evened(own: Stars, openness: float) -> UnitVectors:
-    """Return the moved vertices of the partitions, (U, N + 2, 3)."""
+    """Return the moved vertices of the partitions, (U, N + 2, 3); those of bends as they are."""
+    if own.directions.shape[1] == 2:
+        return own.vertices
 
     def work(some: slice) -> UnitVectors:
         return even(own.directions[some], own.vertices[some], own.quads[some], openness)

@@ -1,8 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from scaffold_cad.errors import OptionError
 from scaffold_cad.struts import Blends, Stars, blends, sampled
+from scaffold_cad.struts.bends import bend_partitions
 from tests.struts.stars import (
     BODY_CENTERED,
     CUBIC,
@@ -210,3 +213,20 @@ def test_stars_are_picked_by_rows() -> None:
     some = stars_of(random_stars(4, 3, 50, np.random.default_rng(8)))
     assert isinstance(some[np.array([2, 0])], Stars)
     assert (some[np.array([2, 0])].directions[0] == some.directions[2]).all()
+
+
+@pytest.mark.parametrize("degrees", [150, 90, 45, 30, 25, 22, 20])
+def test_bends_down_to_twenty_degrees_are_sound(degrees: float) -> None:
+    angle = np.radians(degrees)
+    bend = bend_partitions(np.array([[[1.0, 0, 0], [np.cos(angle), np.sin(angle), 0]]]))
+    (found,) = blends(Stars.of(bend, radii=1.0, blends=0.5))
+    assert found.shapes.sound.all()
+    assert found.shapes.depth[0] < 0.02
+
+
+def test_a_proved_blend_that_cuts_deep_into_a_strut_is_not_sound() -> None:
+    (found,) = blends(stars_of(np.eye(3)[None]))
+    assert found.shapes.sound.all()
+    deep = replace(found.shapes, depth=np.array([0.2]))
+    assert deep.proved.all()
+    assert not deep.sound.any()

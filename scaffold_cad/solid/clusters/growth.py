@@ -94,7 +94,7 @@ def unproved(struts: RoundStruts) -> Bools:
     runs = struts.runs
     found = np.zeros(len(runs.nodes), dtype=np.bool_)
     for group in struts.blended:
-        good = (group.shapes.proved & group.shapes.has_room)[group.shape_of]
+        good = group.shapes.sound[group.shape_of]
         found[group.nodes[~good]] = True
     used = struts.collar.reshape(-1, 2).sum(axis=1)
     found[runs.edges[used > runs.lengths]] = True
