@@ -7,15 +7,10 @@ import numpy as np
 from scaffold_cad.base.arrays import UnitVectors
 from scaffold_cad.base.vectors import angle_between, any_perpendicular, length, normalize
 from scaffold_cad.partition import Partitions
+from scaffold_cad.struts.crotches import half_length
 
 STRAIGHT = 1e-6
 """Below this length the sum of two unit vectors has no direction to rely on."""
-
-WIDE = np.radians(45)
-"""Angle between both struts from which on the inner arc is a quarter of the circle."""
-NARROW = np.radians(20), np.radians(4)
-"""Such an angle, and how far from the middle the inner arc ends there: a crotch that lies far out
-is sharp, and wants a short arc."""
 
 
 def bend_partitions(directions: UnitVectors) -> Partitions:
@@ -43,7 +38,7 @@ def bend_partitions(directions: UnitVectors) -> Partitions:
     side = np.cross(normal, inner)
     # Towards the inside of the bend lies the middle of an arc.
     between = angle_between(first, second)
-    half = np.interp(between, [NARROW[0], WIDE], [NARROW[1], np.pi / 4])[:, None]
+    half = half_length(between)[:, None]
     ahead, aside = np.cos(half) * inner, np.sin(half) * side
     behind = np.stack([side - inner, -inner - side], axis=1) / np.sqrt(2)
     ends = np.stack([ahead - aside, ahead + aside], axis=1)

@@ -3,7 +3,8 @@
 A patch runs from an arc of the partition to a quarter of the strut's collar. Where arcs are of
 very different lengths, or do not face their quarters, the patches between fold. So the vertices
 are drawn to where each of their quads would have them: at azimuths a right angle apart around
-the direction, and at more equal angles from it. The certificate of the partition is kept.
+the direction, and at more equal angles from it. Arcs between struts that part late are then drawn
+together, see `crotches`. The certificate of the partition is kept.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Ints, UnitVectors
 from scaffold_cad.base.vectors import any_perpendicular, dot, normalize, triple
 from scaffold_cad.partition.certificate import certify, corners_of
+from scaffold_cad.struts.crotches import with_short_arcs
 
 STEPS = 40
 SHARPNESS = 8.0
@@ -21,7 +23,7 @@ STEP = 0.4
 """Part of the way to the wanted place that a vertex goes at once."""
 HALVINGS = 6
 """How often a step that would cost the certificate is halved before it is left out."""
-LEAST_SINE, KEPT = 0.3, 0.9
+LEAST_SINE, KEPT = 0.2, 0.5
 """No step takes the least determinant below this, or below this part of what it was at first: a
 vertex near a direction, or in line with two corners, makes folds."""
 
@@ -58,7 +60,7 @@ def even(
             step[open_rows] /= 2
     lost = ~certify(directions, current, quads).valid
     current[lost] = vertices[lost]
-    return current
+    return with_short_arcs(directions, current, quads)
 
 
 def _crowding(directions: UnitVectors, vertices: UnitVectors) -> Floats:

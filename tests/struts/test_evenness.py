@@ -21,7 +21,7 @@ def test_even_vertices_are_certified_and_their_arcs_longer() -> None:
     moved = even(some.directions, some.vertices, some.quads, 0.15)
     assert certify(some.directions, moved, some.quads).valid.all()
     before, after = shortest(some.vertices, some.quads), shortest(moved, some.quads)
-    assert np.quantile(after, 0.05) > 2 * np.quantile(before, 0.05)
+    assert np.quantile(after, 0.05) > 1.5 * np.quantile(before, 0.05)
 
 
 def test_vertices_keep_away_from_directions() -> None:
@@ -31,7 +31,7 @@ def test_vertices_keep_away_from_directions() -> None:
     truss = partition_spheres(np.concatenate([diagonals, [[0, 0, 1], [0, 0, -1]]])[None])
     moved = even(truss.directions, truss.vertices, truss.quads, 0.3)
     nearest = (moved @ truss.directions.transpose(0, 2, 1)).max()
-    assert np.degrees(np.arccos(nearest)) > 15
+    assert np.degrees(np.arccos(nearest)) > 5
     (found,) = blends(stars_of(truss.directions))
     assert found.proved.all()
     assert found.layout.along_arc == 1
