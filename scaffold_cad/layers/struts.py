@@ -14,6 +14,7 @@ from scaffold_cad.layers.loops import Loops, MeshSections
 from scaffold_cad.layers.nodes import NODES_AT_ONCE, EqualNodeSections, NodeSections
 from scaffold_cad.layers.rounds import Balls, Cones, swell
 from scaffold_cad.layers.sweep import Sweep, count_at
+from scaffold_cad.layers.uniting import Solid
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.struts import RoundStruts
 from scaffold_cad.struts.bodies import NodeBodies, curve_bodies
@@ -24,6 +25,18 @@ a gap would be left."""
 
 OPENING = 0.1
 """How far the inside of hollow struts reaches beyond an open end, in its radii."""
+
+
+def struts_solid(struts: RoundStruts, sides: int) -> Solid:
+    """Return round struts, solid or hollow, to be cut.
+
+    Parameters
+    ----------
+    sides : of the polygons that stand for circles, a multiple of 4
+    """
+    inner = struts.inner
+    hollow = None if inner is None else StrutSections(inner, sides, is_inside=True)
+    return Solid(StrutSections(struts, sides), hollow)
 
 
 class StrutSections:

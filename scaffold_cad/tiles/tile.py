@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -24,6 +26,8 @@ class Tile(Frozen):
     """Its own struts and those around them."""
     own: Bools
     """Which struts are its own, shape (m,)."""
+    strut_options: Mapping[str, Any] = field(default_factory=dict)
+    """What the whole asks `round_struts` for."""
 
     @cached_property
     def first_strut(self) -> Ints:

@@ -51,7 +51,7 @@ class Build:
     round: bool = False
     """Whether struts are round, with blends, or square."""
     options: dict[str, Any] = field(default_factory=dict)
-    """Of `round_struts` or of `build_scaffold`."""
+    """Of `round_struts`, in place of those of a lattice, or of `build_scaffold`."""
     sides: int = SIDES
     """Of the polygons that stand for the circles of round struts, a multiple of 4."""
     overlaps: TileOverlaps = "refuse"
