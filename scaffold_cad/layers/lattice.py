@@ -20,7 +20,7 @@ from scaffold_cad.lattice.repetition import further_layers
 from scaffold_cad.layers.layer import Layer
 from scaffold_cad.layers.slabs import runs_of_equals, slabs_solid
 from scaffold_cad.layers.stamps import Stamp
-from scaffold_cad.layers.struts import StrutSections, struts_solid
+from scaffold_cad.layers.struts import StrutSections, inside_sections, struts_solid
 from scaffold_cad.layers.uniting import Solid, layer_of, united
 from scaffold_cad.struts import round_struts
 
@@ -149,9 +149,9 @@ class RepeatedLattice:
 
     def _parts(self) -> list[StrutSections]:
         """Return the struts, and what is taken out of hollow ones, from the lowest up."""
-        inner = self._struts.inner
-        hollow = [] if inner is None else [StrutSections(inner, self._sides, is_inside=True)]
-        return [StrutSections(self._struts, self._sides), *hollow]
+        hollow = inside_sections(self._struts, self._sides)
+        whole = StrutSections(self._struts, self._sides)
+        return [whole] if hollow is None else [whole, hollow]
 
     def _united(self, parts: list[StrutSections], plane: float) -> tuple[Floats, Ints]:
         """Return the polygons at a height where some go on from cell to cell without an end."""

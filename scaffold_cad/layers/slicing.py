@@ -49,8 +49,8 @@ def slices(
 
     Round struts are cut as what they are, cylinders and cones, and only the blends at their nodes
     as triangles: no mesh of the whole is made, and memory does not grow with the layers. Struts
-    that overlap are united; at nodes that are crowded, see `RoundStruts`, they are so without
-    fillets.
+    that overlap are united; at nodes that are crowded, see `RoundStruts`, fillets are those of the
+    field that a mesh has there.
 
     Parameters
     ----------

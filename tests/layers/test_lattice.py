@@ -113,7 +113,7 @@ def test_a_lattice_past_memory_is_cut() -> None:
     assert second.area == pytest.approx(4 * 3600 * np.pi * 0.01 * np.sqrt(3), rel=2e-3)
 
 
-@pytest.mark.parametrize("cell", ["bcc", "diamond"])
+@pytest.mark.parametrize("cell", ["sc", "diamond"])
 def test_fillets_ends_and_walls_are_those_asked_for(cell: str) -> None:
     options: dict[str, Any] = {"blend": 0.12, "ends": "round", "wall": 0.03}
     lattice = PeriodicLattice(cell, 1.0, (2, 8, 8), radius=0.07, **options)
@@ -132,9 +132,9 @@ def test_hollow_struts_of_many_radii_are_cut_as_those_of_the_whole(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     options: dict[str, Any] = {"ends": "open", "wall": 0.02}
-    lattice = PeriodicLattice("bcc", 1.0, (2, 2, 9), radius=graded, **options)
+    lattice = PeriodicLattice("bcc", 1.0, (1, 1, 8), radius=graded, **options)
     monkeypatch.setattr(slabs, "AT_ONCE", 1)
-    heights = np.linspace(-0.1, 9.1, 14)
+    heights = np.linspace(-0.1, 8.1, 9)
     whole = slices(round_struts(lattice.skeleton(), **options), heights)
     for one, other in zip(slices(lattice, heights), whole, strict=True):
         check_equal(one, other)
