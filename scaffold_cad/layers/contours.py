@@ -41,6 +41,22 @@ def unpacked(keys: Ints) -> tuple[Ints, Ints]:
     return keys >> (2 * BITS), np.stack([keys >> BITS & mask, keys & mask], axis=1)
 
 
+def widened(keys: Ints, marks: Bools) -> Bools:
+    """Return which of some grid points are marked, or beside one that is, (p,).
+
+    Parameters
+    ----------
+    keys : of the grid points, ascending, shape (p,)
+    """
+    found = marks
+    for step in (1, 1 << BITS):  # along one side, then the other: corners too
+        marks = found
+        for beside in (keys - step, keys + step):
+            at = np.minimum(np.searchsorted(keys, beside), len(keys) - 1)
+            found = found | ((keys[at] == beside) & marks[at])
+    return found
+
+
 @dataclass(frozen=True, eq=False)
 class _Crossings(Frozen):
     """Where the contour enters and leaves squares, the inside to its left."""
@@ -141,7 +157,9 @@ def _points(keys: Ints, values: Floats, found: _Crossings, between: Between | No
     above, below = (_values_at(keys, values, each) for each in (outer, inner))
     start, step = unpacked(outer)[1], ends[1] - ends[0]
     low, high = np.zeros(len(start)), np.ones(len(start))  # shares of the way inside
-    for _ in range(0 if between is None else ROUNDS):
+    for _ in range(ROUNDS):
+        if between is None:
+            break
         share = low + (high - low) * above / np.maximum(above - below, TINY)
         value = between(inner, start + share[:, None] * step)
         is_outside = value > 0

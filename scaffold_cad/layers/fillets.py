@@ -12,7 +12,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
 from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.lattice.boxgrid import ranges
-from scaffold_cad.layers.contours import contours, keys_of, unpacked
+from scaffold_cad.layers.contours import contours, keys_of, unpacked, widened
 from scaffold_cad.layers.loops import Loops
 from scaffold_cad.layers.rounds import crossed
 from scaffold_cad.layers.sweep import Sweep, count_at
@@ -85,7 +85,8 @@ class FilletSections:
         starts : (g,) where each grid point begins in these
         """
         counts = np.diff(starts, append=len(keys))
-        several = (counts > 1) & np.logical_or.reduceat(self._own[struts], starts)
+        known = keys[starts]
+        several = (counts > 1) & widened(known, np.logical_or.reduceat(self._own[struts], starts))
         # Where one strut is alone its own section has what is inside.
         found = np.where(ratio[starts] > 0, ratio[starts], 1.0)
         chosen = np.repeat(several, counts)
@@ -94,7 +95,6 @@ class FilletSections:
         found[several] = values(self._union, points, np.arange(len(points)), lists)
         found[~several & (counts > 1)] = 1.0
         every = Lists(np.append(starts, len(keys)), struts)
-        known = keys[starts]
 
         def between(beside: Ints, places: Floats) -> Floats:
             level, _ = unpacked(beside)

@@ -3,7 +3,7 @@
 from scaffold_cad.tiles.tasks import Manifest, TileFile, run_tiles
 from scaffold_cad.tiles.tile import Tile
 from scaffold_cad.tiles.tiling import LatticeTiles, SkeletonTiles, tiles
-from scaffold_cad.tiles.works import Build, Check, Work
+from scaffold_cad.tiles.works import Build, Check, Slice, Work
 
 __all__ = [
     "Build",
@@ -11,6 +11,7 @@ __all__ = [
     "LatticeTiles",
     "Manifest",
     "SkeletonTiles",
+    "Slice",
     "Tile",
     "TileFile",
     "Work",

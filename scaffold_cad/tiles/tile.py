@@ -37,6 +37,18 @@ class Tile(Frozen):
             np.minimum.at(first, ends, np.arange(len(ends)))
         return first
 
+    def own_runs(self, run_of_edge: Ints) -> Bools:
+        """Return which straight runs are its own: those whose first strut is, shape (k,).
+
+        Parameters
+        ----------
+        run_of_edge : (m,) the run of each strut
+        """
+        first = np.full(int(run_of_edge.max()) + 1, len(run_of_edge), dtype=np.intp)
+        np.minimum.at(first, run_of_edge, np.arange(len(run_of_edge)))
+        own: Bools = self.own[first]
+        return own
+
     @cached_property
     def own_nodes(self) -> Bools:
         """Which nodes are its own: those whose first strut is, shape (n,).
