@@ -112,11 +112,16 @@ def nodal_forces(skeleton: Skeleton, loads: Load | Iterable[Load]) -> Floats:
     total = np.zeros((len(skeleton.nodes), 6))
     for number, load in enumerate(_listed(loads, Load)):
         nodes = chosen_nodes(skeleton, load.where, f"load {number}")
-        both = np.concatenate(
-            [_three(load.force, "force", number), _three(load.moment, "moment", number)]
-        )
-        total[nodes] += both if as_flag(load.each, "each") else both / len(nodes)
+        total[nodes] += load_of(load, number, len(nodes))
     return total
+
+
+def load_of(load: Load, number: int, count: int) -> Floats:
+    """Return the force and moment (6,) on each of the `count` nodes of load `number`."""
+    both = np.concatenate(
+        [_three(load.force, "force", number), _three(load.moment, "moment", number)]
+    )
+    return both if as_flag(load.each, "each") else both / count
 
 
 def chosen_nodes(skeleton: Skeleton, where: Where, what: str) -> Ints:
@@ -144,10 +149,14 @@ def check_supported(skeleton: Skeleton, fixed: Bools) -> None:
     OptionError
         If one can; the part and how it can move are named.
     """
-    label = skeleton.component_of_node
+    check_held(skeleton.nodes, skeleton.component_of_node, fixed)
+
+
+def check_held(nodes: Points, label: Ints, fixed: Bools) -> None:
+    """Raise unless no part can move as a rigid body, for the part of each node (n,)."""
     for part in np.unique(label).tolist():
         inside = np.flatnonzero(label == part)
-        position = skeleton.nodes[inside]
+        position = nodes[inside]
         modes = rigid_motions(position - position.mean(axis=0))  # (k, 6, 6)
         size = max(float(np.abs(position - position.mean(axis=0)).max()), 1e-300)
         modes[:, :3, 3:] /= size
