@@ -9,7 +9,7 @@ from typing import Any, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_flag, check_kind, checks_keywords
+from scaffold_cad.base.arguments import as_flag, check_choice, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, as_chosen, as_floats, read_only
 from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton
@@ -24,6 +24,35 @@ _Item = TypeVar("_Item")
 
 RANK_TOLERANCE = 1e-9
 """Least singular value of a body's supports over the largest; no unit."""
+
+
+@checks_keywords()
+@dataclass(frozen=True)
+class Between:
+    """Marks the nodes between two places along an axis: a `where` that other processes know too.
+
+    Examples
+    --------
+    >>> foot = Support(Between("z", high=0.5))
+    >>> deck = Load(Between("z", low=19.5), force=(0, 0, -300))
+    >>> Between("x", 1.0, 2.0)(np.array([[0.5, 0, 0], [1.5, 0, 0]])).tolist()
+    [False, True]
+    """
+
+    axis: str
+    """x, y or z."""
+    low: float = -np.inf
+    """Lowest coordinate, mm."""
+    high: float = np.inf
+    """Highest coordinate, mm."""
+
+    def __post_init__(self) -> None:
+        check_choice(self.axis, "axis", ("x", "y", "z"))
+
+    def __call__(self, nodes: Points) -> Bools:
+        """Return which of positions (n, 3) are between, (n,)."""
+        places = nodes[:, "xyz".index(self.axis)]
+        return np.asarray((places >= self.low) & (places <= self.high))
 
 
 @checks_keywords()

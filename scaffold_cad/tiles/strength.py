@@ -49,9 +49,9 @@ SHOWN = 10
 class LoadCase:
     """What struts are made of, what holds them and what loads them, see `beam_model`.
 
-    A tile knows its own nodes only: supports and loads say where they are by functions of
-    positions, of a module where tasks run in other processes. A load that nodes share is shared by
-    all of the whole.
+    A tile knows its own nodes only: supports and loads say where they are by `Between`, or by
+    another function of positions, which must be one of a module. A load that nodes share is shared
+    by all of the whole.
     """
 
     material: Material | str

@@ -13,7 +13,7 @@ from joblib import parallel_config
 from scaffold_cad import PeriodicLattice, Skeleton, voronoi_foam
 from scaffold_cad.base.arrays import Bools, Points
 from scaffold_cad.errors import OptionError
-from scaffold_cad.mechanics import Load, Support, beam_model
+from scaffold_cad.mechanics import Between, Load, Support, beam_model
 from scaffold_cad.tiles import (
     LatticeTiles,
     LoadCase,
@@ -119,6 +119,9 @@ def test_another_solution_is_another_work(tmp_path: Path) -> None:
     (harder,) = (replace(CASE, loads=(Load(high, force=(0, 0, -600)),)),)
     other, _ = rows_of(parts, harder, tmp_path)
     assert other[:, -1].max() > 1.2 * first[:, -1].max()
+    between = replace(CASE, supports=(Support(Between("z", high=0.5)), CASE.supports[1]))
+    same, _ = rows_of(parts, between, tmp_path)
+    np.testing.assert_array_equal(same, first)
 
 
 def test_what_tiles_cannot_know_is_refused(tmp_path: Path) -> None:
