@@ -98,7 +98,7 @@ class StrutSections:
         curves = curve_bodies(struts, sides, nodes)
         self._curves = MeshSections(curves) if len(curves.triangles) else None
         self._fillets: FilletSections | None = None
-        if struts.crowded.any():
+        if struts.crowded.any() or struts.crowded_runs.any():
             wanted = wanted_fillets(struts) if inside_fillets is None else inside_fillets
             self._fillets = FilletSections(struts, wanted, None if own is None else own.runs)
 
