@@ -57,8 +57,9 @@ class PeriodicLattice(Frozen):
     """Lowest corner of the first cell, shape (3,), mm."""
     axes: Frames
     """Unit directions of the sides, rows, shape (3, 3)."""
-    blend: float | None
-    """Fillet radius at the nodes of round struts, mm; None for half the struts' radius."""
+    blend: Radius | None
+    """Fillet radius at the nodes of round struts, mm, or a function of positions; None for half
+    the struts' radius."""
     ends: str
     """How round struts end at the lattice's sides where there is no other."""
     wall: float | None
@@ -73,7 +74,7 @@ class PeriodicLattice(Frozen):
         radius: Radius,
         origin: ArrayLike = (0.0, 0.0, 0.0),
         axes: ArrayLike | None = None,
-        blend: float | None = None,
+        blend: Radius | None = None,
         ends: str = "flat",
         wall: float | None = None,
     ) -> None:
@@ -97,7 +98,7 @@ class PeriodicLattice(Frozen):
             there are no such ends.
         """
         for name, value in (("blend", blend), ("wall", wall)):
-            if value is not None:
+            if value is not None and not callable(value):
                 as_number(value, name)
         check_choice(ends, "ends", ENDS)
         chosen = as_cell(cell)
@@ -143,16 +144,14 @@ class PeriodicLattice(Frozen):
     def scaled(self, factor: float) -> PeriodicLattice:
         """Return the lattice with positions and radii multiplied by `factor` > 0."""
         factor = as_number(factor, "scale factor", unit="")
-        given = self.radius
-        radius: Radius = _Scaled(given, factor) if callable(given) else factor * given
         return PeriodicLattice(
             self.cell,
             self.size * factor,
             self.counts,
-            radius=radius,
+            radius=_scaled(self.radius, factor),
             origin=self.origin * factor,
             axes=self.axes,
-            blend=None if self.blend is None else factor * self.blend,
+            blend=None if self.blend is None else _scaled(self.blend, factor),
             ends=self.ends,
             wall=None if self.wall is None else factor * self.wall,
         )
@@ -181,6 +180,10 @@ class PeriodicLattice(Frozen):
         keys, edges = window.used()
         nodes = self.positions(window, keys)
         return Skeleton(nodes, edges, radii_at(nodes, self.radius))
+
+
+def _scaled(radius: Radius, factor: float) -> Radius:
+    return _Scaled(radius, factor) if callable(radius) else factor * radius
 
 
 @dataclass(frozen=True)

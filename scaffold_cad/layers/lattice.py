@@ -43,7 +43,7 @@ def lattice_solid(lattice: PeriodicLattice, sides: int) -> RepeatedLattice | Sol
     level = lattice.axes[:2, 2] == 0
     if not (level.all() and lattice.axes[2, 2] > 0):
         return struts_solid(round_struts(lattice.skeleton(), **lattice.strut_options), sides)
-    if callable(lattice.radius):
+    if callable(lattice.radius) or callable(lattice.blend):
         return slabs_solid(lattice, sides)
     found = RepeatedLattice(lattice, sides)
     return found if found.is_told_apart else slabs_solid(lattice, sides)
