@@ -24,6 +24,10 @@ from scaffold_cad.struts import RoundStruts
 SQUARE = 0.15
 """Side of the squares of the grid, in radii of the thinnest strut."""
 
+BULGE = 0.3
+"""How far fillets reach beyond the box around struts at most, where flat ends meet, in their radii:
+1 - 1 / sqrt(2), see `solid.field.union`."""
+
 PIECE = 4.0
 """Length of the pieces that struts are looked at in, in their radii and fillets."""
 
@@ -52,6 +56,13 @@ class FilletSections:
         near = _meeting(low, high, strut)
         self._low, self._high, self._strut = low[near], high[near], strut[near]
         self._sweep = Sweep(self._low[:, 2], self._high[:, 2])
+
+    @property
+    def box(self) -> Floats:
+        """Lowest and highest corner of a box that holds all polygons, shape (2, 2), mm."""
+        inside = (1.0 - BULGE) * self._union.blend[self._strut, None]
+        low, high = self._low + inside, self._high - inside
+        return np.stack([low.min(axis=0, initial=np.inf), high.max(axis=0, initial=-np.inf)])[:, :2]
 
     def count(self, heights: Floats) -> Ints:
         """Return how many sections of struts take as long at each height, about, shape (h,)."""

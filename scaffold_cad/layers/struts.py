@@ -117,9 +117,10 @@ class StrutSections:
     def box(self) -> Floats:
         """Lowest and highest corner of a box that holds all polygons, shape (2, 2), mm."""
         low, high = self._straight_box()
-        if self._curves is not None:
-            low[:2] = np.minimum(low[:2], self._curves.box[0])
-            high[:2] = np.maximum(high[:2], self._curves.box[1])
+        for others in (self._curves, self._fillets):
+            if others is not None:
+                low[:2] = np.minimum(low[:2], others.box[0])
+                high[:2] = np.maximum(high[:2], others.box[1])
         low = np.minimum(low, self._bodies.low.min(axis=0, initial=np.inf))
         high = np.maximum(high, self._bodies.high.max(axis=0, initial=-np.inf))
         # Polygons reach beyond the circles that they stand for.

@@ -62,7 +62,12 @@ def test_crowded_nodes_have_the_sections_of_the_field_solid(
     field = field_solid(whole_struts(struts), cell=0.07 * float(skeleton.radii.min())).mesh
     heights = np.linspace(*between, 5)
     wanted = np.array([area_at(field, height) for height in heights.tolist()])
-    found = np.array([layer.area for layer in slices(struts, heights, sides=SIDES)])
+    layers = slices(struts, heights, sides=SIDES)
+    box, found = layers.box, np.zeros(0)
+    for layer in layers:
+        found = np.append(found, layer.area)
+        assert (layer.bounds[0] >= box[0]).all()
+        assert (layer.bounds[1] <= box[1]).all()
     assert np.abs(found / wanted - 1).max() < 0.003
 
     def nothing(self: Any, heights: Floats) -> list[Any]:
@@ -86,3 +91,11 @@ def test_the_wall_of_hollow_struts_is_as_thick_at_crowded_nodes() -> None:
         )
         # Across a plane that cuts struts along, walls are wider than they are thick.
         assert 0.2 * around / 2 < walls.area < outside.area
+
+
+def test_fillets_between_flat_ends_are_in_the_box() -> None:
+    struts = round_struts(star([[1, 0.1, 0], [1, -0.1, 0]], 1.0), blend=0.8)
+    layers = slices(struts, [0.0, 0.4])
+    for layer in layers:
+        assert (layer.bounds[0] >= layers.box[0]).all()
+        assert (layer.bounds[1] <= layers.box[1]).all()
