@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
-from scaffold_cad.base.arrays import Edges, Floats, Ints, UnitVectors
+from scaffold_cad.base.arrays import Edges, Floats, UnitVectors
 from scaffold_cad.mechanics.sections import Stiffnesses
 
 
@@ -68,15 +68,10 @@ def assembled(edges: Edges, blocks: Floats, count: int) -> sparse.bsr_array:
     """Return the stiffness matrix of `count` nodes, 6 rows a node, of blocks (m, 2, 2, 6, 6)."""
     rows = np.repeat(edges, 2, axis=1).reshape(-1)  # i i j j
     columns = np.tile(edges, (1, 2)).reshape(-1)  # i j i j
-    return summed_blocks(rows, columns, blocks.reshape(-1, 6, 6), count)
-
-
-def summed_blocks(rows: Ints, columns: Ints, blocks: Floats, count: int) -> sparse.bsr_array:
-    """Return the matrix of blocks (k, 6, 6) at rows and columns (k,), added where they meet."""
     key = rows * count + columns
     order = np.argsort(key, kind="stable")
     starts = np.flatnonzero(np.diff(key[order], prepend=-1))
-    data = np.add.reduceat(blocks[order], starts, axis=0)
+    data = np.add.reduceat(blocks.reshape(-1, 6, 6)[order], starts, axis=0)
     row, column = np.divmod(key[order][starts], count)
     offsets = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=count))])
     return sparse.bsr_array((data, column, offsets), shape=(6 * count, 6 * count))

@@ -3,7 +3,7 @@
 What a strut carries depends on all others, so the equations are solved for all nodes at once, in
 one process: but no skeleton of the whole is made there, and no array of all struts. Condensing each
 tile to the nodes that it shares would not be less: a block of n³ BCC cells keeps full matrices of
-some 1.3 n kB a strut, and the whole matrix has 0.65 kB.
+some 1.3 n kB a strut, and the whole matrix has 0.65 kB: `docs/large.md` has what is measured.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from hashlib import sha256
 from io import BytesIO
+from itertools import islice
 from pathlib import Path
 from typing import IO, Any
 
@@ -25,7 +26,6 @@ from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Ints
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mechanics.beams import BeamModel
-from scaffold_cad.mechanics.elements import summed_blocks
 from scaffold_cad.mechanics.loading import Load, Support, check_held, held, load_of
 from scaffold_cad.mechanics.materials import Material, as_material
 from scaffold_cad.mechanics.sections import as_hollow
@@ -129,14 +129,14 @@ class Stiffness:
         model = self.case.model(skeleton)
         matrix = model.stiffness_matrix()
         loaded = self.case.marks(self.case.loads, skeleton)
-        equations: list[np.ndarray] = [skeleton.nodes, matrix.indptr, matrix.indices, matrix.data]
-        return _saved(
-            [*equations, model.fixed, model.displacement, loaded, model.weight_at_nodes()]
-        )
+        places: list[np.ndarray] = [skeleton.nodes, matrix.indptr, matrix.indices]
+        held_and_loaded = [model.fixed, model.displacement, loaded, model.weight_at_nodes()]
+        return _saved([*places, *held_and_loaded, matrix.data])
 
     def join(self, files: Iterable[Path], path: Path) -> None:
         """Solve the equations of all tiles, and write how nodes move, for `Strength`."""
-        parts = [_Part(*_arrays_of(file)) for file in files]
+        paths = list(files)
+        parts = [_Part(*_arrays_of(file, 7)) for file in paths]
         nodes, place = np.unique(
             np.concatenate([part.nodes for part in parts]), axis=0, return_inverse=True
         )
@@ -154,7 +154,7 @@ class Stiffness:
             if not marks.any():
                 raise OptionError(f"load {number} is on no node; need one or more")
             forces[marks] += load_of(load, number, int(marks.sum()))
-        matrix = _assembled(parts, places, len(nodes))
+        matrix = _assembled(paths, parts, places, len(nodes))
         del parts
         pattern = (np.ones(len(matrix.indices)), matrix.indices, matrix.indptr)
         label = connected_components(sparse.csr_array(pattern, shape=(len(nodes),) * 2))[1]
@@ -227,12 +227,11 @@ class Strength:
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """The equations of a tile's own struts."""
+    """The equations of a tile's own struts, but for their numbers."""
 
     nodes: Floats
     indptr: Ints
     indices: Ints
-    data: Floats
     fixed: Bools
     displacement: Floats
     loaded: Bools
@@ -241,17 +240,21 @@ class _Part:
     """What struts push back with that carry their weight, shape (n, 6)."""
 
 
-def _assembled(parts: list[_Part], places: list[Ints], count: int) -> sparse.bsr_array:
-    """Return the stiffness of all `count` nodes."""
-    rows, columns, blocks = [], [], []
+def _assembled(
+    paths: list[Path], parts: list[_Part], places: list[Ints], count: int
+) -> sparse.bsr_array:
+    """Return the stiffness of all `count` nodes, of which one tile's is read at a time."""
+    keys = []
     for part, at in zip(parts, places, strict=True):
         row = np.repeat(np.arange(len(part.nodes)), np.diff(part.indptr))
-        rows.append(at[row])
-        columns.append(at[part.indices])
-        blocks.append(part.data)
-    return summed_blocks(
-        np.concatenate(rows), np.concatenate(columns), np.concatenate(blocks), count
-    )
+        keys.append(at[row] * count + at[part.indices])
+    every = np.unique(np.concatenate(keys))
+    data = np.zeros((len(every), 6, 6))
+    for path, key in zip(paths, keys, strict=True):
+        data[np.searchsorted(every, key)] += _arrays_of(path)[-1]  # a tile has each key once
+    row, column = np.divmod(every, count)
+    offsets = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=count))])
+    return sparse.bsr_array((data, column, offsets), shape=(6 * count, 6 * count))
 
 
 @lru_cache(maxsize=1)
@@ -267,9 +270,10 @@ def _saved(arrays: list[np.ndarray]) -> bytes:
     return file.getvalue()
 
 
-def _arrays_of(path: Path) -> list[np.ndarray]:
+def _arrays_of(path: Path, count: int | None = None) -> list[np.ndarray]:
+    """Return the first `count` arrays of a file, or all of them."""
     with path.open("rb") as file:
-        return list(_arrays(file))
+        return list(islice(_arrays(file), count))
 
 
 def _arrays(file: IO[bytes]) -> Iterator[np.ndarray]:
