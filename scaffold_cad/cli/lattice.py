@@ -12,7 +12,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.brep import BREP_SUFFIXES, read_brep
-from scaffold_cad.cli import build, latticelayers, sizes, slicing, source
+from scaffold_cad.cli import build, latticelayers, latticetiles, sizes, slicing, source
 from scaffold_cad.cli.maps import add_maps, map_of
 from scaffold_cad.cli.progress import ROUND_RATE, SCAFFOLD_RATE, SOLID_RATE, Progress
 from scaffold_cad.errors import FormatError, OptionError
@@ -100,12 +100,17 @@ def add_parser(
         "with it of a part from such a file",
     )
     slicing.add_layer_arguments(parser, required=False)
+    latticetiles.add_arguments(parser)
     source.add_max_nodes(parser, "lattice")
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
     """Fill, build and write."""
+    if options.tiles is not None:
+        latticetiles.run(options, LATTICE_SIDES)
+        return
+    latticetiles.refuse(options)
     if options.layer is not None:
         _write_layers(options)
         return

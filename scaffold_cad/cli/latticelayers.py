@@ -32,8 +32,7 @@ def check(options: argparse.Namespace) -> None:
     slicing.check_layers(options)
     source.refuse(options, ["beams", "overlaps", "max_nodes"], "is not for --layer")
     if options.box is not None or options.inside is not None:
-        why = "is not for layers of a box or a part, whose nodes are all blended alike"
-        source.refuse(options, ["blend", "ends", "wall"], why)
+        source.refuse(options, ["joints"], "is not for layers of a box or a part")
 
 
 def write(options: argparse.Namespace, where: Skeleton | TriangleMesh | Floats) -> None:
@@ -51,7 +50,9 @@ def write(options: argparse.Namespace, where: Skeleton | TriangleMesh | Floats) 
         cell = unit_cell(options.cell)
         corners = where.vertices if isinstance(where, TriangleMesh) else where
         bounds = np.stack([corners.min(axis=0), corners.max(axis=0)])
-        what = lattice_around(bounds, cell, cell_size(cell, options.size), options.radius)
+        given_struts = build.round_options(options)
+        size = cell_size(cell, options.size)
+        what = lattice_around(bounds, cell, size, options.radius, **given_struts)
         struts = what.strut_count
         if isinstance(where, TriangleMesh):
             given["region"] = where

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from threading import Event, Thread
 from typing import TextIO
@@ -60,6 +60,33 @@ class Progress:
         if taken > QUIET_TIME:
             self._slowness = taken / usual
 
+    @contextmanager
+    def counted(self, name: str, total: int, done: Callable[[], int]) -> Iterator[None]:
+        """Show how many of `total` things are done while the block runs.
+
+        Parameters
+        ----------
+        done : counts them
+        """
+        ended = Event()
+        writer = Thread(target=self._count, args=(name, total, done, ended), daemon=True)
+        if self._stream.isatty():
+            writer.start()
+        try:
+            yield
+        finally:
+            ended.set()
+            if writer.is_alive():
+                writer.join()
+
+    def _count(self, name: str, total: int, done: Callable[[], int], ended: Event) -> None:
+        """Rewrite the line until all is done, then clear it."""
+        begun, start = done(), time.monotonic()
+        while not ended.wait(PERIOD):
+            line = counted_line(name, done(), begun, total, time.monotonic() - start)
+            self._write(line)
+        self._write("")
+
     def _show(self, name: str, count: int, unit: str, usual: float, done: Event) -> None:
         """Rewrite the line until the stage is done, then clear it."""
         expected = self._slowness * usual
@@ -82,3 +109,17 @@ def progress_line(name: str, count: int, unit: str, taken: float, expected: floa
     rate = count / max(expected, taken)
     rest = f"about {left:.0f} s left" if left >= 1 else "longer than usual"
     return f"{name}: {count} {unit}, {rate:.0f} a second, {taken:.0f} s so far, {rest}"
+
+
+def counted_line(name: str, done: int, begun: int, total: int, taken: float) -> str:
+    """Return what is shown of things `taken` seconds after `begun` of them were done.
+
+    Examples
+    --------
+    >>> counted_line("tiles", 30, 10, 50, 40.0)
+    'tiles: 30 of 50, 40 s so far, about 40 s left'
+    """
+    line = f"{name}: {done} of {total}, {taken:.0f} s so far"
+    if done <= begun:
+        return line
+    return f"{line}, about {(total - done) * taken / (done - begun):.0f} s left"

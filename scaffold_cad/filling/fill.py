@@ -249,12 +249,15 @@ def cells_around(
     return as_counts(cell, found), corner
 
 
-def lattice_around(bounds: Floats, cell: UnitCell, size: Floats, radius: Radius) -> PeriodicLattice:
+def lattice_around(
+    bounds: Floats, cell: UnitCell, size: Floats, radius: Radius, **struts: Any
+) -> PeriodicLattice:
     """Return the lattice of all cells that a box meets, of which no strut is made yet.
 
     Parameters
     ----------
     bounds : (2, 3) float64, lowest and highest corner of the box, mm
+    struts : how round struts are made, see `PeriodicLattice`
 
     Raises
     ------
@@ -268,7 +271,7 @@ def lattice_around(bounds: Floats, cell: UnitCell, size: Floats, radius: Radius)
             f"{(bounds[1] - bounds[0]).tolist()} mm; need fewer than {MOST_CELLS:g} cells aside"
         )
     x, y, z = found.astype(np.intp).tolist()
-    return PeriodicLattice(cell, size, (x, y, z), radius=radius, origin=corner)
+    return PeriodicLattice(cell, size, (x, y, z), radius=radius, origin=corner, **struts)
 
 
 def _cells_around(

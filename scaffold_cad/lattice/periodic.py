@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_number, check_kind, checks_keywords
+from scaffold_cad.base.arguments import as_number, check_choice, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frames, Frozen, Ints, Points
 from scaffold_cad.base.radii import Radius, radii_at
 from scaffold_cad.lattice.maps.placing import Counts, three_counts
@@ -22,6 +23,9 @@ from scaffold_cad.lattice.repetition import Window, all_layers, as_counts, place
 from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.lattice.unitcell import UnitCell
 from scaffold_cad.skeleton import Skeleton
+
+ENDS = ("flat", "round", "open")
+"""How round struts can end where there is no other, see `round_struts`."""
 
 
 @checks_keywords()
@@ -53,6 +57,13 @@ class PeriodicLattice(Frozen):
     """Lowest corner of the first cell, shape (3,), mm."""
     axes: Frames
     """Unit directions of the sides, rows, shape (3, 3)."""
+    blend: Radius | None
+    """Fillet radius at the nodes of round struts, mm, or a function of positions; None for half
+    the struts' radius."""
+    ends: str
+    """How round struts end at the lattice's sides where there is no other."""
+    wall: float | None
+    """Thickness of hollow round struts, mm; None for solid ones."""
 
     def __init__(
         self,
@@ -63,6 +74,9 @@ class PeriodicLattice(Frozen):
         radius: Radius,
         origin: ArrayLike = (0.0, 0.0, 0.0),
         axes: ArrayLike | None = None,
+        blend: Radius | None = None,
+        ends: str = "flat",
+        wall: float | None = None,
     ) -> None:
         """Take a lattice.
 
@@ -75,12 +89,18 @@ class PeriodicLattice(Frozen):
             work in several processes it must be a function of a module
         origin : lowest corner of the first cell, mm
         axes : (3, 3), unit directions of the sides; by default those of the cell
+        blend, ends, wall : of round struts, see `round_struts`: for layers and tiles of them
 
         Raises
         ------
         OptionError
-            If the cell is not known, or a size, a count or a radius is not > 0.
+            If the cell is not known, a size, a count, a radius, a fillet or a wall is not > 0, or
+            there are no such ends.
         """
+        for name, value in (("blend", blend), ("wall", wall)):
+            if value is not None and not callable(value):
+                as_number(value, name)
+        check_choice(ends, "ends", ENDS)
         chosen = as_cell(cell)
         x, y, z = three_counts(counts).tolist()
         radii_at(np.zeros((1, 3)), radius)
@@ -91,6 +111,9 @@ class PeriodicLattice(Frozen):
             radius=radius,
             origin=as_place(origin, "origin"),
             axes=chosen.axes if axes is None else as_axes(axes),
+            blend=blend,
+            ends=ends,
+            wall=wall,
         )
 
     @classmethod
@@ -101,6 +124,11 @@ class PeriodicLattice(Frozen):
         check_kind(box, BoxMap)
         size = box.size / three_counts(counts)
         return cls(cell, size, counts, radius=radius, origin=box.origin, axes=box.axes)
+
+    @property
+    def strut_options(self) -> dict[str, Any]:
+        """What `round_struts` is asked for beside the skeleton."""
+        return {"blend": self.blend, "ends": self.ends, "wall": self.wall}
 
     @property
     def strut_count(self) -> int:
@@ -116,15 +144,16 @@ class PeriodicLattice(Frozen):
     def scaled(self, factor: float) -> PeriodicLattice:
         """Return the lattice with positions and radii multiplied by `factor` > 0."""
         factor = as_number(factor, "scale factor", unit="")
-        given = self.radius
-        radius: Radius = _Scaled(given, factor) if callable(given) else factor * given
         return PeriodicLattice(
             self.cell,
             self.size * factor,
             self.counts,
-            radius=radius,
+            radius=_scaled(self.radius, factor),
             origin=self.origin * factor,
             axes=self.axes,
+            blend=None if self.blend is None else _scaled(self.blend, factor),
+            ends=self.ends,
+            wall=None if self.wall is None else factor * self.wall,
         )
 
     def window(self, low: tuple[int, int, int], high: tuple[int, int, int]) -> Window:
@@ -151,6 +180,10 @@ class PeriodicLattice(Frozen):
         keys, edges = window.used()
         nodes = self.positions(window, keys)
         return Skeleton(nodes, edges, radii_at(nodes, self.radius))
+
+
+def _scaled(radius: Radius, factor: float) -> Radius:
+    return _Scaled(radius, factor) if callable(radius) else factor * radius
 
 
 @dataclass(frozen=True)

@@ -18,9 +18,9 @@ from scaffold_cad.base.arrays import Floats, Ints
 from scaffold_cad.lattice import PeriodicLattice
 from scaffold_cad.lattice.repetition import further_layers
 from scaffold_cad.layers.layer import Layer
-from scaffold_cad.layers.slabs import SlabSections, runs_of_equals
+from scaffold_cad.layers.slabs import runs_of_equals, slabs_solid
 from scaffold_cad.layers.stamps import Stamp
-from scaffold_cad.layers.struts import StrutSections
+from scaffold_cad.layers.struts import StrutSections, inside_sections, struts_solid
 from scaffold_cad.layers.uniting import Solid, layer_of, united
 from scaffold_cad.struts import round_struts
 
@@ -42,11 +42,11 @@ def lattice_solid(lattice: PeriodicLattice, sides: int) -> RepeatedLattice | Sol
     """Return a lattice to be cut."""
     level = lattice.axes[:2, 2] == 0
     if not (level.all() and lattice.axes[2, 2] > 0):
-        return Solid(StrutSections(round_struts(lattice.skeleton()), sides))
-    if callable(lattice.radius):
-        return Solid(SlabSections(lattice, sides))
+        return struts_solid(round_struts(lattice.skeleton(), **lattice.strut_options), sides)
+    if callable(lattice.radius) or callable(lattice.blend):
+        return slabs_solid(lattice, sides)
     found = RepeatedLattice(lattice, sides)
-    return found if found.is_told_apart else Solid(SlabSections(lattice, sides))
+    return found if found.is_told_apart else slabs_solid(lattice, sides)
 
 
 def _with_counts(lattice: PeriodicLattice, counts: Ints) -> PeriodicLattice:
@@ -59,6 +59,7 @@ def _with_counts(lattice: PeriodicLattice, counts: Ints) -> PeriodicLattice:
         radius=lattice.radius,
         origin=lattice.origin,
         axes=lattice.axes,
+        **lattice.strut_options,
     )
 
 
@@ -76,20 +77,21 @@ class RepeatedLattice:
         margin = MARGIN * further_layers(lattice.cell.motif)
         made = np.minimum(counts, 2 * margin + 1)
         steps = lattice.size[:, None] * lattice.axes  # (3, 3), mm
-        self._struts = round_struts(_with_counts(lattice, made).skeleton())
+        few = _with_counts(lattice, made).skeleton()
+        self._struts = round_struts(few, **lattice.strut_options)
         self._sides = sides
         self._origin, self._rise = float(lattice.origin[2]), steps[2]
         self._margin, self._more = margin, int(counts[2] - made[2])
         reach = further_layers(lattice.cell.motif)
         self._stamp = Stamp(lattice.origin[:2], steps[:2, :2], made[:2], counts[:2], reach)
         self._kept: dict[int, tuple[Floats, Ints]] = {}
-        few = StrutSections(self._struts, sides)
-        low, high = few.bounds
+        parts = StrutSections(self._struts, sides)
+        low, high = parts.bounds
         self.bounds = low, high + self._more * float(self._rise[2])
         """Lowest and highest point, mm."""
         shifts = np.array(list(product((0, 1), repeat=3)))
         far = (shifts * (counts - made)) @ steps[:, :2]  # (8, 2)
-        self.box: Floats = few.box + np.stack([far.min(axis=0), far.max(axis=0)])
+        self.box: Floats = parts.box + np.stack([far.min(axis=0), far.max(axis=0)])
         """Lowest and highest corner of a box that holds all polygons, shape (2, 2), mm."""
 
     @property
@@ -122,21 +124,21 @@ class RepeatedLattice:
         known = {key: self._kept[key] for key in keys if key in self._kept}
         fresh = np.array([key not in known for key in keys], dtype=np.bool_)
         made = self._few(planes[fresh])
-        parts: StrutSections | None = None
+        parts: list[StrutSections] = []
         for key, plane, is_fresh in zip(keys, planes, fresh.tolist(), strict=True):
             points, offsets = next(made) if is_fresh else known[key]
             if is_fresh:
                 self._keep(key, (points, offsets))
             found = self._stamp.repeated(points, offsets)
             if found is None:
-                parts = StrutSections(self._struts, self._sides) if parts is None else parts
+                parts = parts or self._parts()
                 found = self._united(parts, plane)
             yield (found[0] + shift if shift.any() else found[0]), found[1]
 
     def _few(self, planes: Floats) -> Iterator[tuple[Floats, Ints]]:
         """Yield the polygons of the few cells at each of ascending heights."""
         if len(planes):
-            for layer in Solid(StrutSections(self._struts, self._sides)).layers(planes, 0.0):
+            for layer in struts_solid(self._struts, self._sides).layers(planes, 0.0):
                 yield layer.points, layer.offsets
 
     def _keep(self, key: int, polygons: tuple[Floats, Ints]) -> None:
@@ -145,12 +147,25 @@ class RepeatedLattice:
             self._kept.pop(next(iter(self._kept)))
         self._kept[key] = polygons
 
-    def _united(self, parts: StrutSections, plane: float) -> tuple[Floats, Ints]:
+    def _parts(self) -> list[StrutSections]:
+        """Return the struts, and what is taken out of hollow ones, from the lowest up."""
+        hollow = inside_sections(self._struts, self._sides)
+        whole = StrutSections(self._struts, self._sides)
+        return [whole] if hollow is None else [whole, hollow]
+
+    def _united(self, parts: list[StrutSections], plane: float) -> tuple[Floats, Ints]:
         """Return the polygons at a height where some go on from cell to cell without an end."""
+        section = self._repeated(parts[0], plane)
+        for hollow in parts[1:]:
+            section = section - self._repeated(hollow, plane)
+        layer = layer_of(section, plane, 0.0)
+        return layer.points, layer.offsets
+
+    def _repeated(self, parts: StrutSections, plane: float) -> CrossSection:
+        """Return the sections of parts at a height, repeated one by one and united."""
         loops: list[Floats] = []
         for some in parts.loops(np.array([plane])):
             found = self._stamp.repeated(some.points, some.offsets)
             if found is not None and len(found[0]):  # else one is too wide to be told apart
                 loops += np.split(found[0], found[1][1:-1])
-        layer = layer_of(united(loops), plane, 0.0)
-        return layer.points, layer.offsets
+        return united(loops)

@@ -11,7 +11,8 @@ from scaffold_cad.lattice import PeriodicLattice
 from scaffold_cad.lattice.repetition import further_layers
 from scaffold_cad.layers.loops import Loops
 from scaffold_cad.layers.rounds import swell
-from scaffold_cad.layers.struts import StrutSections
+from scaffold_cad.layers.struts import StrutSections, inside_sections
+from scaffold_cad.layers.uniting import Solid
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts import round_struts
 
@@ -23,16 +24,24 @@ AROUND = 2
 cut depends on its struts, their neighbors, and how much room those need."""
 
 
+def slabs_solid(lattice: PeriodicLattice, sides: int) -> Solid:
+    """Return a lattice whose layers of cells are level, to be cut."""
+    hollow = None if lattice.wall is None else SlabSections(lattice, sides, is_inside=True)
+    return Solid(SlabSections(lattice, sides), hollow)
+
+
 class SlabSections:
     """The sections of a lattice whose layers of cells are level, from the lowest up."""
 
-    def __init__(self, lattice: PeriodicLattice, sides: int) -> None:
+    def __init__(self, lattice: PeriodicLattice, sides: int, *, is_inside: bool = False) -> None:
         """Take a lattice; no strut is made yet.
 
         Parameters
         ----------
         sides : of the polygons that stand for circles, a multiple of 4
+        is_inside : whether what is taken out of hollow struts is wanted
         """
+        self._is_inside = is_inside
         self._lattice, self._sides = lattice, sides
         self._origin = float(lattice.origin[2])
         self._rise = float(lattice.size[2] * lattice.axes[2, 2])
@@ -81,7 +90,10 @@ class SlabSections:
 
     def _made(self, number: int) -> StrutSections:
         """Return the sections of a slab, with enough around it."""
-        return StrutSections(round_struts(self._skeleton(number, self._around)), self._sides)
+        skeleton = self._skeleton(number, self._around)
+        struts = round_struts(skeleton, **self._lattice.strut_options)
+        inside = inside_sections(struts, self._sides) if self._is_inside else None
+        return StrutSections(struts, self._sides) if inside is None else inside
 
     def _skeleton(self, number: int, around: int) -> Skeleton:
         """Return the struts of a slab and of some layers of cells above and below it."""

@@ -17,7 +17,7 @@ from scaffold_cad.lattice import PeriodicLattice
 from scaffold_cad.layers.lattice import RepeatedLattice, lattice_solid
 from scaffold_cad.layers.layer import Layer, Layers
 from scaffold_cad.layers.loops import MeshSections
-from scaffold_cad.layers.struts import StrutSections
+from scaffold_cad.layers.struts import struts_solid
 from scaffold_cad.layers.uniting import Solid, layer_of
 from scaffold_cad.mesh.bodies import body_of
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -49,8 +49,8 @@ def slices(
 
     Round struts are cut as what they are, cylinders and cones, and only the blends at their nodes
     as triangles: no mesh of the whole is made, and memory does not grow with the layers. Struts
-    that overlap are united; at nodes that are crowded, see `RoundStruts`, they are so without
-    fillets.
+    that overlap are united; at nodes that are crowded, see `RoundStruts`, fillets are those of the
+    field that a mesh has there.
 
     Parameters
     ----------
@@ -112,10 +112,7 @@ def _solid(what: Any, sides: int | None) -> Solid | RepeatedLattice:
         if sides is not None:
             raise OptionError(f"sides is for round struts; got a {type(what).__name__}")
         return Solid(MeshSections(_closed(what)))
-    number = _sides(sides)
-    inner = what.inner
-    hollow = None if inner is None else StrutSections(inner, number, is_inside=True)
-    return Solid(StrutSections(what, number), hollow)
+    return struts_solid(what, _sides(sides))
 
 
 def _sides(sides: int | None) -> int:

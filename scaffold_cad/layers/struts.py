@@ -2,19 +2,24 @@
 
 Each is closed by itself and reaches a little into the next; `uniting` joins their sections. Nodes
 that are crowded have no surface of their own: there the struts go on to the node, with a ball of
-the thickest one around it, so that what overlaps is united without fillets.
+the thickest one around it, and what is between them comes from `fillets`.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Ints
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints
+from scaffold_cad.layers.fillets import FilletSections
 from scaffold_cad.layers.loops import Loops, MeshSections
 from scaffold_cad.layers.nodes import NODES_AT_ONCE, EqualNodeSections, NodeSections
 from scaffold_cad.layers.rounds import Balls, Cones, swell
 from scaffold_cad.layers.sweep import Sweep, count_at
+from scaffold_cad.layers.uniting import Solid
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.solid.clusters.stumps import wanted_fillets
 from scaffold_cad.struts import RoundStruts
 from scaffold_cad.struts.bodies import NodeBodies, curve_bodies
 
@@ -26,22 +31,62 @@ OPENING = 0.1
 """How far the inside of hollow struts reaches beyond an open end, in its radii."""
 
 
+def struts_solid(struts: RoundStruts, sides: int) -> Solid:
+    """Return round struts, solid or hollow, to be cut.
+
+    Parameters
+    ----------
+    sides : of the polygons that stand for circles, a multiple of 4
+    """
+    return Solid(StrutSections(struts, sides), inside_sections(struts, sides))
+
+
+def inside_sections(
+    struts: RoundStruts, sides: int, own: Own | None = None
+) -> StrutSections | None:
+    """Return the sections of what is taken out of hollow struts; None of solid ones."""
+    if struts.inner is None:
+        return None
+    fillets = wanted_fillets(struts) + (struts.options.wall or 0.0)
+    return StrutSections(struts.inner, sides, inside_fillets=fillets, own=own)
+
+
+@dataclass(frozen=True, eq=False)
+class Own(Frozen):
+    """The runs and nodes whose sections are wanted."""
+
+    runs: Bools
+    """Shape (k,)."""
+    nodes: Bools
+    """Shape (n,)."""
+
+
 class StrutSections:
     """The sections of solid round struts, from the lowest up."""
 
-    def __init__(self, struts: RoundStruts, sides: int, *, is_inside: bool = False) -> None:
+    def __init__(
+        self,
+        struts: RoundStruts,
+        sides: int,
+        *,
+        inside_fillets: Floats | None = None,
+        own: Own | None = None,
+    ) -> None:
         """Take struts.
 
         Parameters
         ----------
         sides : of the polygons that stand for circles, a multiple of 4
-        is_inside : whether they are what is taken out of hollow struts
+        inside_fillets : (n,) fillet radius of each node, mm, of what is taken out of hollow struts
+        own : the runs and nodes that are wanted; by default all
         """
         self._sides = sides
-        self._cones, self._balls = cones_of(struts, is_inside), balls_of(struts)
+        is_inside = inside_fillets is not None
+        nodes = ~struts.crowded if own is None else own.nodes & ~struts.crowded
+        self._cones, self._balls = cones_of(struts, is_inside, own), balls_of(struts, own)
         self._cone_sweep = Sweep(*self._cones.extents())
         self._ball_sweep = Sweep(*self._balls.extents())
-        self._bodies = NodeBodies(struts, sides)
+        self._bodies = NodeBodies(struts, sides, nodes)
         alone = np.flatnonzero(self._bodies.kinds < 0)
         self._nodes: list[NodeSections | EqualNodeSections] = [NodeSections(self._bodies, alone)]
         for kind in range(self._bodies.kinds.max(initial=-1) + 1):
@@ -50,23 +95,32 @@ class StrutSections:
             first = self._bodies.mesh(equal[:1])
             at_zero = TriangleMesh(first.vertices - places[0], first.triangles)
             self._nodes.append(EqualNodeSections(at_zero, places))
-        curves = curve_bodies(struts, sides)
+        curves = curve_bodies(struts, sides, nodes)
         self._curves = MeshSections(curves) if len(curves.triangles) else None
+        self._fillets: FilletSections | None = None
+        if struts.crowded.any() or struts.crowded_runs.any():
+            wanted = wanted_fillets(struts) if inside_fillets is None else inside_fillets
+            self._fillets = FilletSections(struts, wanted, None if own is None else own.runs)
 
     def count(self, heights: Floats) -> Ints:
         """Return how many parts there are at each height, about, shape (h,)."""
         parts = [self._cones.extents(), self._balls.extents()]
         parts.append((self._bodies.low[:, 2], self._bodies.high[:, 2]))
         low, high = (np.concatenate(column) for column in zip(*parts, strict=True))
-        return count_at(heights, low, high) + (self._curves.count(heights) if self._curves else 0)
+        count = count_at(heights, low, high)
+        for others in (self._curves, self._fillets):
+            if others is not None:
+                count = count + others.count(heights)
+        return count
 
     @property
     def box(self) -> Floats:
         """Lowest and highest corner of a box that holds all polygons, shape (2, 2), mm."""
         low, high = self._straight_box()
-        if self._curves is not None:
-            low[:2] = np.minimum(low[:2], self._curves.box[0])
-            high[:2] = np.maximum(high[:2], self._curves.box[1])
+        for others in (self._curves, self._fillets):
+            if others is not None:
+                low[:2] = np.minimum(low[:2], others.box[0])
+                high[:2] = np.maximum(high[:2], others.box[1])
         low = np.minimum(low, self._bodies.low.min(axis=0, initial=np.inf))
         high = np.maximum(high, self._bodies.high.max(axis=0, initial=-np.inf))
         # Polygons reach beyond the circles that they stand for.
@@ -101,12 +155,13 @@ class StrutSections:
             self._cones[self._cone_sweep.between(*between)].loops(heights, self._sides),
             self._balls[self._ball_sweep.between(*between)].loops(heights, self._sides),
         ]
-        for made in [*self._nodes, *([] if self._curves is None else [self._curves])]:
-            found += made.loops(heights)
+        for made in (*self._nodes, self._curves, self._fillets):
+            if made is not None:
+                found += made.loops(heights)
         return found
 
 
-def cones_of(struts: RoundStruts, is_inside: bool) -> Cones:
+def cones_of(struts: RoundStruts, is_inside: bool, wanted: Own | None = None) -> Cones:
     """Return the straight struts, from a little before their collars, and the bores of sockets."""
     runs, bores = struts.runs, struts.options.sockets or {}
     half_runs = np.arange(len(runs.tails))
@@ -119,6 +174,8 @@ def cones_of(struts: RoundStruts, is_inside: bool) -> Cones:
     ends = runs.nodes[runs.tails] + begin[:, None] * runs.directions
     radii = runs.radii_at(half_runs, begin).reshape(-1, 2)
     straight = ~struts.curves.curved | struts.crowded_runs
+    if wanted is not None:
+        straight = straight & wanted.runs
     cones = Cones(ends[0::2][straight], ends[1::2][straight], radii[straight])
     return _with_bores(cones, struts) if is_inside and bores else cones
 
@@ -138,18 +195,21 @@ def _with_bores(cones: Cones, struts: RoundStruts) -> Cones:
     )
 
 
-def balls_of(struts: RoundStruts) -> Balls:
+def balls_of(struts: RoundStruts, wanted: Own | None = None) -> Balls:
     """Return the balls at round ends, tangent to their strut, and those at crowded nodes."""
     runs = struts.runs
     is_end = runs.valency[runs.tails] == 1
-    ends = np.flatnonzero(is_end & (struts.options.ends == "round"))
+    rounds, crowded = is_end & (struts.options.ends == "round"), struts.crowded
+    if wanted is not None:
+        rounds, crowded = rounds & np.repeat(wanted.runs, 2), crowded & wanted.nodes
+    ends = np.flatnonzero(rounds)
     radius, slope = runs.radii.reshape(-1)[ends], runs.slopes[ends]
     centers = runs.nodes[runs.tails[ends]] + (radius * slope)[:, None] * runs.directions[ends]
     widest = np.zeros(len(runs.nodes))
     np.maximum.at(widest, runs.tails, runs.radii.reshape(-1))
-    crowded = np.flatnonzero(struts.crowded & (runs.valency > 1))
-    sizes = np.maximum(widest, struts.skeleton.radii)[crowded]
+    places = np.flatnonzero(crowded & (runs.valency > 1))
+    sizes = np.maximum(widest, struts.skeleton.radii)[places]
     return Balls(
-        np.concatenate([centers, runs.nodes[crowded]]),
+        np.concatenate([centers, runs.nodes[places]]),
         np.concatenate([radius * np.hypot(1.0, slope), sizes]),
     )

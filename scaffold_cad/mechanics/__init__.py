@@ -5,7 +5,7 @@ from scaffold_cad.mechanics.beams import BeamModel, BeamSolution, beam_model
 from scaffold_cad.mechanics.cells import CellRow, Homogenized, cell_table, homogenized
 from scaffold_cad.mechanics.hexahedra import Hexahedra, hexahedra
 from scaffold_cad.mechanics.loadfiles import Loading, read_loading
-from scaffold_cad.mechanics.loading import Load, Support
+from scaffold_cad.mechanics.loading import Between, Load, Support
 from scaffold_cad.mechanics.materials import MATERIALS, Material
 from scaffold_cad.mechanics.meshfiles import write_hexahedra
 from scaffold_cad.mechanics.page import write_strength_page
@@ -17,6 +17,7 @@ __all__ = [
     "MATERIALS",
     "BeamModel",
     "BeamSolution",
+    "Between",
     "CellRow",
     "Hexahedra",
     "Homogenized",

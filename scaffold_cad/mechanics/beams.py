@@ -105,8 +105,7 @@ class BeamModel(Frozen):
         """
         check_supported(self.skeleton, self.fixed)
         skeleton, matrix = self.skeleton, self.stiffness_matrix()
-        clamped = self._clamped_ends()
-        load = self.forces - _summed_at_nodes(skeleton, clamped)
+        load = self.forces - self.weight_at_nodes()
         given = self.displacement.reshape(-1)
         moved = matrix @ given if given.any() else np.zeros(len(given))
         right = load.reshape(-1) - moved
@@ -114,14 +113,21 @@ class BeamModel(Frozen):
         found = given + free
         reactions = (matrix @ found).reshape(-1, 6) - load
         reactions[~self.fixed] = 0.0
-        freedoms = found.reshape(-1, 6)
+        return self.solution(found.reshape(-1, 6), reactions)
+
+    def solution(self, freedoms: Floats, reactions: Floats | None = None) -> BeamSolution:
+        """Return what becomes of the struts if nodes move by `freedoms` (n, 6), mm and rad."""
         return BeamSolution(
             model=self,
             displacements=np.ascontiguousarray(freedoms[:, :3]),
             rotations=np.ascontiguousarray(freedoms[:, 3:]),
-            reactions=reactions,
-            end_forces=self.end_forces(freedoms, clamped),
+            reactions=np.zeros_like(freedoms) if reactions is None else reactions,
+            end_forces=self.end_forces(freedoms),
         )
+
+    def weight_at_nodes(self) -> Floats:
+        """Return what struts that carry their weight push back with at each node, (n, 6)."""
+        return _summed_at_nodes(self.skeleton, self._clamped_ends())
 
     def stiffness_matrix(self) -> sparse.bsr_array:
         """Return the stiffness of all nodes, held or not, 6 rows a node: x y z rx ry rz."""
@@ -169,9 +175,8 @@ class BeamModel(Frozen):
             return np.zeros((len(self.skeleton.edges), 2, 6))
         return clamped_by_weight(self)
 
-    def end_forces(self, freedoms: Floats, clamped: Floats | None = None) -> Floats:
+    def end_forces(self, freedoms: Floats) -> Floats:
         """Return the forces on each strut's ends if nodes move by `freedoms` (n, 6), (m, 2, 6)."""
-        clamped = self._clamped_ends() if clamped is None else clamped
         first, second = np.moveaxis(freedoms[self.skeleton.edges], 1, 0)  # (m, 6)
         # What the second end moves beyond the rigid motion of the first: small differences of
         # large numbers are taken before they are multiplied.
@@ -180,7 +185,7 @@ class BeamModel(Frozen):
         far = second_end(self.skeleton.directions[::2], self.stiffnesses)
         at_second = np.einsum("mij,mj->mi", far, drift)
         at_first = np.einsum("mij,mj->mi", first_by_second(self.spans), at_second)
-        forces: Floats = np.stack([at_first, at_second], axis=1) + clamped
+        forces: Floats = np.stack([at_first, at_second], axis=1) + self._clamped_ends()
         return forces
 
 

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_flag, check_kind, checks_keywords
+from scaffold_cad.base.arguments import as_flag, check_choice, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, as_chosen, as_floats, read_only
 from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton
@@ -24,6 +24,35 @@ _Item = TypeVar("_Item")
 
 RANK_TOLERANCE = 1e-9
 """Least singular value of a body's supports over the largest; no unit."""
+
+
+@checks_keywords()
+@dataclass(frozen=True)
+class Between:
+    """Marks the nodes between two places along an axis: a `where` that other processes know too.
+
+    Examples
+    --------
+    >>> foot = Support(Between("z", high=0.5))
+    >>> deck = Load(Between("z", low=19.5), force=(0, 0, -300))
+    >>> Between("x", 1.0, 2.0)(np.array([[0.5, 0, 0], [1.5, 0, 0]])).tolist()
+    [False, True]
+    """
+
+    axis: str
+    """x, y or z."""
+    low: float = -np.inf
+    """Lowest coordinate, mm."""
+    high: float = np.inf
+    """Highest coordinate, mm."""
+
+    def __post_init__(self) -> None:
+        check_choice(self.axis, "axis", ("x", "y", "z"))
+
+    def __call__(self, nodes: Points) -> Bools:
+        """Return which of positions (n, 3) are between, (n,)."""
+        places = nodes[:, "xyz".index(self.axis)]
+        return np.asarray((places >= self.low) & (places <= self.high))
 
 
 @checks_keywords()
@@ -112,11 +141,16 @@ def nodal_forces(skeleton: Skeleton, loads: Load | Iterable[Load]) -> Floats:
     total = np.zeros((len(skeleton.nodes), 6))
     for number, load in enumerate(_listed(loads, Load)):
         nodes = chosen_nodes(skeleton, load.where, f"load {number}")
-        both = np.concatenate(
-            [_three(load.force, "force", number), _three(load.moment, "moment", number)]
-        )
-        total[nodes] += both if as_flag(load.each, "each") else both / len(nodes)
+        total[nodes] += load_of(load, number, len(nodes))
     return total
+
+
+def load_of(load: Load, number: int, count: int) -> Floats:
+    """Return the force and moment (6,) on each of the `count` nodes of load `number`."""
+    both = np.concatenate(
+        [_three(load.force, "force", number), _three(load.moment, "moment", number)]
+    )
+    return both if as_flag(load.each, "each") else both / count
 
 
 def chosen_nodes(skeleton: Skeleton, where: Where, what: str) -> Ints:
@@ -144,10 +178,14 @@ def check_supported(skeleton: Skeleton, fixed: Bools) -> None:
     OptionError
         If one can; the part and how it can move are named.
     """
-    label = skeleton.component_of_node
+    check_held(skeleton.nodes, skeleton.component_of_node, fixed)
+
+
+def check_held(nodes: Points, label: Ints, fixed: Bools) -> None:
+    """Raise unless no part can move as a rigid body, for the part of each node (n,)."""
     for part in np.unique(label).tolist():
         inside = np.flatnonzero(label == part)
-        position = skeleton.nodes[inside]
+        position = nodes[inside]
         modes = rigid_motions(position - position.mean(axis=0))  # (k, 6, 6)
         size = max(float(np.abs(position - position.mean(axis=0)).max()), 1e-300)
         modes[:, :3, 3:] /= size

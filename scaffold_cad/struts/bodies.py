@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Ints, Points, Triangles
+from scaffold_cad.base.arrays import Bools, Ints, Points, Triangles
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.struts.curverings import curve_rings
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
@@ -25,14 +25,15 @@ SAME = 1e-6
 
 
 class NodeBodies:
-    """The blended nodes of round struts that are not crowded, from the lowest to the highest."""
+    """Blended nodes of round struts, from the lowest to the highest."""
 
-    def __init__(self, struts: RoundStruts, sides: int) -> None:
+    def __init__(self, struts: RoundStruts, sides: int, chosen: Bools) -> None:
         """Take the nodes of struts; none is made yet.
 
         Parameters
         ----------
         sides : points of a collar's ring, a multiple of 4
+        chosen : (n,) which nodes are wanted; none of them crowded
         """
         self._struts, self._sides = struts, sides
         self._sized = sized_rings(struts, sides)
@@ -40,7 +41,7 @@ class NodeBodies:
         groups, nodes, kinds = [], [], []
         rows: list[Ints] = []
         for number, group in enumerate(struts.blended):
-            row = np.flatnonzero(~struts.crowded[group.nodes])
+            row = np.flatnonzero(chosen[group.nodes])
             # A patch lies among its control points.
             control = group.shapes.control.reshape(len(group.shapes), -1, 3)  # (U, ..., 3)
             growth = self._sized.growth[group.half_runs[row]].max(axis=1)[:, None]
@@ -116,15 +117,16 @@ def _kinds(numbers: Ints) -> Ints:
     return found
 
 
-def curve_bodies(struts: RoundStruts, sides: int) -> TriangleMesh:
-    """Return the closed surfaces of the curves that are not crowded, with discs at their ends.
+def curve_bodies(struts: RoundStruts, sides: int, chosen: Bools) -> TriangleMesh:
+    """Return the closed surfaces of curves, with discs at their ends.
 
     Parameters
     ----------
     sides : points of a ring, a multiple of 4
+    chosen : (n,) joints, none of them crowded; the curves are wanted whose first ones these are
     """
     first_joints = struts.curves.nodes[struts.curves.offsets[:-1] + 1]
-    curves = struts.curves.chosen(~struts.crowded[first_joints])
+    curves = struts.curves.chosen(chosen[first_joints])
     ends = curves.half_runs[~curves.closed].reshape(-1)
     rings = np.empty((len(struts.collar), sides), dtype=np.intp)
     rings[ends] = np.arange(len(ends) * sides).reshape(-1, sides)

@@ -21,7 +21,7 @@ from scaffold_cad.struts.curvedjoints import CurvedJoints, curved_joints, possib
 from scaffold_cad.struts.curveproof import proved
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.nodes import blends, nearest_collars
-from scaffold_cad.struts.options import BLEND, Ends, Joints, StrutOptions
+from scaffold_cad.struts.options import Blend, Ends, Joints, StrutOptions, as_blend
 from scaffold_cad.struts.room import allotted
 from scaffold_cad.struts.runs import Runs, straight_runs
 from scaffold_cad.struts.sockets import sockets_of
@@ -32,7 +32,7 @@ from scaffold_cad.struts.walls import without_wall
 def round_struts(
     skeleton: Skeleton,
     *,
-    blend: float | None = None,
+    blend: Blend | None = None,
     ends: Ends = "flat",
     wall: float | None = None,
     joints: Joints = "auto",
@@ -46,7 +46,9 @@ def round_struts(
     skeleton : as `check_skeleton` asks; its edge radii are those of the struts. A node whose own
         radius is larger than those is a ball, blended with its struts
     blend : fillet radius at the nodes, mm; by default half the radius of a node's thinnest strut.
-        Where there is no room for it it shrinks, to a tenth of the struts' radii at least
+        Where there is no room for it it shrinks, to a tenth of the struts' radii at least. One
+        number, one for each node, shape (n,), or a function of positions (n, 3), such as a sampled
+        field
     ends : how struts end: "flat" at their node, "round" beyond it, or "open" with a wall
     wall : thickness of hollow struts, mm
     joints : how struts pass joints of two edges: "blend" as bends with a fillet between exact
@@ -78,7 +80,7 @@ def round_struts(
     ([True, True, True], 0.4)
     """
     check_skeleton(skeleton)
-    options = StrutOptions(blend, ends, wall, joints, sockets)
+    options = StrutOptions(as_blend(blend, skeleton.nodes), ends, wall, joints, sockets)
     if like is not None:
         _check_like(skeleton, options, like)
     outer = _built(skeleton, options, like)
@@ -236,7 +238,7 @@ def _stars(
     ball = skeleton.radii[group.nodes]
     ball = np.where(ball > radii.max(axis=1) * (1 + 1e-9), ball, 0.0)
     thin = radii.min(axis=1)
-    blend = BLEND * thin if options.blend is None else np.full(len(thin), options.blend)
+    blend = options.blends(group.nodes, thin)
     if outer is not None:
         blend = outer.fillet[group.nodes] + (outer.options.wall or 0.0)
     vertices, quads = _partitions(directions, group, like or outer)

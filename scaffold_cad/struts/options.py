@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal, TypeAlias, get_args
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from scaffold_cad.base.arguments import as_number, check_choice
+from scaffold_cad.base.arrays import Floats, Ints, Points, as_floats, read_only
 from scaffold_cad.errors import OptionError
 
 Ends: TypeAlias = Literal["flat", "round", "open"]
@@ -20,12 +24,17 @@ BLEND = 0.5
 """Fillet radius when none is given, in radii of the thinnest strut of the node."""
 
 
+Blend: TypeAlias = float | ArrayLike | Callable[[Points], ArrayLike]
+"""Fillet radius, mm: one number, one for each node (n,), or a function of positions (n, 3)."""
+
+
 @dataclass(frozen=True)
 class StrutOptions:
     """How round struts are made, see `round_struts`."""
 
-    blend: float | None = None
-    """Fillet radius of the nodes, mm; None for half the radius of each node's thinnest strut."""
+    blend: float | Floats | None = None
+    """Fillet radius of all nodes, or of each, shape (n,), mm; None for half the radius of each
+    node's thinnest strut."""
     ends: Ends = "flat"
     """How struts end."""
     wall: float | None = None
@@ -36,7 +45,7 @@ class StrutOptions:
     """Inner radius and depth of sockets, mm, by the extremity at which they are."""
 
     def __post_init__(self) -> None:
-        if self.blend is not None:
+        if self.blend is not None and np.ndim(self.blend) == 0:
             as_number(self.blend, "blend")
         check_choice(self.ends, "ends", ("flat", "round", "open"))
         check_choice(self.joints, "joints", get_args(Joints))
@@ -46,3 +55,35 @@ class StrutOptions:
             raise OptionError("ends is 'open' without a wall; need wall=, mm, or ends='flat'")
         if self.sockets and self.ends != "open":
             raise OptionError(f"sockets with ends={self.ends!r}; need ends='open', and a wall")
+
+    def blends(self, nodes: Ints, thin: Floats) -> Floats:
+        """Return the fillet radius asked for at nodes, of any one shape, mm.
+
+        Parameters
+        ----------
+        thin : radius of the thinnest strut of each
+        """
+        if self.blend is None:
+            return BLEND * thin
+        given = np.asarray(self.blend, dtype=np.float64)
+        return np.full(thin.shape, given) if given.ndim == 0 else given[nodes]
+
+
+def as_blend(blend: Blend | None, nodes: Points) -> float | Floats | None:
+    """Return fillet radii as a number or one for each of the nodes (n, 3).
+
+    Raises
+    ------
+    OptionError
+        If there are more or fewer, or one is not > 0; its node is named.
+    """
+    there = blend(nodes) if callable(blend) else blend
+    if there is None or np.ndim(there) == 0:
+        return None if there is None else as_number(there, "blend")
+    given = as_floats(there, "blend", OptionError)
+    if given.shape != (len(nodes),):
+        raise OptionError(f"blend has shape {given.shape}; need one number, or ({len(nodes)},), mm")
+    bad = np.flatnonzero(~(np.isfinite(given) & (given > 0)))
+    if len(bad):
+        raise OptionError(f"blend of node {bad[0]} is {given[bad[0]]:g} mm; need > 0")
+    return read_only(given)

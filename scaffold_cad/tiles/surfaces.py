@@ -58,7 +58,7 @@ def round_triangles(
 
     Parameters
     ----------
-    options : of `round_struts`
+    options : of `round_struts`, in place of those of the whole
     sides : of the polygons that stand for circles, a multiple of 4
     overlaps : see `Build`
 
@@ -67,11 +67,9 @@ def round_triangles(
     MeshError
         If an own strut overlaps another, and that is refused.
     """
-    struts = round_struts(tile.skeleton, **options)
+    struts = round_struts(tile.skeleton, **{**tile.strut_options, **options})
     run = struts.runs.run_of_edge
-    first = np.full(len(struts.runs.edges), len(run), dtype=np.intp)
-    np.minimum.at(first, run, np.arange(len(run)))
-    own_runs, own_nodes = tile.own[first], tile.own_nodes
+    own_runs, own_nodes = tile.own_runs(run), tile.own_nodes
     made = triangulated(struts, sides)
     if overlaps == "refuse":
         touched = own_runs | own_nodes[struts.runs.edges].any(axis=1)  # (k,)

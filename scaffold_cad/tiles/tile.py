@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -24,6 +26,8 @@ class Tile(Frozen):
     """Its own struts and those around them."""
     own: Bools
     """Which struts are its own, shape (m,)."""
+    strut_options: Mapping[str, Any] = field(default_factory=dict)
+    """What the whole asks `round_struts` for."""
 
     @cached_property
     def first_strut(self) -> Ints:
@@ -32,6 +36,18 @@ class Tile(Frozen):
         for ends in self.skeleton.edges.T:
             np.minimum.at(first, ends, np.arange(len(ends)))
         return first
+
+    def own_runs(self, run_of_edge: Ints) -> Bools:
+        """Return which straight runs are its own: those whose first strut is, shape (k,).
+
+        Parameters
+        ----------
+        run_of_edge : (m,) the run of each strut
+        """
+        first = np.full(int(run_of_edge.max()) + 1, len(run_of_edge), dtype=np.intp)
+        np.minimum.at(first, run_of_edge, np.arange(len(run_of_edge)))
+        own: Bools = self.own[first]
+        return own
 
     @cached_property
     def own_nodes(self) -> Bools:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -170,7 +170,8 @@ class LatticeTiles(Frozen):
         """All that decides about the tiles, to be hashed."""
         of, motif = self.lattice, self.lattice.cell.motif
         cell = (motif.sites, motif.struts, motif.moves, motif.copies)
-        return *cell, of.size, of.counts, of.radius, of.origin, of.axes, self.block
+        place = of.size, of.counts, of.radius, of.origin, of.axes
+        return *cell, *place, of.strut_options, self.block
 
     @cached_property
     def _starts(self) -> list[list[int]]:
@@ -211,7 +212,8 @@ class LatticeBlock(Frozen):
             if whole[inner].all() and self._holds(window, skeleton, own):
                 ends_here = joints & ~whole
                 if not ends_here.any() or around > 2 * max(self.lattice.layers):
-                    return _chosen(skeleton, marks, own, self.number)
+                    options = self.lattice.strut_options
+                    return _chosen(skeleton, marks, own, self.number, options)
             around *= 2
 
     def _own(self, window: Window) -> Bools:
@@ -257,8 +259,14 @@ def _tile(skeleton: Skeleton, chain: Ints, own: Bools, number: int) -> Tile:
     return _chosen(skeleton, marks, own, number)
 
 
-def _chosen(skeleton: Skeleton, marks: Bools, own: Bools, number: int) -> Tile:
-    return Tile(number, skeleton.with_edges(marks), own[marks])
+def _chosen(
+    skeleton: Skeleton,
+    marks: Bools,
+    own: Bools,
+    number: int,
+    options: Mapping[str, Any] | None = None,
+) -> Tile:
+    return Tile(number, skeleton.with_edges(marks), own[marks], options or {})
 
 
 def _marks(skeleton: Skeleton, chain: Ints, own: Bools) -> tuple[Bools, Bools]:

@@ -14,12 +14,15 @@ from typing import Any, Protocol, get_args
 
 import numpy as np
 
-from scaffold_cad.base.arguments import check_choice, checks_keywords
+from scaffold_cad.base.arguments import as_number, as_real, check_choice, checks_keywords
+from scaffold_cad.base.backends import need
+from scaffold_cad.io.stacks import write_layers
 from scaffold_cad.io.stl import facets_of, join_stl
 from scaffold_cad.printability.processes import process_named
 from scaffold_cad.printability.struts import narrow_gaps
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.solid.rounds import SIDES, check_sides
+from scaffold_cad.tiles.slicing import Planes, joined_layers, sliced
 from scaffold_cad.tiles.surfaces import (
     TileOverlaps,
     overlapping_struts,
@@ -51,7 +54,7 @@ class Build:
     round: bool = False
     """Whether struts are round, with blends, or square."""
     options: dict[str, Any] = field(default_factory=dict)
-    """Of `round_struts` or of `build_scaffold`."""
+    """Of `round_struts`, in place of those of a lattice, or of `build_scaffold`."""
     sides: int = SIDES
     """Of the polygons that stand for the circles of round struts, a multiple of 4."""
     overlaps: TileOverlaps = "refuse"
@@ -73,6 +76,45 @@ class Build:
     def join(self, files: Iterable[Path], path: Path) -> None:
         """Write the triangles of all tiles as one STL file."""
         join_stl(files, path)
+
+
+@checks_keywords()
+@dataclass(frozen=True)
+class Slice:
+    """The layers of all round struts as one file: those that `slices` cuts of the whole.
+
+    Layers are equal but for some 1e-8 mm where struts of two tiles meet.
+    """
+
+    thickness: float
+    """Of a layer, mm."""
+    bottom: float = 0.0
+    """Height where a layer begins, mm; those of the whole begin at its lowest point."""
+    options: dict[str, Any] = field(default_factory=dict)
+    """Of `round_struts`, in place of those of a lattice."""
+    sides: int = SIDES
+    """Of the polygons that stand for circles, a multiple of 4."""
+    text: bool = False
+    """Whether a .cli file is one of text."""
+    pixel: float | None = None
+    """Side of the pixels of a .zip file, mm."""
+
+    suffix = ".layers"
+
+    def __post_init__(self) -> None:
+        as_number(self.thickness, "thickness")
+        as_real(self.bottom, "bottom")
+        check_sides(self.sides)
+
+    def made(self, tile: Tile) -> bytes:
+        """Return the polygons of the tile's own struts, layer by layer."""
+        need("manifold3d", "layers")
+        return sliced(tile, Planes(self.bottom, self.thickness), self.options, self.sides)
+
+    def join(self, files: Iterable[Path], path: Path) -> None:
+        """Write the layers of all tiles as one file, see `write_layers`."""
+        layers = joined_layers(list(files), Planes(self.bottom, self.thickness))
+        write_layers(layers, path, text=self.text, pixel=self.pixel)
 
 
 @checks_keywords()

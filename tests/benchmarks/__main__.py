@@ -2,6 +2,7 @@
 
 Every piece of work runs in a process of its own, so that its peak of memory is its own; times are
 of the processor. Peers that are not installed, or take longer than `--patience`, are left out.
+Layers, beams and tiles have no peer here: what the literature says of them is printed at the end.
 With names only the rows that hold one of them are measured; `--no-peers` leaves out all peers.
 """
 
@@ -11,6 +12,22 @@ import argparse
 from importlib.util import find_spec
 
 from tests.benchmarks.works import ROWS, measure
+
+LITERATURE = """
+Of the literature, what compares with the rows of layers, beams and tiles, and what does not:
+- Liu et al., Memory-efficient modeling and slicing of large-scale adaptive lattice structures,
+  J. Comput. Inf. Sci. Eng. 21 (2021) 061003: layers of up to 10^8 struts with the memory of some.
+  Theirs are sections of convolution surfaces, for toolpaths; here a lattice of 10^9 struts is cut,
+  of which only some cells are made, and struts are cylinders.
+- Foucault et al., A direct slicing method for optimized lattice structures, Mechanics & Industry 25
+  (2024) 26: exact sections of cylinders and cones from a skeleton, as here. Its abstract has no
+  rates.
+- Messner, Fast, efficient direct slicing method for lattice structures, US 10723079 B2 (2020):
+  pixels of layers by rays cast at struts; compares with images only. Its abstract has no rates.
+- Zou et al., Meta-meshing and triangulating lattice structures at a large scale, arXiv:2405.15197
+  (2024): triangles of 10^9 struts on a GPU; a processor without one does not compare.
+- 3MF beams: we know of no published rates of writers.
+Times of other machines do not compare with those above; sizes do."""
 
 
 def main() -> None:
@@ -39,10 +56,14 @@ def main() -> None:
             )
         if row.count:
             line += f"   {row.count / ours.seconds:,.0f} {row.unit} a second"
+        if ours.told:
+            line += f"; {ours.told}"
         if row.times > 1:
             hours = row.times * ours.seconds / 3600
             line += f"; all of it, {row.times:g} times as much: {hours:.1f} h (not measured)"
         print(line, flush=True)
+    if not options.names:
+        print(LITERATURE)
 
 
 if __name__ == "__main__":

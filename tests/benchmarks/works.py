@@ -8,6 +8,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from multiprocessing import Pipe, get_context
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -23,7 +24,7 @@ from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import to_solid
 from scaffold_cad.struts import RoundStruts, round_struts
-from tests.benchmarks import peers
+from tests.benchmarks import large, peers
 
 LAYER = 0.04
 """Thickness of layers, mm."""
@@ -38,6 +39,8 @@ class Result:
     seconds: float
     megabytes: float
     """Peak of the whole process, the making of the skeleton included."""
+    told: str
+    """What the work says of itself."""
 
 
 def bcc(count: int) -> Skeleton:
@@ -106,7 +109,7 @@ class Row:
 
     name: str
     make: Callable[[], Any]
-    ours: Callable[[Any], None]
+    ours: Callable[[Any], str | None]
     aim: float
     """Time to reach, s."""
     peer: Callable[[Skeleton], None] | None = None
@@ -169,17 +172,49 @@ ROWS = [
         small=lambda: PeriodicLattice("bcc", 1.0, 1, radius=0.1),
         times=500,
     ),
+    Row(
+        "beams, BCC 13 × 200²",
+        lambda: large.lattice(200),
+        large.beams,
+        4.0,
+        count=8 * 13 * 200**2,
+        unit="beams",
+        small=lambda: large.lattice(2),
+    ),
+    Row(
+        "blocks, BCC 13 × 200²",
+        lambda: large.lattice(200),
+        large.blocks,
+        0.1,
+        count=8 * 13 * 200**2,
+        unit="beams",
+        small=lambda: large.lattice(2),
+    ),
+    *(
+        Row(
+            f"{name}, BCC {side}³",
+            partial(large.block_of, side),
+            partial(large.in_tiles, work=work),
+            aim,
+            count=8 * side**3,
+            unit="struts",
+            small=partial(large.block_of, 2),
+        )
+        for (name, work), side, aim in zip(
+            large.BUILDS.items(), (24, 12, 12), (8.0, 20.0, 30.0), strict=True
+        )
+    ),
 ]
 
 
-def measure(row: Row, work: Callable[[Skeleton], None], patience: float) -> Result | None:
+def measure(row: Row, work: Callable[[Any], str | None], patience: float) -> Result | None:
     """Return what `work` takes in a process of its own; None if it fails or takes too long."""
     receiver, sender = Pipe(duplex=False)
     place = ROWS.index(row), work is not row.ours
     process = get_context("spawn").Process(target=_run, args=(*place, sender))
     process.start()
     sender.close()
-    result = None
+    result: Result | None = None
     try:
         if receiver.poll(patience):
             result = receiver.recv()
@@ -197,7 +232,8 @@ def _run(number: int, is_peer: bool, sender: Connection) -> None:
         work(row.small())
     skeleton = row.make()
     start = time.process_time()
-    work(skeleton)
+    told = work(skeleton)
     seconds = time.process_time() - start
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    sender.send(Result(seconds, peak / (2**20 if sys.platform == "darwin" else 2**10)))
+    megabytes = peak / (2**20 if sys.platform == "darwin" else 2**10)
+    sender.send(Result(seconds, megabytes, told or ""))

@@ -134,7 +134,7 @@ def test_a_box_and_a_part_are_filled_in_layers(cube: str, tmp_path: Path) -> Non
     [
         (["--layer", "1", "-o", "a.stl"], "layers need .3mf, .cli"),
         (["--layer", "1", "-o", "a.3mf", "--beams"], "--beams is not for --layer"),
-        (["--layer", "1", "-o", "a.cli", "--wall", "0.1"], "--wall is not for layers of a box"),
+        (["--layer", "1", "-o", "a.cli", "--joints", "blend"], "--joints is not for layers"),
         (["--text", "-o", "a.3mf"], "--text is for layers; need --layer"),
         (["--layer", "1", "-o", "a.cli", "--size", "1e-9"], "is too small for a box of"),
     ],

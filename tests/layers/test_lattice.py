@@ -111,3 +111,30 @@ def test_a_lattice_past_memory_is_cut() -> None:
     assert len(first.loops) == 61 * 61 - 4  # at corners one strut ends flat, and begins higher
     # Eight struts of a cell, four at a height, lean at an angle whose cosine is 1/√3.
     assert second.area == pytest.approx(4 * 3600 * np.pi * 0.01 * np.sqrt(3), rel=2e-3)
+
+
+@pytest.mark.parametrize("cell", ["sc", "diamond"])
+def test_fillets_ends_and_walls_are_those_asked_for(cell: str) -> None:
+    options: dict[str, Any] = {"blend": 0.12, "ends": "round", "wall": 0.03}
+    lattice = PeriodicLattice(cell, 1.0, (2, 8, 8), radius=0.07, **options)
+    assert isinstance(lattice_solid(lattice, 16), RepeatedLattice)
+    heights = np.linspace(-0.1, 8.05, 8)
+    whole = list(slices(round_struts(lattice.skeleton(), **options), heights))
+    for one, other in zip(slices(lattice, heights), whole, strict=True):
+        check_equal(one, other)
+    options["wall"] = None
+    full = PeriodicLattice(cell, 1.0, (2, 8, 8), radius=0.07, **options)
+    areas = [next(slices(each, [4.25])).area for each in (full, lattice)]
+    assert areas[1] < 0.8 * areas[0]
+
+
+def test_hollow_struts_of_many_radii_are_cut_as_those_of_the_whole(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    options: dict[str, Any] = {"ends": "open", "wall": 0.02}
+    lattice = PeriodicLattice("bcc", 1.0, (1, 1, 8), radius=graded, **options)
+    monkeypatch.setattr(slabs, "AT_ONCE", 1)
+    heights = np.linspace(-0.1, 8.1, 9)
+    whole = slices(round_struts(lattice.skeleton(), **options), heights)
+    for one, other in zip(slices(lattice, heights), whole, strict=True):
+        check_equal(one, other)

@@ -13,7 +13,7 @@ from tests.skeletons import JACK, TETRAPOD, ZIGZAG, star
 @pytest.mark.parametrize("skeleton", [TETRAPOD, JACK, ZIGZAG], ids=["tetrapod", "jack", "zigzag"])
 def test_bodies_are_closed_and_in_their_boxes(skeleton: Skeleton) -> None:
     struts = round_struts(skeleton)
-    bodies = NodeBodies(struts, 16)
+    bodies = NodeBodies(struts, 16, ~struts.crowded)
     assert len(bodies) == (~np.isnan(struts.fillet)).sum()
     assert (np.diff(bodies.low[:, 2]) >= 0).all()
     for number in range(len(bodies)):
@@ -27,12 +27,12 @@ def test_bodies_are_closed_and_in_their_boxes(skeleton: Skeleton) -> None:
 def test_crowded_nodes_have_no_body() -> None:
     struts = round_struts(star([[9, 0, 0], [9, 0.8, 0], [9, 0, 1.1]]))
     assert struts.crowded[0]
-    assert len(NodeBodies(struts, 16)) == 0
+    assert len(NodeBodies(struts, 16, ~struts.crowded)) == 0
 
 
 def test_equal_nodes_are_told_so() -> None:
     struts = round_struts(tile("bcc", 8.0, 3, radius=0.6))
-    bodies = NodeBodies(struts, 16)
+    bodies = NodeBodies(struts, 16, ~struts.crowded)
     centers = np.flatnonzero((bodies.nodes % 8.0 == 4.0).all(axis=1))
     assert len(centers) == 27
     kinds, counts = np.unique(bodies.kinds[bodies.kinds >= 0], return_counts=True)
@@ -48,4 +48,5 @@ def test_equal_nodes_are_told_so() -> None:
 
 
 def test_nodes_with_few_like_them_are_of_no_kind() -> None:
-    assert NodeBodies(round_struts(ZIGZAG), 8).kinds.tolist() == [-1] * 4
+    struts = round_struts(ZIGZAG)
+    assert NodeBodies(struts, 8, ~struts.crowded).kinds.tolist() == [-1] * 4

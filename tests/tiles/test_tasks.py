@@ -48,10 +48,11 @@ def test_triangles_of_all_tiles_are_those_of_the_whole(collars: bool, tmp_path: 
 
 
 def test_round_triangles_of_all_tiles_are_those_of_the_whole(tmp_path: Path) -> None:
-    lattice = PeriodicLattice("kelvin", 8.0, (2, 2, 1), radius=0.3)
+    lattice = PeriodicLattice("kelvin", 8.0, (2, 2, 1), radius=0.3, blend=0.25, ends="round")
     work = Build(round=True, sides=8)
     run_tiles(tiles(lattice, block=1), work, tmp_path).joined(work, tmp_path / "tiles.stl")
-    write(round_struts(lattice.skeleton()), tmp_path / "whole.stl", sides=8)
+    whole = round_struts(lattice.skeleton(), **lattice.strut_options)
+    write(whole, tmp_path / "whole.stl", sides=8)
     np.testing.assert_array_equal(facets(tmp_path / "tiles.stl"), facets(tmp_path / "whole.stl"))
     read_triangles(tmp_path / "tiles.stl")
 

@@ -8,7 +8,6 @@ from scaffold_cad.solid.clusters.growth import Clusters, balls_at
 from scaffold_cad.solid.clusters.spans import radii_at, tail_length
 from scaffold_cad.solid.field import FieldStruts, field_struts
 from scaffold_cad.struts.model import RoundStruts
-from scaffold_cad.struts.options import BLEND
 
 
 def cluster_struts(struts: RoundStruts, clusters: Clusters) -> FieldStruts:
@@ -40,8 +39,8 @@ def whole_struts(struts: RoundStruts) -> FieldStruts:
     runs, skeleton = struts.runs, struts.skeleton
     at_end = runs.valency[runs.edges] == 1  # (k, 2)
     rows, sizes = balls_at(struts, np.ones(len(skeleton.nodes), dtype=np.bool_))
-    given = struts.options.blend
-    blend = BLEND * runs.radii.min(axis=1) if given is None else np.full(len(runs.edges), given)
+    thin = np.repeat(runs.radii.min(axis=1)[:, None], 2, axis=1)
+    blend = struts.options.blends(runs.edges, thin).min(axis=1)
     return field_struts(
         runs.nodes[runs.edges],
         runs.radii,

@@ -17,7 +17,6 @@ from scaffold_cad.solid.clusters.spans import BAND, CUT, FACING
 from scaffold_cad.struts.collars import LEAST_BLEND, collar_distances, largest_blends
 from scaffold_cad.struts.distances import Union
 from scaffold_cad.struts.model import RoundStruts
-from scaffold_cad.struts.options import BLEND
 from scaffold_cad.struts.room import allotted
 
 GAP = 0.3
@@ -117,11 +116,9 @@ def _least_gaps(union: Union, fillets: Floats) -> Floats:
 def wanted_fillets(struts: RoundStruts) -> Floats:
     """Return the fillet radius that each node is asked for, mm, shape (n,)."""
     runs = struts.runs
-    if struts.options.blend is not None:
-        return np.full(len(runs.nodes), struts.options.blend)
     thin = np.full(len(runs.nodes), np.inf)
     np.minimum.at(thin, runs.tails, runs.radii.reshape(-1))
-    return BLEND * thin
+    return struts.options.blends(np.arange(len(runs.nodes)), thin)
 
 
 def _unions(

@@ -1,0 +1,201 @@
+"""Fillets at crowded nodes: sections of the filleted union of the struts there.
+
+What a mesh has there is the surface of a field solid, see `solid.field`. Its section at a height is
+where the same function of space is negative, looked for on a grid in the plane: only where two
+struts are so near that there may be a fillet between them, for elsewhere the union is the struts.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
+from scaffold_cad.base.boxes import overlapping_boxes
+from scaffold_cad.lattice.boxgrid import ranges
+from scaffold_cad.layers.contours import contours, keys_of, unpacked, widened
+from scaffold_cad.layers.loops import Loops
+from scaffold_cad.layers.rounds import crossed
+from scaffold_cad.layers.sweep import Sweep, count_at
+from scaffold_cad.solid.clusters.growth import balls_at
+from scaffold_cad.solid.field import FieldStruts, field_struts
+from scaffold_cad.solid.field.union import Lists, filleted_union, values
+from scaffold_cad.struts import RoundStruts
+
+SQUARE = 0.15
+"""Side of the squares of the grid, in radii of the thinnest strut."""
+
+BULGE = 0.3
+"""How far fillets reach beyond the box around struts at most, where flat ends meet, in their radii:
+1 - 1 / sqrt(2), see `solid.field.union`."""
+
+PIECE = 4.0
+"""Length of the pieces that struts are looked at in, in their radii and fillets."""
+
+AS_PARTS = 16
+"""How many sections of struts a section of a piece takes as long as, about."""
+
+
+class FilletSections:
+    """The sections of the fillets between the struts of crowded nodes, from the lowest up."""
+
+    def __init__(self, struts: RoundStruts, fillets: Floats, own: Bools | None = None) -> None:
+        """Take struts.
+
+        Parameters
+        ----------
+        fillets : (n,) fillet radius that each node is asked for, mm
+        own : (k,) runs some of which are at each fillet that is wanted; by default all
+        """
+        fields, run = crowded_struts(struts, fillets)
+        self._union = filleted_union(fields, np.zeros(3), np.zeros(len(run)))
+        self._cell = SQUARE * float(fields.radii.min(initial=np.inf))
+        self._own = np.ones(len(run), dtype=np.bool_)
+        if own is not None:
+            self._own = np.where(run >= 0, own[run], own.any())
+        low, high, strut = _pieces(fields)
+        near = _meeting(low, high, strut)
+        self._low, self._high, self._strut = low[near], high[near], strut[near]
+        self._sweep = Sweep(self._low[:, 2], self._high[:, 2])
+
+    @property
+    def box(self) -> Floats:
+        """Lowest and highest corner of a box that holds all polygons, shape (2, 2), mm."""
+        inside = (1.0 - BULGE) * self._union.blend[self._strut, None]
+        low, high = self._low + inside, self._high - inside
+        return np.stack([low.min(axis=0, initial=np.inf), high.max(axis=0, initial=-np.inf)])[:, :2]
+
+    def count(self, heights: Floats) -> Ints:
+        """Return how many sections of struts take as long at each height, about, shape (h,)."""
+        return AS_PARTS * count_at(heights, self._low[:, 2], self._high[:, 2])
+
+    def loops(self, heights: Floats) -> list[Loops]:
+        """Return the sections at ascending heights (h,), above those before."""
+        active = self._sweep.between(float(heights[0]), float(heights[-1]))
+        piece, level = crossed(self._low[active, 2], self._high[active, 2], heights)
+        if len(piece) == 0:
+            return []
+        keys, struts, first = self._grid(active[piece], level)
+        points = self._places(keys, first, heights)
+        distance, _ = self._union.distances(points, struts)
+        ratio = distance / self._union.blend[struts]
+        near = ratio < 1.0
+        keys, struts, ratio = keys[near], struts[near], ratio[near]
+        starts = np.flatnonzero(np.diff(keys, prepend=-1))
+        if len(starts) == 0:
+            return []
+        return [self._contours(keys, struts, ratio, starts, first, heights)]
+
+    def _contours(
+        self, keys: Ints, struts: Ints, ratio: Floats, starts: Ints, first: Ints, heights: Floats
+    ) -> Loops:
+        """Return the polygons around the fillets.
+
+        Parameters
+        ----------
+        keys, struts, ratio : (p,) a grid point, a strut near it, and its distance in fillets
+        starts : (g,) where each grid point begins in these
+        """
+        counts = np.diff(starts, append=len(keys))
+        known = keys[starts]
+        several = (counts > 1) & widened(known, np.logical_or.reduceat(self._own[struts], starts))
+        # Where one strut is alone its own section has what is inside.
+        found = np.where(ratio[starts] > 0, ratio[starts], 1.0)
+        chosen = np.repeat(several, counts)
+        lists = Lists(np.concatenate([[0], np.cumsum(counts[several])]), struts[chosen])
+        points = self._places(keys[starts][several], first, heights)
+        found[several] = values(self._union, points, np.arange(len(points)), lists)
+        found[~several & (counts > 1)] = 1.0
+        every = Lists(np.append(starts, len(keys)), struts)
+
+        def between(beside: Ints, places: Floats) -> Floats:
+            level, _ = unpacked(beside)
+            points = np.column_stack([(places + first) * self._cell, heights[level]])
+            return values(self._union, points, np.searchsorted(known, beside), every)
+
+        return contours(known, found, self._cell, first, between)
+
+    def _grid(self, piece: Ints, level: Ints) -> tuple[Ints, Ints, Ints]:
+        """Return the grid points in the boxes of pieces at levels (q,).
+
+        Returns
+        -------
+        Key and strut of each pair, each pair once, in order, (p,); what place 0 stands for, (2,)
+        """
+        low = np.floor(self._low[piece, :2] / self._cell).astype(np.intp)
+        high = np.ceil(self._high[piece, :2] / self._cell).astype(np.intp)
+        first = low.min(axis=0) - 1
+        wide, deep = (high - low + 1).T
+        pair = np.repeat(np.arange(len(piece)), wide * deep)
+        number = ranges(np.zeros_like(wide), wide * deep)
+        across, along = np.divmod(number, deep[pair])
+        places = low[pair] - first + np.stack([across, along], axis=1)
+        keys, strut = keys_of(level[pair], places), self._strut[piece][pair]
+        order = np.lexsort((strut, keys))
+        keys, strut = keys[order], strut[order]
+        once = (np.diff(keys, prepend=-1) != 0) | (np.diff(strut, prepend=-1) != 0)
+        return keys[once], strut[once], first
+
+    def _places(self, keys: Ints, first: Ints, heights: Floats) -> Points:
+        """Return where grid points are, (p, 3), mm."""
+        level, places = unpacked(keys)
+        return np.column_stack([(places + first) * self._cell, heights[level]])
+
+
+def crowded_struts(struts: RoundStruts, fillets: Floats) -> tuple[FieldStruts, Ints]:
+    """Return what comes to crowded nodes as struts of a field, up to the blends of other nodes.
+
+    Parameters
+    ----------
+    fillets : (n,) fillet radius that each node is asked for, mm
+
+    Returns
+    -------
+    The struts and the balls of thicker nodes; the run of each, -1 for balls, shape (q,)
+    """
+    runs = struts.runs
+    crowded = struts.crowded[runs.edges]  # (k, 2)
+    chosen = np.flatnonzero(crowded.any(axis=1) | struts.crowded_runs)
+    is_end = (runs.valency[runs.edges] == 1)[chosen]
+    half = np.stack([2 * chosen, 2 * chosen + 1], axis=1)  # (q, 2)
+    begin = np.where(crowded[chosen] | is_end, 0.0, struts.collar[half])
+    ends = runs.nodes[runs.edges[chosen]] + begin[..., None] * runs.directions[half]
+    radii = np.stack([runs.radii_at(half[:, k], begin[:, k]) for k in (0, 1)], axis=1)
+    flat = (is_end & (struts.options.ends != "round")) | (begin > 0)
+    at_nodes = np.where(crowded[chosen], fillets[runs.edges[chosen]], np.inf).min(axis=1)
+    blend = np.where(np.isfinite(at_nodes), at_nodes, fillets[runs.edges[chosen]].min(axis=1))
+    rows, sizes = balls_at(struts, struts.crowded)
+    made = field_struts(
+        ends,
+        radii,
+        flat=flat,
+        balls=runs.nodes[rows],
+        ball_radii=sizes,
+        blend=blend,
+        ball_blend=fillets[rows],
+    )
+    return made, np.concatenate([chosen, np.full(len(rows), -1)])
+
+
+def _pieces(fields: FieldStruts) -> tuple[Points, Points, Ints]:
+    """Return the boxes around pieces of struts with their fillets, (p, 3) twice, and whose, (p,).
+
+    Along a slanting strut a box is mostly empty; those around its pieces are not.
+    """
+    reach = fields.radii.max(axis=1) + fields.blend
+    count = np.maximum(np.ceil(fields.lengths / (PIECE * reach)), 1).astype(np.intp)
+    strut = np.repeat(np.arange(len(count)), count)
+    number = ranges(np.zeros_like(count), count)
+    start, end = fields.ends[strut, 0], fields.ends[strut, 1]
+    at = [start + ((number + side) / count[strut])[:, None] * (end - start) for side in (0, 1)]
+    margin = reach[strut, None]
+    return np.minimum(*at) - margin, np.maximum(*at) + margin, strut
+
+
+def _meeting(low: Points, high: Points, strut: Ints) -> Ints:
+    """Return the pieces whose boxes meet that of another strut, ascending."""
+    found = np.zeros(len(strut), dtype=np.bool_)
+    for i, j in overlapping_boxes(low, high):
+        others = strut[i] != strut[j]
+        found[i[others]] = True
+        found[j[others]] = True
+    return np.flatnonzero(found)

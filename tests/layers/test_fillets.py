@@ -1,0 +1,101 @@
+"""Sections at crowded nodes against those of the field solid that a mesh has there."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+from manifold3d import CrossSection, FillRule
+
+from scaffold_cad import Skeleton, round_struts, slices, tile
+from scaffold_cad.base.arrays import Floats
+from scaffold_cad.layers import fillets
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.solid.clusters import whole_struts
+from scaffold_cad.solid.field import field_solid
+
+SIDES = 64
+"""Of polygons that stand for circles."""
+
+
+def star(directions: list[list[float]], radii: Any) -> Skeleton:
+    """Return struts of 10 mm from a node, with a radius at the node and at each end."""
+    ends = np.array(directions) / np.linalg.norm(directions, axis=1)[:, None]
+    edges = [[0, k + 1] for k in range(len(ends))]
+    return Skeleton(np.vstack([[0, 0, 0], 10 * ends]), edges, radii)
+
+
+NARROW = [[1, 0, 0.1], [1, 0.12, 0.3], [1, -0.1, 0.2], [-1, 0.2, -0.2], [0, -1, 0.6]]
+CROSS = Skeleton([[-9, 0, 0], [9, 0, 0], [0, -9, 1], [0, 9, 1]], [[0, 1], [2, 3]], 0.8)
+CASES = [
+    ("narrow", star(NARROW, 1.0), {"ends": "round"}, (-0.7, 0.8), 0.004),
+    ("cones", star(NARROW, [1.2, 1, 0.8, 0.5, 0.6, 0.7]), {"ends": "round"}, (-0.7, 0.8), 0.002),
+    ("level", star([[1, 0, 0], [1, 0.1, 0], [0, -1, 0]], 1.0), {"blend": 0.8}, (-0.6, 0.6), 0.003),
+    ("crossing", CROSS, {"blend": 0.5}, (0.0, 0.5), 0.006),
+    ("thick", tile("bcc", 4.0, 2, radius=1.1), {}, (0.3, 7.5), 0.02),
+]
+
+
+def area_at(mesh: TriangleMesh, height: float) -> float:
+    """Return the area of a mesh's section, cut by trimesh."""
+    made = trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
+    path = made.section(plane_origin=[0, 0, height], plane_normal=[0, 0, 1])
+    return CrossSection([loop[:-1, :2] for loop in path.discrete], FillRule.EvenOdd).area()
+
+
+@pytest.mark.parametrize(
+    ("skeleton", "options", "between", "share"),
+    [case[1:] for case in CASES],
+    ids=[case[0] for case in CASES],
+)
+def test_crowded_nodes_have_the_sections_of_the_field_solid(
+    skeleton: Skeleton,
+    options: dict[str, Any],
+    between: tuple[float, float],
+    share: float,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    struts = round_struts(skeleton, **options)
+    assert struts.crowded.any() or struts.crowded_runs.any()
+    field = field_solid(whole_struts(struts), cell=0.07 * float(skeleton.radii.min())).mesh
+    heights = np.linspace(*between, 5)
+    wanted = np.array([area_at(field, height) for height in heights.tolist()])
+    layers = slices(struts, heights, sides=SIDES)
+    box, found = layers.box, np.zeros(0)
+    for layer in layers:
+        found = np.append(found, layer.area)
+        assert (layer.bounds[0] >= box[0]).all()
+        assert (layer.bounds[1] <= box[1]).all()
+    assert np.abs(found / wanted - 1).max() < 0.003
+
+    def nothing(self: Any, heights: Floats) -> list[Any]:
+        return []
+
+    monkeypatch.setattr(fillets.FilletSections, "loops", nothing)
+    without = np.array([layer.area for layer in slices(struts, heights, sides=SIDES)])
+    assert (1 - without / wanted).max() > share
+
+
+def test_the_wall_of_hollow_struts_is_as_thick_at_crowded_nodes() -> None:
+    skeleton = star(NARROW, 1.0)
+    solid, hollow = (round_struts(skeleton, ends="round", wall=wall) for wall in (None, 0.2))
+    assert hollow.inner is not None
+    assert hollow.inner.crowded.any()
+    for outside, walls in zip(
+        slices(solid, [0.0, 0.5], sides=SIDES), slices(hollow, [0.0, 0.5], sides=SIDES), strict=True
+    ):
+        around = sum(
+            np.linalg.norm(loop - np.roll(loop, 1, axis=0), axis=1).sum() for loop in walls.loops
+        )
+        # Across a plane that cuts struts along, walls are wider than they are thick.
+        assert 0.2 * around / 2 < walls.area < outside.area
+
+
+def test_fillets_between_flat_ends_are_in_the_box() -> None:
+    struts = round_struts(star([[1, 0.1, 0], [1, -0.1, 0]], 1.0), blend=0.8)
+    layers = slices(struts, [0.0, 0.4])
+    for layer in layers:
+        assert (layer.bounds[0] >= layers.box[0]).all()
+        assert (layer.bounds[1] <= layers.box[1]).all()
