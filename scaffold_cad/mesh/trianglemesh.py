@@ -101,7 +101,10 @@ class TriangleMesh(Frozen, Shown):
         ahead = np.sort((start * count + end).reshape(-1))
         back = np.sort((end * count + start).reshape(-1))
         repeated = np.unique(ahead[1:][ahead[1:] == ahead[:-1]])
-        lonely = np.setdiff1d(ahead, back, assume_unique=len(repeated) == 0)
+        if np.array_equal(ahead, back):  # as most are
+            lonely = ahead[:0]
+        else:
+            lonely = np.setdiff1d(ahead, back, assume_unique=len(repeated) == 0)
         return np.stack(np.divmod(repeated, count), 1), np.stack(np.divmod(lonely, count), 1)
 
 
