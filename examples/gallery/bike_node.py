@@ -1,7 +1,7 @@
 """The bottom bracket of a bicycle's frame: a hollow node with sockets for the frame's tubes.
 
-Each socket takes its tube with a play of 0.15 mm, down to a shoulder, and the node's blend has the
-same wall as its arms: to be printed of metal and brazed.
+Each socket takes its tube with a play of 0.15 mm, down to a shoulder, with 3 mm of wall around it,
+and the node's blend has the same wall as its arms: to be printed of metal and brazed.
 """
 
 import numpy as np
@@ -20,8 +20,8 @@ TUBES = np.array(
 )
 """Angle to the road and out of the frame's plane, degrees; diameter of the tube and length, mm."""
 
-WALL, PLAY, DEPTH = 3.0, 0.15, 25.0
-"""Thickness of the walls, play of the tubes and depth of their sockets, mm."""
+AROUND, SHOULDER, PLAY, DEPTH = 3.0, 1.0, 0.15, 25.0
+"""Wall around tubes, height of shoulders, play of tubes and depth of their sockets, mm."""
 
 
 def make() -> RoundStruts:
@@ -32,9 +32,9 @@ def make() -> RoundStruts:
         np.vstack([np.zeros(3), along * TUBES[:, 3:]]),
         [[0, tip] for tip in range(1, len(TUBES) + 1)],
         1.0,
-    ).with_edge_radii(TUBES[:, 2] / 2 + WALL - 1.0)
+    ).with_edge_radii((TUBES[:, 2] + PLAY) / 2 + AROUND)
     sockets = {tip: ((TUBES[tip - 1, 2] + PLAY) / 2, DEPTH) for tip in range(1, 5)}
-    return round_struts(axes, wall=WALL, ends="open", sockets=sockets)
+    return round_struts(axes, wall=AROUND + SHOULDER, ends="open", sockets=sockets)
 
 
 if __name__ == "__main__":

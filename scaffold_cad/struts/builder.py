@@ -19,10 +19,11 @@ from scaffold_cad.struts.blend import Stars
 from scaffold_cad.struts.curved import Curves, curves
 from scaffold_cad.struts.curvedjoints import CurvedJoints, curved_joints, possible, sampled
 from scaffold_cad.struts.curveproof import proved
+from scaffold_cad.struts.insides import hollow_nodes
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.nodes import blends, nearest_collars
 from scaffold_cad.struts.options import Blend, Ends, Joints, StrutOptions, as_blend
-from scaffold_cad.struts.room import allotted
+from scaffold_cad.struts.room import SPARE, allotted
 from scaffold_cad.struts.runs import Runs, straight_runs
 from scaffold_cad.struts.sockets import sockets_of
 from scaffold_cad.struts.walls import without_wall
@@ -128,14 +129,31 @@ def _built(
     """
     runs = straight_runs(skeleton) if like is None else like.runs.moved(skeleton)
     plan = _planned(skeleton, runs, options, like, outer)
+    wall = None if outer is None else outer.options.wall
+    solved = [] if outer is None or wall is None else list(hollow_nodes(outer, runs, wall))
     # Nodes beside a run without room are crowded: for them one recipe is enough.
     limits = np.where(np.repeat(plan.no_room, 2), 0.0, plan.limits)
-    solved = [
-        part
-        for group, stars in zip(plan.groups, plan.wanted, strict=True)
-        for part in _blended(group, _limited(stars, limits[group.half_runs]))
-    ]
+    limits = _beside(runs, solved, limits)
+    done = np.zeros(len(runs.nodes), dtype=np.bool_)
+    done[[node for part in solved for node in part.nodes.tolist()]] = True
+    for group, stars in zip(plan.groups, plan.wanted, strict=True):
+        left = np.flatnonzero(~done[group.nodes])
+        rest = _Group(group.nodes[left], group.half_runs[left])
+        if len(left):
+            solved += _blended(rest, _limited(stars[left], limits[rest.half_runs]))
+    solved.sort(key=lambda part: part.half_runs.shape[1])
     return replace(_assembled(skeleton, options, runs, tuple(solved), plan), like=like)
+
+
+def _beside(runs: Runs, made: list[BlendedNodes], limits: Floats) -> Floats:
+    """Return the limits (2 k,) of collars on runs whose other collar is that of a node made."""
+    limits = limits.copy()
+    for part in made:
+        half_runs = part.half_runs
+        used = part.shapes.collar_distances[part.shape_of]
+        left = (1 - SPARE) * runs.lengths[half_runs >> 1] - used
+        limits[half_runs ^ 1] = np.minimum(limits[half_runs ^ 1], left)
+    return limits
 
 
 @dataclass(frozen=True, eq=False)

@@ -95,7 +95,7 @@ def solve(turned: Turned, fitted: Collars, recipe: Recipe) -> Solved:
     control = _fitted(union, rows, on_arcs[..., 2:], turned, recipe)  # (3, m, 4 N, n_u, n_v)
     misfit, depth = _errors(union, control, recipe.layout)
     control = np.moveaxis(control, 0, -1)
-    proof = prove(_pieces(control, recipe.layout), fitted.distances, fitted.radii)
+    proof = prove(pieces_of_patches(control, recipe.layout), fitted.distances, fitted.radii)
 
     own_control, own_corners = np.empty_like(control), np.empty_like(corners)
     own_control[own_order[0], turned.sides] = control
@@ -132,7 +132,7 @@ def _longer(union: Union, fitted: Collars, corners: Floats, most: Floats) -> Col
     return Collars(distances, radii, fitted.blends, fitted.has_room)
 
 
-def _pieces(control: Floats, layout: Layout) -> Floats:
+def pieces_of_patches(control: Floats, layout: Layout) -> Floats:
     """Return the Bézier pieces of patches (m, 4 N, n_u, n_v, 3), (m, pieces, D + 1, D + 1, 3)."""
     if layout.along_arc == layout.along_strut == 1:
         return control

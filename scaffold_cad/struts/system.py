@@ -128,7 +128,8 @@ def net_of(twins: Ints, layout: Layout) -> Net:
 
 def system_of(twins: Ints, layout: Layout) -> System:
     """Return the smooth surfaces of the type with `twins` (4 N,)."""
-    return _system(tuple(twins.tolist()), layout)
+    # Samples do not matter here.
+    return _system(tuple(twins.tolist()), Layout(layout.along_arc, layout.along_strut, 1))
 
 
 def forget_types() -> None:

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.spatial import cKDTree
 
-from scaffold_cad.base.arrays import Floats
-from scaffold_cad.base.vectors import dot
+from scaffold_cad.base.arrays import Floats, Frozen
+from scaffold_cad.base.vectors import dot, normalize
+from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.struts.curved import ALONG, Curves
+from scaffold_cad.struts.gaps import Gaps
 from scaffold_cad.struts.model import RoundStruts
-from scaffold_cad.struts.rings import stacks
 
-SAMPLES = (8, 32)
-"""Levels and sides of the grids on the patches of nodes where walls are measured."""
+SAMPLES = (8, 96)
+"""Intervals along a piece of a curve, and around it, where walls are measured."""
 
 
 def without_wall(skeleton: Skeleton, wall: float, at_ends: Floats) -> Skeleton:
@@ -29,7 +33,9 @@ def without_wall(skeleton: Skeleton, wall: float, at_ends: Floats) -> Skeleton:
     OptionError
         If a strut is not thicker than twice its wall, or not longer than its ends; it is named.
     """
-    thin = np.flatnonzero(skeleton.edge_radii.min(axis=1) <= wall)
+    # A cone's wall is as thick as asked across the cone, not across its axis.
+    across = wall * np.hypot(1.0, np.diff(skeleton.edge_radii, axis=1)[:, 0] / skeleton.lengths)
+    thin = np.flatnonzero(skeleton.edge_radii.min(axis=1) <= across)
     if len(thin):
         radius = skeleton.edge_radii[thin[0]].min()
         raise OptionError(
@@ -51,31 +57,125 @@ def without_wall(skeleton: Skeleton, wall: float, at_ends: Floats) -> Skeleton:
     nodes = skeleton.nodes.copy()
     ahead = skeleton.directions.reshape(-1, 2, 3)
     nodes[skeleton.edges[is_end]] += (cut[..., None] * ahead)[is_end]
-    radii = skeleton.radii - wall
-    return Skeleton(nodes, skeleton.edges, radii, np.stack([start, end], axis=1) - wall)
+    inside = np.stack([start, end], axis=1) - across[:, None]
+    return Skeleton(nodes, skeleton.edges, _balls_inside(skeleton, inside, wall), inside)
 
 
-def least_wall(struts: RoundStruts) -> float:
-    """Return the least thickness of the walls of hollow struts at samples of their nodes, mm.
+def _balls_inside(skeleton: Skeleton, inside: Floats, wall: float) -> Floats:
+    """Return the radii of the nodes of what is inside: balls a wall smaller, else of the struts.
 
-    Between collars a wall is exact. Each sample on the inside is measured to the tangent plane at
-    the nearest of the samples outside.
+    Parameters
+    ----------
+    inside : (m, 2) radii of the edges inside, mm
+    """
+    outer, own = np.zeros(len(skeleton.nodes)), np.zeros(len(skeleton.nodes))
+    np.maximum.at(outer, skeleton.edges, skeleton.edge_radii)
+    np.maximum.at(own, skeleton.edges, inside)
+    is_ball = (skeleton.radii > outer * (1 + 1e-9)) | (own == 0)
+    return np.where(is_ball, np.maximum(skeleton.radii - wall, 1e-3 * skeleton.radii), own)
+
+
+@dataclass(frozen=True, eq=False)
+class Walls(Frozen):
+    """How thick the walls of hollow struts are, as measured. Between collars they are exact."""
+
+    asked: float
+    """What was asked for, mm."""
+    nodes: Floats
+    """Least thickness at each node that has a blend, nan at others, shape (n,), mm."""
+    curves: Floats
+    """Least thickness of each curve, shape (c,), mm."""
+    sockets: Floats
+    """What the bore of each socket leaves of its strut, shape (q,), mm."""
+
+    @property
+    def least(self) -> float:
+        """The least of all, mm."""
+        found = [self.nodes[np.isfinite(self.nodes)], self.curves, self.sockets]
+        return min(self.asked, float(np.concatenate(found).min(initial=np.inf)))
+
+
+def walls(struts: RoundStruts) -> Walls:
+    """Return how thick the walls of hollow struts are, measured at samples of their inside.
+
+    Raises
+    ------
+    OptionError
+        If the struts are solid.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, round_struts
+    >>> tube = Skeleton([[0, 0, 0], [0, 0, 20]], [[0, 1]], 5.0)
+    >>> lug = round_struts(tube, wall=1.0, ends="open", sockets={1: (4.2, 6.0)})
+    >>> walls(lug).sockets.round(6).tolist()
+    [0.8]
     """
     if struts.inner is None:
         raise OptionError("the struts are solid; need wall=, mm")
-    thickness = [float(struts.options.wall or 0.0)]
     runs, sockets = struts.runs, struts.sockets
     half_runs = runs.incidence.half_edges[runs.incidence.offsets[sockets.nodes]]
-    for depth in (0.0 * sockets.depths, sockets.depths):
-        thickness += (runs.radii_at(half_runs, depth) - sockets.radii).tolist()
+    cosines = 1 / np.hypot(1.0, runs.slopes[half_runs])
+    left = [
+        cosines * (runs.radii_at(half_runs, depth) - sockets.radii)
+        for depth in (0.0 * sockets.depths, sockets.depths)
+    ]
+    nodes = _at_nodes(struts, struts.inner)
+    curves = _along_curves(struts.curves, struts.inner.curves)
+    return Walls(struts.options.wall or 0.0, nodes, curves, np.minimum(*left))
+
+
+def least_wall(struts: RoundStruts) -> float:
+    """Return the least thickness of the walls of hollow struts, sockets among them, mm."""
+    return walls(struts).least
+
+
+def _at_nodes(outer: RoundStruts, inner: RoundStruts) -> Floats:
+    """Return the least wall at each blended node, (n,), mm; that of equal nodes is found once."""
+    found = np.full(len(outer.runs.nodes), np.nan)
+    inside_of = {
+        node: (group, row)
+        for group in inner.blended
+        for node, row in zip(group.nodes.tolist(), group.shape_of.tolist(), strict=True)
+    }
+    for group in outer.blended:
+        known: dict[tuple[int, int, int], float] = {}
+        for node, row in zip(group.nodes.tolist(), group.shape_of.tolist(), strict=True):
+            inside, other = inside_of[node]
+            key = row, id(inside), other
+            if key not in known:
+                pair = group.shapes[np.array([row])], inside.shapes[np.array([other])]
+                known[key] = float(Gaps(pair[0]).least(pair[1])[0])
+            found[node] = known[key]
+    return found
+
+
+def _along_curves(outer: Curves, inner: Curves) -> Floats:
+    """Return the least wall of each curve, (c,), mm."""
+    found = np.full(len(outer.half_runs), np.inf)
+    if len(found) == 0:
+        return found
+    points, normals = _on_curves(outer)
+    inside, _ = _on_curves(inner)
+    _, place = cKDTree(points.reshape(-1, 3)).query(inside)  # (p, k)
+    way = points.reshape(-1, 3)[place] - inside
+    gaps = dot(way, normals.reshape(-1, 3)[place])
+    np.minimum.at(found, outer.curve_of_piece, gaps.min(axis=1))
+    return found
+
+
+def _on_curves(curves: Curves) -> tuple[Floats, Floats]:
+    """Return points and unit normals of pieces of curves, both (p, k, 3)."""
     levels, sides = SAMPLES
-    for outer, inner in zip(struts.blended, struts.inner.blended, strict=True):
-        grids = [
-            stacks(each, np.zeros(each.half_runs.shape), levels, sides) for each in (outer, inner)
-        ]
-        for row in range(len(outer.nodes)):
-            near, normal = grids[0].points[row], grids[0].normals[row]
-            inside = grids[1].points[row]
-            _, place = cKDTree(near).query(inside)
-            thickness.append(float(dot(near[place] - inside, normal[place]).min()))
-    return min(thickness)
+    at = np.linspace(0.0, 1.0, levels + 1)
+    angle = 2 * np.pi / sides * np.arange(sides)
+    around = np.stack([np.ones(sides), np.cos(angle), np.sin(angle)])
+    turned = np.stack([np.zeros(sides), -np.sin(angle), np.cos(angle)])
+    frames = np.einsum("lj,pjkx->plkx", bernstein(ALONG, at), curves.frames)
+    slopes = np.einsum("lj,pjkx->plkx", bernstein(ALONG, at, 1), curves.frames)
+    points = np.einsum("ks,plkx->plsx", around, frames)
+    across = np.einsum("ks,plkx->plsx", turned, frames)
+    ahead = np.einsum("ks,plkx->plsx", around, slopes)
+    normals = normalize(np.cross(across, ahead))
+    count = len(points)
+    return points.reshape(count, -1, 3), normals.reshape(count, -1, 3)

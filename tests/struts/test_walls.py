@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+from build123d import GeomType, Shape, import_step
+from OCP.BRepAdaptor import BRepAdaptor_Surface
+from scipy.spatial import cKDTree
 
-from scaffold_cad import Skeleton, round_struts, to_brep
+from scaffold_cad import Skeleton, round_struts, to_brep, write
+from scaffold_cad.base.arrays import Floats
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.struts.options import Ends
 from scaffold_cad.struts.surface import triangulated
-from scaffold_cad.struts.walls import least_wall
+from scaffold_cad.struts.walls import least_wall, walls
+from tests.struts.stars import FIVE_TUBES
 
 TUBE = Skeleton([[0, 0, 0], [0, 0, 20]], [[0, 1]], 5.0)
 ELBOWS = Skeleton([[0, 0, 0], [40, 0, 0], [0, 40, 0], [0, 0, 40]], [[0, 1], [0, 2], [0, 3]], 6.0)
@@ -33,6 +40,69 @@ def test_a_hollow_tube_has_the_volume_of_its_wall(ends: Ends) -> None:
     assert least_wall(struts) == 1.0
 
 
+TUBES = np.array([17.5, 16, 14, 9, 9])
+FIVE = Skeleton(
+    np.vstack([np.zeros(3), 90 * FIVE_TUBES / np.linalg.norm(FIVE_TUBES, axis=1)[:, None]]),
+    [[0, tip] for tip in range(1, 6)],
+    edge_radii=TUBES,
+)
+
+
+def wall_of(shape: Shape, count: int) -> float:
+    """Return the least distance between the patches inside and outside of a node at the origin."""
+    outer: list[Floats] = []
+    inner: list[Floats] = []
+    for face in shape.faces():
+        if face.geom_type != GeomType.BSPLINE:
+            continue
+        center = np.array(tuple(face.center()))
+        is_outer = np.array(tuple(face.normal_at(face.center()))) @ center > 0
+        surface = BRepAdaptor_Surface(face.wrapped)
+        at = np.linspace(0, 1, count if is_outer else count // 2)
+        points = [surface.Value(u, v) for u in at for v in at]
+        (outer if is_outer else inner).append(np.array([[p.X(), p.Y(), p.Z()] for p in points]))
+    assert len(outer) == len(inner)
+    return float(cKDTree(np.concatenate(outer)).query(np.concatenate(inner))[0].min())
+
+
+@pytest.mark.parametrize("blend", [None, 5.0])
+def test_walls_of_reported_five_tubes_are_those_asked_for(
+    blend: float | None, tmp_path: Path
+) -> None:
+    struts = round_struts(FIVE, wall=3.0, ends="open", blend=blend)
+    write(struts, tmp_path / "node.step")
+    body = import_step(tmp_path / "node.step")
+    assert body.is_valid
+    measured = wall_of(body, 40)
+    assert 0.95 * 3 < measured <= 3.01
+    assert least_wall(struts) == pytest.approx(measured, rel=0.01)
+    radii = {round(f.radius, 6) for f in body.faces() if f.geom_type == GeomType.CYLINDER}
+    assert radii == {17.5, 16, 14, 9, 14.5, 13, 11, 6}
+
+
+def test_walls_of_cones_are_as_thick_across_the_cone() -> None:
+    funnel = Skeleton([[0, 0, 0], [10, 0, 0]], [[0, 1]], edge_radii=[[8, 2]])
+    struts = round_struts(funnel, wall=1.0, ends="open")
+    assert struts.inner is not None
+    lean = np.hypot(1, 0.6)
+    assert struts.inner.runs.radii == pytest.approx(np.array([[8 - lean, 2 - lean]]))
+    with pytest.raises(OptionError, match=r"edge 0 has radius 2 mm; need a wall that is thinner"):
+        round_struts(funnel, wall=1.9)
+
+
+def test_walls_are_told_node_by_node() -> None:
+    turn = np.linspace(0, 2 * np.pi, 25)
+    spring = np.stack([20 * np.cos(turn), 20 * np.sin(turn), turn], axis=1)
+    nodes = np.vstack([spring, [[60, 0, 0], [20, 0, -30]]])
+    edges = [*([k, k + 1] for k in range(24)), [0, 25], [0, 26]]
+    struts = round_struts(Skeleton(nodes, edges, 4.0), wall=1.5, ends="open")
+    found = walls(struts)
+    assert np.isfinite(found.nodes).tolist() == [True] + [False] * 26
+    assert found.nodes[0] == pytest.approx(1.5, rel=0.05)
+    assert found.curves == pytest.approx([1.5], rel=0.01)
+    assert found.least == min(1.5, found.nodes[0], found.curves[0])
+
+
 @pytest.mark.parametrize(("ends", "shells"), [("open", 1), ("flat", 2), ("round", 2)])
 def test_a_hollow_node_is_one_valid_solid(ends: Ends, shells: int) -> None:
     struts = round_struts(ELBOWS, ends=ends, wall=1.5)
@@ -41,7 +111,7 @@ def test_a_hollow_node_is_one_valid_solid(ends: Ends, shells: int) -> None:
     assert len(body.solids()) == 1
     assert len(body.shells()) == shells
     assert body.volume < to_brep(round_struts(ELBOWS, ends="round")).volume
-    assert least_wall(struts) > 1.2
+    assert least_wall(struts) > 0.95 * 1.5
     triangulated(struts, 16).mesh.check_closed()
 
 

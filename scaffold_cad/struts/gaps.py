@@ -1,0 +1,109 @@
+"""How far points inside of a node's surface are from it: how thick a wall is there.
+
+The nearest of many samples of the surface is looked for. For a wall that is being made the distance
+is that to the tangent plane there; for one that is measured the sample is moved along the surface
+to the foot of the perpendicular.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from scaffold_cad.base.arrays import Floats, Ints, UnitVectors
+from scaffold_cad.base.vectors import dot, normalize
+from scaffold_cad.struts.blend import Solved
+
+LEVELS = 17
+"""Samples of a patch in either direction, its rims among them."""
+INSIDE = 27
+"""The same of the surface inside, where walls are measured: not at the same places."""
+STEPS = 4
+"""Steps of Gauss and Newton to the foot of a perpendicular."""
+
+
+class Gaps:
+    """The surfaces of U nodes, to which points inside are measured."""
+
+    def __init__(self, shapes: Solved) -> None:
+        """Take the surfaces of blends."""
+        self._shapes = shapes
+        self._points, self._normals = surface_samples(shapes, LEVELS)
+        self._trees = [cKDTree(each) for each in self._points]
+
+    def measured(self, points: Floats, rows: Ints) -> tuple[Floats, UnitVectors]:
+        """Return how far points are from the tangent planes at the nearest samples.
+
+        Parameters
+        ----------
+        points : (k, q, 3) float64, mm
+        rows : (k,) the node of each row
+
+        Returns
+        -------
+        (k, q) float64, mm, and the planes' normals, (k, q, 3)
+        """
+        gaps, normals = np.empty(points.shape[:2]), np.empty(points.shape)
+        for place, (row, inside) in enumerate(zip(rows.tolist(), points, strict=True)):
+            _, nearest = self._trees[row].query(inside)
+            normals[place] = self._normals[row, nearest]
+            gaps[place] = dot(self._points[row, nearest] - inside, normals[place])
+        return gaps, normals
+
+    def least(self, inside: Solved) -> Floats:
+        """Return the least distance of samples of the surfaces inside, (U,), mm."""
+        points, _ = surface_samples(inside, INSIDE)
+        rows = [self._distances(row, each).min() for row, each in enumerate(points)]
+        return np.array(rows)
+
+    def _distances(self, row: int, points: Floats) -> Floats:
+        """Return how far points (q, 3) are inside of a surface, (q,), mm; < 0 for those outside."""
+        _, place = self._trees[row].query(points)
+        patch, rest = np.divmod(place, LEVELS**2)
+        at = np.stack(np.divmod(rest, LEVELS), axis=1) / (LEVELS - 1)  # (q, 2)
+        for _ in range(STEPS):
+            found, slopes = self._evaluated(row, patch, at)
+            way = points - found
+            square = np.einsum("qax,qbx->qab", slopes, slopes)
+            along = np.einsum("qax,qx->qa", slopes, way)
+            (a, b), (_, d) = np.moveaxis(square, 0, -1)
+            size = np.maximum(a * d - b * b, 1e-300)
+            step = np.stack([d * along[:, 0] - b * along[:, 1], a * along[:, 1] - b * along[:, 0]])
+            at = np.clip(at + np.clip(step / size, -0.5, 0.5).T / (LEVELS - 1), 0.0, 1.0)
+        found, slopes = self._evaluated(row, patch, at)
+        start = self._points[row, place] - points
+        way = found - points
+        sizes = np.minimum(np.sqrt(dot(way, way)), np.sqrt(dot(start, start)))
+        outward = dot(way, np.cross(slopes[:, 0], slopes[:, 1]))
+        return np.asarray(np.where(outward < 0, -sizes, sizes))
+
+    def _evaluated(self, row: int, patch: Ints, at: Floats) -> tuple[Floats, Floats]:
+        """Return points (q, 3) of patches (q,) at parameters (q, 2), and slopes by both."""
+        control = self._shapes.control[row, patch]  # (q, n_u, n_v, 3)
+        u, v = self._shapes.layout.u, self._shapes.layout.v
+        values = u.values_at(at[:, 0]), v.values_at(at[:, 1])
+        by_u, by_v = u.values_at(at[:, 0], 1), v.values_at(at[:, 1], 1)
+        rows = np.einsum("qj,qijx->qix", values[1], control)
+        across = np.einsum("qj,qijx->qix", by_v, control)
+        points = np.einsum("qi,qix->qx", values[0], rows)
+        slopes = np.einsum("qi,qix->qx", by_u, rows), np.einsum("qi,qix->qx", values[0], across)
+        return points, np.stack(slopes, axis=1)
+
+
+def surface_samples(shapes: Solved, levels: int) -> tuple[Floats, UnitVectors]:
+    """Return points and normals of blends on a grid in each patch, both (U, p, 3).
+
+    Parameters
+    ----------
+    levels : of the grid in either direction
+    """
+    at = np.linspace(0.0, 1.0, levels)
+    u, v = shapes.layout.u, shapes.layout.v
+    patches = np.moveaxis(shapes.control, -1, 0)  # (3, U, 4 N, n_u, n_v)
+    points = u.values_at(at) @ patches @ v.values_at(at).T
+    by_u = u.values_at(at, 1) @ patches @ v.values_at(at).T
+    by_v = u.values_at(at) @ patches @ v.values_at(at, 1).T
+    normals = np.cross(by_u, by_v, axis=0)
+    count = len(shapes)
+    flat = [np.moveaxis(each, 0, -1).reshape(count, -1, 3) for each in (points, normals)]
+    return np.ascontiguousarray(flat[0]), normalize(flat[1])
