@@ -11,7 +11,7 @@ import numpy as np
 
 from scaffold_cad.base.arguments import as_number
 from scaffold_cad.brep import BREP_SUFFIXES
-from scaffold_cad.cli import source
+from scaffold_cad.cli import sizes, source
 from scaffold_cad.cli.progress import ROUND_RATE, SCAFFOLD_RATE, SOLID_RATE, Progress
 from scaffold_cad.errors import OptionError
 from scaffold_cad.io.write import check_writable, write
@@ -56,6 +56,14 @@ def add_parser(
     )
     add_scaffold_arguments(parser)
     add_round_arguments(parser)
+    parser.add_argument(
+        "--socket",
+        action="append",
+        type=sizes.socket,
+        metavar="NODE:RADIUS:DEPTH",
+        help="bore the open end at a node for a tube: inner radius, and depth down to a shoulder, "
+        "mm; for several sockets several times",
+    )
     add_overlaps_argument(parser)
     parser.set_defaults(run=run)
 
@@ -158,7 +166,8 @@ def run(options: argparse.Namespace) -> None:
     struts = len(skeleton.edges)
     if options.round:
         with progress.stage("struts", struts, "struts", ROUND_RATE):
-            product: Any = round_struts(skeleton, **round_options(options))
+            given = round_options(options) | {"sockets": _sockets(options)}
+            product: Any = round_struts(skeleton, **given)
     elif options.product == "shell":
         cad = options.output.suffix.lower() in BREP_SUFFIXES
         overlaps: Overlaps = options.overlaps or "allow"
@@ -175,6 +184,16 @@ def round_options(options: argparse.Namespace) -> dict[str, Any]:
     """Return the arguments for `round_struts` that are given."""
     given = {name: getattr(options, name) for name in ("blend", "ends", "joints", "wall")}
     return {name: value for name, value in given.items() if value is not None}
+
+
+def _sockets(options: argparse.Namespace) -> dict[int, tuple[float, float]]:
+    """Return the radius and the depth of sockets by their nodes."""
+    found: dict[int, tuple[float, float]] = {}
+    for node, radius, depth in options.socket or []:
+        if node in found:
+            raise OptionError(f"--socket has node {node} twice; need each node once")
+        found[node] = radius, depth
+    return found
 
 
 def written_with(options: argparse.Namespace) -> dict[str, Any]:
@@ -223,6 +242,10 @@ def _check_combination(options: argparse.Namespace) -> None:
     if options.round and options.product == "shell":
         raise OptionError("--as shell is for the coarse quads; need it without --round")
     check_round_options(options)
+    if options.socket and not options.round:
+        raise OptionError("--socket is for --round")
+    if options.socket and (options.ends != "open" or options.wall is None):
+        raise OptionError("--socket bores open ends of hollow struts; need --wall T --ends open")
     if options.sides is not None and cad:
         raise OptionError("--sides is for meshes, not for CAD formats")
     check_frame_options(options)

@@ -1,4 +1,4 @@
-"""Numbers of the command line: sizes, boxes and directions, with x or commas between them."""
+"""Numbers of the command line: sizes, boxes, directions and sockets."""
 
 from __future__ import annotations
 
@@ -48,6 +48,17 @@ def direction(text: str) -> tuple[float, float, float]:
         raise argparse.ArgumentTypeError(f"{text!r}; need three numbers, as in 0,0,1")
     x, y, z = numbers.tolist()
     return x, y, z
+
+
+def socket(text: str) -> tuple[int, float, float]:
+    """Return the node, the radius and the depth of a socket: 3:14.375:25."""
+    try:
+        node, radius, depth = text.split(":")
+        return int(node), float(radius), float(depth)
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a socket; need NODE:RADIUS:DEPTH, mm, as in 3:14.375:25"
+        ) from None
 
 
 def _numbers(text: str) -> Floats:

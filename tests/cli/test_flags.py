@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from build123d import Box, export_step
+from build123d import Box, GeomType, export_step, import_step
 
 from scaffold_cad import Skeleton, write
 from scaffold_cad.cli import _parser, main
@@ -29,7 +29,7 @@ LINES = {
     "build": [
         f"bare.obj {INPUT} -o a.stl",
         f"tripod.json --strict {SHAPE} --output b.step",
-        f"tripod.json {ROUND} --overlaps unite -o c.stl",
+        f"tripod.json {ROUND} --overlaps unite --socket 1:1.8:5 --socket 2:1.7:4 -o c.stl",
         "tripod.json --as frame --strut-radius 0.3 -o d.stl",
     ],
     "lattice": [
@@ -138,6 +138,41 @@ def test_limits_of_a_process_change_its_verdict(
     process = ("--process", "fdm")
     usual = verdicts(capsys, *process)[finding]
     assert verdicts(capsys, *process, flag, value)[finding] != usual
+
+
+def test_sockets_are_bored_where_they_are_asked_for(folder: Path) -> None:
+    hollow = "--round --wall 0.5 --ends open"
+    line = f"build tripod.json {hollow} --socket 1:1.8:5 --socket 3:1.625:4 -o lug.step"
+    assert main(line.split()) == 0
+    faces = [f for f in import_step("lug.step").faces() if f.geom_type == GeomType.CYLINDER]
+    bores = {round(face.radius, 9): face for face in faces if face.radius not in (1.5, 2.0)}
+    assert sorted(bores) == [1.625, 1.8]
+    assert bores[1.8].area == pytest.approx(2 * np.pi * 1.8 * 5)
+    assert tuple(bores[1.625].axis_of_rotation.direction)[:2] == pytest.approx((0, 0))
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("--socket 1:1.8:5", "--socket is for --round"),
+        ("--round --socket 1:1.8:5", "need --wall T --ends open"),
+        ("--round --wall 0.5 --socket 1:1.8:5", "need --wall T --ends open"),
+        ("--round --wall 0.5 --ends open --socket 1:1.8:5 --socket 1:1.7:5", "has node 1 twice"),
+        ("--round --wall 0.5 --ends open --socket 0:1.8:5", "node 0, which is no end of a strut"),
+        ("--round --wall 0.5 --ends open --socket 1:2.1:5", "the socket at node 1 has radius 2.1"),
+    ],
+)
+def test_sockets_that_cannot_be_are_named(
+    line: str, message: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["build", "tripod.json", *line.split(), "-o", "lug.step"]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_sockets_have_three_numbers(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["build", "tripod.json", "--round", "--socket", "1:1.8", "-o", "lug.step"])
+    assert "'1:1.8' is not a socket; need NODE:RADIUS:DEPTH" in capsys.readouterr().err
 
 
 def test_walls_and_hollow_struts_are_thinner(folder: Path) -> None:
