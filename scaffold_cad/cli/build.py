@@ -32,6 +32,9 @@ PRODUCTS = ("scaffold", "frame", "shell")
 SCAFFOLD_OPTIONS = ("strut_radius", "fit", "section", "collars")
 """What `add_scaffold_arguments` adds."""
 
+ROUND_OPTIONS = ("blend", "ends", "joints", "bend", "wall")
+"""What `add_strut_arguments` adds, beside the sides."""
+
 FRAME_RADIUS = 0.15
 """Radius of a frame's struts when none is given, as a fraction of the median node radius."""
 
@@ -95,6 +98,13 @@ def add_strut_arguments(parser: argparse.ArgumentParser) -> None:
         choices=get_args(Joints),
         help="how round struts pass joints of two edges: on a curve through their nodes, or as a "
         "bend between two cylinders (default: auto, by how the curve is sampled)",
+    )
+    parser.add_argument(
+        "--bend",
+        type=sizes.bend,
+        metavar="HOW",
+        help="how two cylinders meet at a bend: blend, torus, or the radius of the torus' "
+        "centerline, mm (default: blend)",
     )
     parser.add_argument(
         "--wall", type=float, metavar="T", help="thickness of hollow round struts, mm"
@@ -182,7 +192,7 @@ def run(options: argparse.Namespace) -> None:
 
 def round_options(options: argparse.Namespace) -> dict[str, Any]:
     """Return the arguments for `round_struts` that are given."""
-    given = {name: getattr(options, name) for name in ("blend", "ends", "joints", "wall")}
+    given = {name: getattr(options, name) for name in ROUND_OPTIONS}
     return {name: value for name, value in given.items() if value is not None}
 
 
@@ -254,7 +264,7 @@ def _check_combination(options: argparse.Namespace) -> None:
 def check_round_options(options: argparse.Namespace) -> None:
     """Raise where an option of round struts is given without them."""
     if not options.round:
-        source.refuse(options, ["blend", "ends", "joints", "wall", "sides"], "is for --round")
+        source.refuse(options, [*ROUND_OPTIONS, "sides"], "is for --round")
 
 
 def check_frame_options(options: argparse.Namespace) -> None:

@@ -50,6 +50,18 @@ def direction(text: str) -> tuple[float, float, float]:
     return x, y, z
 
 
+def bend(text: str) -> float | str:
+    """Return how bends are made: blend, torus, or a radius."""
+    if text in ("blend", "torus"):
+        return text
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is no bend; need blend, torus or a radius, mm"
+        ) from None
+
+
 def socket(text: str) -> tuple[int, float, float]:
     """Return the node, the radius and the depth of a socket: 3:14.375:25."""
     try:

@@ -19,11 +19,12 @@ from scaffold_cad.struts.blend import Stars
 from scaffold_cad.struts.curved import Curves, curves
 from scaffold_cad.struts.curvedjoints import CurvedJoints, curved_joints, possible, sampled
 from scaffold_cad.struts.curveproof import proved
-from scaffold_cad.struts.insides import hollow_nodes
+from scaffold_cad.struts.elbows import Elbows, elbow_curves, elbows_of
+from scaffold_cad.struts.insides import hollow_nodes, limits_beside
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.nodes import blends, nearest_collars
-from scaffold_cad.struts.options import Blend, Ends, Joints, StrutOptions, as_blend
-from scaffold_cad.struts.room import SPARE, allotted
+from scaffold_cad.struts.options import Bend, Blend, Ends, Joints, StrutOptions, as_blend
+from scaffold_cad.struts.room import allotted
 from scaffold_cad.struts.runs import Runs, straight_runs
 from scaffold_cad.struts.sockets import sockets_of
 from scaffold_cad.struts.walls import without_wall
@@ -37,6 +38,7 @@ def round_struts(
     ends: Ends = "flat",
     wall: float | None = None,
     joints: Joints = "auto",
+    bend: Bend = "blend",
     sockets: Mapping[int, tuple[float, float]] | None = None,
     like: RoundStruts | None = None,
 ) -> RoundStruts:
@@ -57,6 +59,10 @@ def round_struts(
         angle, where they can; by default the latter where a joint is a sample of a curve: it turns
         by at most 45°, the shorter edge is at most 6 radii long, and the arc over it rises a
         quarter of the radius at most; or where its edges are too short for a bend
+    bend : how two cylinders of one radius meet at a bend that is not of a curve: "blend", or as an
+        exact torus, tangent to both: "torus" for a centerline radius of 1.5 diameters, or what
+        there is room for; or that radius, mm. A bend without room stays a blend, and the log says
+        why
     sockets : inner radius and depth, mm, of open ends of hollow struts that take tubes, by node:
         `{3: (14.375, 25)}`
     like : struts of the same skeleton with its nodes elsewhere: partitions and triangles stay, for
@@ -81,7 +87,7 @@ def round_struts(
     ([True, True, True], 0.4)
     """
     check_skeleton(skeleton)
-    options = StrutOptions(as_blend(blend, skeleton.nodes), ends, wall, joints, sockets)
+    options = StrutOptions(as_blend(blend, skeleton.nodes), ends, wall, joints, bend, sockets)
     if like is not None:
         _check_like(skeleton, options, like)
     outer = _built(skeleton, options, like)
@@ -133,7 +139,7 @@ def _built(
     solved = [] if outer is None or wall is None else list(hollow_nodes(outer, runs, wall))
     # Nodes beside a run without room are crowded: for them one recipe is enough.
     limits = np.where(np.repeat(plan.no_room, 2), 0.0, plan.limits)
-    limits = _beside(runs, solved, limits)
+    limits = limits_beside(runs, solved, limits)
     done = np.zeros(len(runs.nodes), dtype=np.bool_)
     done[[node for part in solved for node in part.nodes.tolist()]] = True
     for group, stars in zip(plan.groups, plan.wanted, strict=True):
@@ -143,17 +149,6 @@ def _built(
             solved += _blended(rest, _limited(stars[left], limits[rest.half_runs]))
     solved.sort(key=lambda part: part.half_runs.shape[1])
     return replace(_assembled(skeleton, options, runs, tuple(solved), plan), like=like)
-
-
-def _beside(runs: Runs, made: list[BlendedNodes], limits: Floats) -> Floats:
-    """Return the limits (2 k,) of collars on runs whose other collar is that of a node made."""
-    limits = limits.copy()
-    for part in made:
-        half_runs = part.half_runs
-        used = part.shapes.collar_distances[part.shape_of]
-        left = (1 - SPARE) * runs.lengths[half_runs >> 1] - used
-        limits[half_runs ^ 1] = np.minimum(limits[half_runs ^ 1], left)
-    return limits
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,6 +165,8 @@ class _Plan:
     """Greatest collar distance of each half-run, shape (2 k,), mm."""
     no_room: Bools
     """Runs whose nodes have no room on them, shape (k,)."""
+    elbows: Elbows
+    """Bends that are parts of tori."""
 
 
 def _planned(
@@ -183,8 +180,11 @@ def _planned(
     model = outer if like is None else like
     able = possible(skeleton, runs)
     at = sampled(runs, able, options.joints) if model is None else model.at_curves
+    elbows = elbows_of(skeleton, runs, ~at, options.bend, like, outer)
     while True:
-        groups = _groups(runs, at)
+        bent = np.zeros_like(at)
+        bent[elbows.nodes] = True
+        groups = _groups(runs, at | bent)
         wanted = [_stars(skeleton, runs, group, options, outer, like) for group in groups]
         full, least = _collars(runs, groups, wanted)
         closed = _shortening(options)
@@ -193,12 +193,16 @@ def _planned(
         if outer is not None:
             along = np.where(joints.wanted > 0, outer.collar, 0.0)
             joints = replace(joints, wanted=along, least=along)
-        limits, no_room = _limits(runs, full + joints.wanted, least + joints.least)
-        more = np.zeros_like(at)
-        more[runs.edges[no_room]] = True
-        more &= able & ~at
+        joints, cut = elbows.beside(joints), elbows.cut(runs, closed)
+        limits, no_room = _limits(runs, full + joints.wanted + cut, least + joints.least + cut)
+        short = np.zeros_like(at)
+        short[runs.edges[no_room]] = True
+        if model is None and (short & bent).any():
+            elbows = elbows.with_room(runs, short, least + joints.least)
+            continue
+        more = short & able & ~at
         if model is not None or options.joints != "auto" or not more.any():
-            return _Plan(groups, wanted, joints, limits, no_room)
+            return _Plan(groups, wanted, joints, limits, no_room, elbows)
         at = at | more
 
 
@@ -338,7 +342,11 @@ def _assembled(
         x[group.half_runs] = made.collar_corners[which][:, :, 0]
         fillet[group.nodes] = made.rho[which]
         crowded[group.nodes[~made.sound[which]]] = True
+    bends = np.full(len(skeleton.nodes), np.nan)
+    bends[plan.elbows.nodes] = reached = plan.elbows.radii(collar)
+    collar[plan.elbows.half_runs] = (reached * np.tan(plan.elbows.turns / 2))[:, None]
     passed = curves(runs, plan.joints, collar, x)
+    passed = Curves.joined(passed, elbow_curves(runs, plan.elbows, reached))
     open_ones = ~passed.closed
     for side, first in enumerate((passed.offsets[:-1], passed.offsets[1:] - 1)):
         x[passed.half_runs[open_ones, side]] = passed.x[first[open_ones]]
@@ -352,7 +360,7 @@ def _assembled(
     _crowd_curves(passed, crowded)
     crowded_runs = no_room | crossing.struts | crowded[runs.edges].all(axis=1)
     return RoundStruts(
-        skeleton, options, runs, solved, collar, passed, x, fillet, crowded, crowded_runs
+        skeleton, options, runs, solved, collar, passed, x, fillet, bends, crowded, crowded_runs
     )
 
 

@@ -42,7 +42,7 @@ ALONG = 3
 """Degree of pieces along the curve."""
 
 
-_NOT_OF_CIRCLES = ("offsets", "half_runs", "curved")
+_NOT_OF_CIRCLES = ("offsets", "half_runs", "curved", "tori")
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +77,8 @@ class Curves(Frozen):
     """How fast circles turn about the curve, so that closed ones meet, shape (s,), rad/mm."""
     curved: Bools
     """Runs that are curved from end to end, shape (k,)."""
+    tori: Floats
+    """Centerline radius of curves that are parts of tori, nan for others, shape (c,), mm."""
 
     @staticmethod
     def none(runs: int) -> Curves:
@@ -88,7 +90,19 @@ class Curves(Frozen):
             np.empty((0, 2), dtype=np.intp),
             *(no_numbers, no_numbers, rows, rows, rows, empty, empty, rows, empty),
             np.zeros(runs, dtype=np.bool_),
+            empty,
         )
+
+    @staticmethod
+    def joined(first: Curves, second: Curves) -> Curves:
+        """Return the curves of one after those of the other; they are of the same runs."""
+        both = {
+            each.name: np.concatenate([getattr(first, each.name), getattr(second, each.name)])
+            for each in fields(first)
+        }
+        offsets = np.concatenate([first.offsets, first.offsets[-1] + second.offsets[1:]])
+        both |= {"offsets": offsets, "curved": first.curved | second.curved}
+        return Curves(**both)
 
     def chosen(self, keep: Bools) -> Curves:
         """Return some of the curves, for `keep` (c,)."""
@@ -97,7 +111,8 @@ class Curves(Frozen):
         own = [each.name for each in fields(self) if each.name not in _NOT_OF_CIRCLES]
         per_circle = {name: getattr(self, name)[rows] for name in own}
         offsets = np.concatenate([[0], np.cumsum(counts[keep])])
-        return replace(self, offsets=offsets, half_runs=self.half_runs[keep], **per_circle)
+        half_runs, tori = self.half_runs[keep], self.tori[keep]
+        return replace(self, offsets=offsets, half_runs=half_runs, tori=tori, **per_circle)
 
     @cached_property
     def closed(self) -> Bools:
@@ -214,6 +229,7 @@ def curves(runs: Runs, joints: CurvedJoints, collar: Floats, x: Floats) -> Curve
         bends,
         np.zeros(len(node)),
         joints.curved,
+        np.full(len(both), np.nan),
     )
     return _turned(made, np.where(both[:, :1] >= 0, x[both[:, 0] ^ 1], 0.0))
 

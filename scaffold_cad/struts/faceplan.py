@@ -9,6 +9,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points
 from scaffold_cad.partition.arcs import side_twins
 from scaffold_cad.struts.curvefaces import CurveParts
+from scaffold_cad.struts.elbows import Tori, tori_of
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.options import Ends
 from scaffold_cad.struts.seams import Seams, seams
@@ -37,7 +38,9 @@ class FacePlan(Frozen):
     run_face: Ints
     """Place of each run's face among those of all runs, cylinders first, shape (k,)."""
     curves: CurveParts
-    """Parts of curves."""
+    """Parts of curves that are no tori."""
+    tori: Tori
+    """Elbows."""
 
     @staticmethod
     def of(struts: RoundStruts) -> FacePlan:
@@ -53,6 +56,7 @@ class FacePlan(Frozen):
         count = len(runs.tails)
         ranks = [_rank(members, count) for members in (ringed, split, ends)]
         caps = struts.options.ends
+        is_torus = np.isfinite(struts.curves.tori)
         return FacePlan(
             struts,
             found,
@@ -64,11 +68,12 @@ class FacePlan(Frozen):
             ranks[2],
             caps,
             run_face,
-            CurveParts.of(struts.curves),
+            CurveParts.of(struts.curves.chosen(~is_torus)),
+            tori_of(runs, struts.curves.half_runs[is_torus], struts.curves.tori[is_torus]),
         )
 
-    # Edges: seams, base arcs, rests of split arcs, end rings, meridians, rings of closed curves,
-    # arcs and spokes of nodes, spokes of curves.
+    # Edges: seams, base arcs, rests of split arcs, end rings, meridians, seams of tori, rings of
+    # closed curves, arcs and spokes of nodes, spokes of curves.
 
     @property
     def base_arcs(self) -> int:
@@ -91,9 +96,14 @@ class FacePlan(Frozen):
         return self.end_rings + len(self.ends)
 
     @property
+    def torus_seams(self) -> int:
+        """Number of the first seam of a torus."""
+        return self.meridians + (len(self.ends) if self.caps == "round" else 0)
+
+    @property
     def curve_rings(self) -> int:
         """Number of the first quarter of a ring in which halves of a closed curve meet."""
-        return self.meridians + (len(self.ends) if self.caps == "round" else 0)
+        return self.torus_seams + len(self.tori.radii)
 
     @property
     def node_edges(self) -> int:
@@ -138,7 +148,7 @@ class FacePlan(Frozen):
         corners = sum(group.half_runs.size + 2 * len(group.nodes) for group in self.struts.blended)
         return self.node_vertices + corners
 
-    # Faces: discs, struts, domes, patches of nodes, those of curves.
+    # Faces: discs, struts, domes, tori, patches of nodes, those of curves.
 
     @property
     def strut_faces(self) -> int:
@@ -151,9 +161,14 @@ class FacePlan(Frozen):
         return self.strut_faces + len(self.run_face)
 
     @property
+    def torus_faces(self) -> int:
+        """Number of the first torus."""
+        return self.domes + (len(self.ends) if self.caps == "round" else 0)
+
+    @property
     def patch_faces(self) -> int:
         """Number of the first patch of a node."""
-        return self.domes + (len(self.ends) if self.caps == "round" else 0)
+        return self.torus_faces + len(self.tori.radii)
 
     @property
     def curve_faces(self) -> int:

@@ -39,6 +39,7 @@ from scaffold_cad.struts.faceuses import (
     dome_uses,
     patch_uses,
     strut_uses,
+    torus_uses,
 )
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.seams import QUARTER
@@ -118,7 +119,7 @@ def _bored(
 
 def _shells_of(plan: FacePlan) -> AnalyticBrep:
     """Return the outer faces of struts, but for the ends of open ones."""
-    uses = [patch_uses(plan), strut_uses(plan), curve_uses(plan)]
+    uses = [patch_uses(plan), strut_uses(plan), curve_uses(plan), torus_uses(plan)]
     if plan.caps == "flat":
         uses.append(cap_uses(plan))
     elif plan.caps == "round":
@@ -197,6 +198,15 @@ def _edges(plan: FacePlan) -> BrepEdges:
         radii.append(size)
         circles.append(np.stack([latitude, np.full(len(ends), QUARTER)], axis=1))
         pairs.append(np.stack([ring[:, 0], plan.poles + np.arange(len(ends))], axis=1))
+    tori = plan.tori
+    corner = 4 * plan.rank[tori.half_runs]  # (q, 2)
+    origin.append(tori.centers)
+    z.append(tori.z)
+    x.append(tori.x)
+    tube = plan.struts.runs.radii.reshape(-1)[tori.half_runs[:, 0]]
+    radii.append(tori.radii + tube)
+    circles.append(np.stack([0.0 * tori.turns, tori.turns], axis=1))
+    pairs.append(corner)
     rings = plan.curves.ring_axes
     origin, z, x = [*origin, rings.origin], [*z, rings.z], [*x, rings.x]
     radii.append(plan.curves.ring_radii)
@@ -270,6 +280,10 @@ def _surfaces(plan: FacePlan) -> tuple[Ints, Axes, Floats, tuple[SplinePatches, 
         columns.append((center, outward, struts.x[ends]))
         sizes.append(np.stack([size, np.zeros(len(ends))], axis=1))
         kinds.append(np.full(len(ends), Surface.SPHERE))
+    tori = plan.tori
+    columns.append((tori.centers, tori.z, tori.x))
+    sizes.append(np.stack([tori.radii, runs.radii.reshape(-1)[tori.half_runs[:, 0]]], axis=1))
+    kinds.append(np.full(len(tori.radii), Surface.TORUS))
     patches = [_patch_table(plan, group) for group, *_ in groups_of(plan)]
     patches += plan.curves.patches
     kinds.append(np.full(sum(len(table.control) for table in patches), Surface.SPLINE))
@@ -303,7 +317,8 @@ def _nodes_of_faces(plan: FacePlan) -> Ints:
     patches.append(np.repeat(of_curves, 4))
     before = at_ends if plan.caps == "flat" else at_ends[:0]
     after = at_ends if plan.caps == "round" else at_ends[:0]
-    return np.concatenate([before, struts, after, *patches])
+    at_tori = runs.tails[plan.tori.half_runs[:, 0]]
+    return np.concatenate([before, struts, after, at_tori, *patches])
 
 
 def _shell_of_nodes(struts: RoundStruts) -> Ints:
@@ -324,11 +339,14 @@ def _names(plan: FacePlan) -> Ints:
     number[first : first + struts] = own
     curves = np.repeat(plan.curves.curve, 4)
     number[plan.curve_faces :] = struts + len(runs.nodes) + curves
+    tori = slice(plan.torus_faces, plan.patch_faces)
+    number[tori] = struts + len(runs.nodes) + len(plan.curves.curves.half_runs)
+    number[tori] += np.arange(len(plan.tori.radii))
     return number
 
 
 def _texts(plan: FacePlan) -> tuple[str, ...]:
-    """Return the names of runs, then those of nodes and of curves."""
+    """Return the names of runs, then those of nodes, of curves and of tori."""
     runs = plan.struts.runs
     edge = np.full(len(runs.edges), len(runs.run_of_edge))
     straight = np.flatnonzero(runs.run_of_edge >= 0)
@@ -342,4 +360,5 @@ def _texts(plan: FacePlan) -> tuple[str, ...]:
         *names,
         *(f"{kind} {node}" for node, kind in enumerate(of_node.tolist())),
         *(f"curve {node}" for node in lowest.tolist()),
+        *(f"bend {node}" for node in runs.tails[plan.tori.half_runs[:, 0]].tolist()),
     )

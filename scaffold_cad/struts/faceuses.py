@@ -6,7 +6,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints
 from scaffold_cad.struts.faceplan import FacePlan, domes, groups_of, owners
-from scaffold_cad.struts.rings import parameters_at
+from scaffold_cad.struts.rings import angles_at, parameters_at
 from scaffold_cad.struts.seams import QUARTER
 
 TURN = 2 * np.pi
@@ -61,6 +61,32 @@ def curve_uses(plan: FacePlan) -> Uses:
         half_run = np.repeat(parts.half_runs[~own, side, None], 4, axis=1)
         own_quarter = np.broadcast_to(quarter if side else 3 - quarter, half_run.shape)
         found += _arc_uses(plan, faces[~own], 20 * side, half_run, own_quarter, side)
+    return joined(found)
+
+
+def torus_uses(plan: FacePlan) -> Uses:
+    """Return the edges around tori: a circle, the seam, the other circle, the seam.
+
+    Circles begin at the outside of the bend, where the seam is.
+    """
+    tori, count = plan.tori, len(plan.tori.radii)
+    faces = (plan.torus_faces + np.arange(count))[:, None]
+    seam = (plan.torus_seams + np.arange(count))[:, None]
+    zero, turn = np.zeros((count, 1)), tori.turns[:, None]
+    found = [
+        _rows(faces, 20, seam, True, (zero, zero, turn, zero)),
+        _rows(faces, 60, seam, False, (zero, zero + TURN, turn, zero + TURN)),
+    ]
+    for side, quarter in ((side, quarter) for side in (0, 1) for quarter in range(4)):
+        half_run = tori.half_runs[:, side, None]
+        own_quarter = np.full_like(half_run, quarter if side else 3 - quarter)
+        place = 40 + 4 * (3 - quarter) if side else 4 * quarter
+        for of, rank, edge, along, places in _arc_uses(
+            plan, faces, place, half_run, own_quarter, side
+        ):
+            angle = QUARTER * quarter + angles_at(places[..., 0])
+            turned = (side * tori.turns[of - plan.torus_faces])[:, None] + 0 * angle
+            found.append((of, rank, edge, along, np.stack([turned, TURN - angle], axis=-1)))
     return joined(found)
 
 

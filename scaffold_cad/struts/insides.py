@@ -126,6 +126,16 @@ def _have_room(outer: RoundStruts, runs: Runs, wall: float) -> Bools:
     return fits
 
 
+def limits_beside(runs: Runs, made: list[BlendedNodes], limits: Floats) -> Floats:
+    """Return the limits (2 k,) of collars, on runs whose other collar is that of a node made."""
+    limits = limits.copy()
+    for part in made:
+        used = part.shapes.collar_distances[part.shape_of]
+        left = (1 - SPARE) * runs.lengths[part.half_runs >> 1] - used
+        limits[part.half_runs ^ 1] = np.minimum(limits[part.half_runs ^ 1], left)
+    return limits
+
+
 def insides(skins: Skins, wall: float) -> list[tuple[Ints, Solved]]:
     """Return the insides that are proved, those of one layout together, with their rows.
 

@@ -65,6 +65,8 @@ class RoundStruts(Frozen, Shown):
     """Where the ring of each half-run begins, at right angles to it, shape (2 k, 3)."""
     fillet: Floats
     """Fillet radius reached at each node, mm; nan where there is none, shape (n,)."""
+    bends: Floats
+    """Centerline radius of the torus that each bend is, mm; nan at other nodes, shape (n,)."""
     crowded: Bools
     """Nodes without a surface of their own, shape (n,): what is there overlaps or is not proved."""
     crowded_runs: Bools
@@ -94,10 +96,10 @@ class RoundStruts(Frozen, Shown):
 
     @property
     def at_curves(self) -> Bools:
-        """Whether each node is a joint that a curve passes, shape (n,)."""
+        """Whether each node is a joint that a curve passes, but for bends, shape (n,)."""
         found = np.zeros(len(self.runs.nodes), dtype=np.bool_)
         found[self.curves.nodes[self.curves.nodes >= 0]] = True
-        return found
+        return found & np.isnan(self.bends)
 
     @cached_property
     def straight(self) -> RoundStruts:

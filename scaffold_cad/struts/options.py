@@ -20,6 +20,10 @@ Joints: TypeAlias = Literal["auto", "curve", "blend"]
 """How struts pass joints: on a curve through their nodes, or as a bend with a fillet between two
 exact cylinders; by default as `scaffold_cad.struts.curvedjoints` tells one from the other."""
 
+Bend: TypeAlias = float | Literal["blend", "torus"]
+"""How two cylinders of one radius meet: with a blend, or as an exact torus; a number is the radius
+of its centerline, mm."""
+
 BLEND = 0.5
 """Fillet radius when none is given, in radii of the thinnest strut of the node."""
 
@@ -41,6 +45,8 @@ class StrutOptions:
     """Thickness of the wall of hollow struts, mm; None for solid ones."""
     joints: Joints = "auto"
     """How struts pass joints of two edges."""
+    bend: Bend = "blend"
+    """How bends are made that are not of a curve."""
     sockets: Mapping[int, tuple[float, float]] | None = None
     """Inner radius and depth of sockets, mm, by the extremity at which they are."""
 
@@ -49,6 +55,10 @@ class StrutOptions:
             as_number(self.blend, "blend")
         check_choice(self.ends, "ends", ("flat", "round", "open"))
         check_choice(self.joints, "joints", get_args(Joints))
+        if isinstance(self.bend, str):
+            check_choice(self.bend, "bend", ("blend", "torus"))
+        else:
+            as_number(self.bend, "bend")
         if self.wall is not None:
             as_number(self.wall, "wall")
         elif self.ends == "open":

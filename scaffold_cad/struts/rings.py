@@ -114,10 +114,16 @@ def parameters_at(angles: Floats) -> Floats:
     low, high = np.zeros(len(angles)), np.ones(len(angles))
     for _ in range(60):
         middle = (low + high) / 2
-        place = bernstein(DEGREE, middle) @ ARC  # (k, 2)
-        beyond = np.arctan2(place[:, 1], place[:, 0]) > angles
+        beyond = angles_at(middle) > angles
         low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
     return (low + high) / 2
+
+
+def angles_at(parameters: Floats) -> Floats:
+    """Return the angles of the quarter circle at parameters (...) in [0, 1], rad, (...)."""
+    place = bernstein(DEGREE, parameters.reshape(-1)) @ ARC  # (k, 2)
+    angles: Floats = np.arctan2(place[:, 1], place[:, 0])
+    return angles.reshape(parameters.shape)
 
 
 def _sampled(shapes: Solved, u: Floats, v: Floats) -> tuple[Floats, Floats]:

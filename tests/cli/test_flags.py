@@ -23,7 +23,7 @@ INPUT = "--quiet --radius 1 --max-nodes 9 --units cm --scale 0.5 --join 0.1 --si
 """Flags of all commands that read a skeleton."""
 
 SHAPE = "--fit paper --section area --collars"
-ROUND = "--round --joints blend --blend 0.5 --ends open --wall 0.5 --sides 8"
+ROUND = "--round --joints blend --bend torus --blend 0.5 --ends open --wall 0.5 --sides 8"
 
 LINES = {
     "build": [
@@ -70,7 +70,7 @@ LINES = {
     "slice": [
         f"bare.obj {INPUT} --layer 2 --pixel 1 -o a.zip",
         "tripod.json --strict --layer 1 --blend 1 --ends open --wall 0.5 --sides 8 --text -o b.cli",
-        "tripod.json --layer 1 --joints blend -o d.cli",
+        "tripod.json --layer 1 --joints blend --bend 5 -o d.cli",
         "tripod.json --layer 1 --inside box.step --skin 1 --output c.cli",
     ],
     "formats": ["--quiet"],
