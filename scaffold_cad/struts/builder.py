@@ -126,15 +126,17 @@ def _built(
     options: StrutOptions,
     like: RoundStruts | None,
     outer: RoundStruts | None = None,
+    blended: Bools | None = None,
 ) -> RoundStruts:
     """Return solid struts.
 
     Parameters
     ----------
     outer : what they are the inside of, whose fillets and curves theirs follow
+    blended : (n,) bends that are blends in any case
     """
     runs = straight_runs(skeleton) if like is None else like.runs.moved(skeleton)
-    plan = _planned(skeleton, runs, options, like, outer)
+    plan = _planned(skeleton, runs, options, like, outer, blended)
     wall = None if outer is None else outer.options.wall
     solved = [] if outer is None or wall is None else list(hollow_nodes(outer, runs, wall))
     # Nodes beside a run without room are crowded: for them one recipe is enough.
@@ -148,7 +150,12 @@ def _built(
         if len(left):
             solved += _blended(rest, _limited(stars[left], limits[rest.half_runs]))
     solved.sort(key=lambda part: part.half_runs.shape[1])
-    return replace(_assembled(skeleton, options, runs, tuple(solved), plan), like=like)
+    struts = _assembled(skeleton, options, runs, tuple(solved), plan)
+    if like is None and outer is None and (struts.crowded & np.isfinite(struts.bends)).any():
+        lost = plan.elbows.crossing(struts.crowded)
+        lost = lost if blended is None else lost | blended
+        return _built(skeleton, options, like, outer, lost)
+    return replace(struts, like=like)
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,12 +182,14 @@ def _planned(
     options: StrutOptions,
     like: RoundStruts | None,
     outer: RoundStruts | None,
+    blended: Bools | None,
 ) -> _Plan:
     """Return the plan; joints that have no room for a bend and can be of a curve are."""
     model = outer if like is None else like
     able = possible(skeleton, runs)
     at = sampled(runs, able, options.joints) if model is None else model.at_curves
-    elbows = elbows_of(skeleton, runs, ~at, options.bend, like, outer)
+    bendable = ~at if blended is None else ~(at | blended)
+    elbows = elbows_of(skeleton, runs, bendable, options.bend, like, outer)
     while True:
         bent = np.zeros_like(at)
         bent[elbows.nodes] = True

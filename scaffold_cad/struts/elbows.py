@@ -84,6 +84,14 @@ class Elbows(Frozen):
             )
         return self.chosen(~lost)
 
+    def crossing(self, crowded: Bools) -> Bools:
+        """Return the nodes, among `crowded` (n,), whose elbow meets others, (n,), and log them."""
+        found = np.zeros_like(crowded)
+        found[self.nodes] = crowded[self.nodes]
+        for node in np.flatnonzero(found).tolist():
+            _log.warning("the bend at node %d is a blend: its torus would meet other struts", node)
+        return found
+
     def beside(self, joints: CurvedJoints) -> CurvedJoints:
         """Return what curves want of their runs, and elbows too."""
         wanted, least = joints.wanted.copy(), joints.least.copy()

@@ -164,7 +164,9 @@ def test_struts_of_two_radii_and_branch_points_stay_blends() -> None:
     assert np.isfinite(struts.fillet).tolist() == [False, True, True, False, False]
 
 
-def test_neighbors_are_apart_from_the_torus_not_from_the_corner() -> None:
+def test_neighbors_are_apart_from_the_torus_not_from_the_corner(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
     def beside(place: float) -> RoundStruts:
         # A strut across the plane of the bend, at a distance from its corner along the bisector.
         x, y = 40 - place, place
@@ -173,8 +175,11 @@ def test_neighbors_are_apart_from_the_torus_not_from_the_corner() -> None:
 
     # The centerline passes the bisector 8.8 mm, in x and in y, from the corner.
     assert len(beside(1.0).overlapping) == 0
-    assert len(beside(8.8).overlapping) == 3
     assert len(beside(16.0).overlapping) == 0
+    # There the bend is a blend, which goes around the corner; only a strut at the corner meets it.
+    assert np.isnan(beside(8.8).bends).all()
+    assert len(beside(8.8).overlapping) == 0
+    assert "the bend at node 1 is a blend: its torus would meet other struts" in caplog.text
 
 
 def test_moved_bends_keep_their_triangles() -> None:
