@@ -32,6 +32,8 @@ from scaffold_cad.struts.runs import Runs
 
 KEPT = 0.97
 """Part of the wall that is thick enough for no other way to be tried."""
+LEAST = 0.8
+"""Part of the wall below which an inside is not taken: patches that fold at first may stay so."""
 AIM = 1.01
 """What walls are to be at samples, over what is asked for: between samples they can be thinner."""
 PUSH = 1.5
@@ -137,7 +139,7 @@ def limits_beside(runs: Runs, made: list[BlendedNodes], limits: Floats) -> Float
 
 
 def insides(skins: Skins, wall: float) -> list[tuple[Ints, Solved]]:
-    """Return the insides that are proved, those of one layout together, with their rows.
+    """Return the insides that are proved and not thin, those of one layout together, by row.
 
     Parameters
     ----------
@@ -161,7 +163,8 @@ def insides(skins: Skins, wall: float) -> list[tuple[Ints, Solved]]:
         score[open_nodes[better]] = value[better]
         best.append(found)
         open_nodes = open_nodes[score[open_nodes] < KEPT * wall]
-    return list(_by_layout(best, trial, place))
+    trial[score < LEAST * wall] = -1
+    return _by_layout(best, trial, place)
 
 
 def _by_layout(best: list[Solved], trial: Ints, place: Ints) -> list[tuple[Ints, Solved]]:

@@ -82,7 +82,7 @@ class Walls(Frozen):
     asked: float
     """What was asked for, mm."""
     nodes: Floats
-    """Least thickness at each node that has a blend, nan at others, shape (n,), mm."""
+    """Least thickness at each node that has a blend of its own, nan at others, shape (n,), mm."""
     curves: Floats
     """Least thickness of each curve, shape (c,), mm."""
     sockets: Floats
@@ -133,6 +133,7 @@ def least_wall(struts: RoundStruts) -> float:
 def _at_nodes(outer: RoundStruts, inner: RoundStruts) -> Floats:
     """Return the least wall at each blended node, (n,), mm; that of equal nodes is found once."""
     found = np.full(len(outer.runs.nodes), np.nan)
+    crowded = outer.crowded | inner.crowded
     inside_of = {
         node: (group, row)
         for group in inner.blended
@@ -147,6 +148,7 @@ def _at_nodes(outer: RoundStruts, inner: RoundStruts) -> Floats:
                 pair = group.shapes[np.array([row])], inside.shapes[np.array([other])]
                 known[key] = float(Gaps(pair[0]).least(pair[1])[0])
             found[node] = known[key]
+    found[crowded] = np.nan
     return found
 
 

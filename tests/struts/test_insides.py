@@ -10,7 +10,7 @@ from scaffold_cad import Skeleton, round_struts
 from scaffold_cad.partition.arcs import side_twins
 from scaffold_cad.struts import Blends, blends
 from scaffold_cad.struts.blend import Solved
-from scaffold_cad.struts.gaps import Gaps, surface_samples
+from scaffold_cad.struts.gaps import INSIDE, Gaps, surface_samples
 from scaffold_cad.struts.insides import Skins, insides
 from tests.struts.stars import CUBIC, FIVE_TUBES, TRIPOD, random_stars, stars_of
 
@@ -112,7 +112,7 @@ def test_gaps_are_distances_to_the_surface() -> None:
     outer = found.shapes
     thinner = Solved(outer.layout, 0.9 * outer.control, *(getattr(outer, name) for name in REST))
     points, _ = surface_samples(outer, 97)
-    inside, _ = surface_samples(thinner, 27)
+    inside, _ = surface_samples(thinner, INSIDE)
     nearest = cKDTree(points[0]).query(inside[0])[0].min()
     assert Gaps(outer).least(thinner)[0] == pytest.approx(nearest, rel=2e-3)
     assert Gaps(thinner).least(outer)[0] < -0.05

@@ -92,12 +92,13 @@ def test_walls_of_cones_are_as_thick_across_the_cone() -> None:
 
 def test_walls_are_told_node_by_node() -> None:
     turn = np.linspace(0, 2 * np.pi, 25)
-    spring = np.stack([20 * np.cos(turn), 20 * np.sin(turn), turn], axis=1)
-    nodes = np.vstack([spring, [[60, 0, 0], [20, 0, -30]]])
-    edges = [*([k, k + 1] for k in range(24)), [0, 25], [0, 26]]
-    struts = round_struts(Skeleton(nodes, edges, 4.0), wall=1.5, ends="open")
+    spring = np.stack([60 + 20 * np.cos(turn), 60 + 20 * np.sin(turn), 3 * turn], axis=1)
+    edges = np.vstack([ELBOWS.edges, 4 + np.stack([np.arange(24), np.arange(1, 25)], axis=1)])
+    both = Skeleton(np.vstack([ELBOWS.nodes, spring]), edges, 4.0)
+    struts = round_struts(both, wall=1.5, ends="open")
+    assert len(struts.overlapping) == 0
     found = walls(struts)
-    assert np.isfinite(found.nodes).tolist() == [True] + [False] * 26
+    assert np.isfinite(found.nodes).tolist() == [True] + [False] * 28
     assert found.nodes[0] == pytest.approx(1.5, rel=0.05)
     assert found.curves == pytest.approx([1.5], rel=0.01)
     assert found.least == min(1.5, found.nodes[0], found.curves[0])

@@ -18,6 +18,7 @@ from build123d import GeomType, Shape, import_step
 
 from scaffold_cad import RoundStruts, Skeleton, delaunay_foam, round_struts, voronoi_foam, write
 from scaffold_cad.base.arrays import Floats, Points
+from scaffold_cad.errors import SkeletonError
 from scaffold_cad.struts.surface import triangulated
 from scaffold_cad.struts.walls import walls
 
@@ -36,7 +37,7 @@ def frame(kind: str, generator: np.random.Generator) -> Skeleton:
     elif kind == "foam":
         bare = voronoi_foam(int(generator.integers(4, 9)), BOX, 1.0, seed)
     elif kind == "truss":
-        bare = delaunay_foam(int(generator.integers(5, 9)), BOX, 1.0, seed)
+        bare = _truss(int(generator.integers(5, 9)), seed)
     else:
         count = int(generator.integers(4, 9))
         angle = np.sort(
@@ -47,6 +48,14 @@ def frame(kind: str, generator: np.random.Generator) -> Skeleton:
         bare = Skeleton(nodes, edges, 1.0)
     thin = 0.06 * float(np.median(bare.lengths))
     return bare.with_edge_radii(thin * generator.uniform(0.5, 2.0, len(bare.edges)))
+
+
+def _truss(count: int, seed: int) -> Skeleton:
+    """Return a foam of few points, of the first seed from `seed` on that leaves a strut."""
+    try:
+        return delaunay_foam(count, BOX, 1.0, seed)
+    except SkeletonError:
+        return _truss(count, seed + 1)
 
 
 def _tree(count: int, generator: np.random.Generator) -> Skeleton:
