@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from scaffold_cad.base.arrays import Floats, Ints, UnitVectors
+from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors
 from scaffold_cad.base.vectors import dot, normalize
 from scaffold_cad.struts.blend import Solved
 
@@ -108,7 +108,21 @@ class Gaps:
         # Where the foot is beyond the patch the plane at the sample says more, unless it leans.
         better = ~is_foot & (seems < sizes) & (seems > LEANING * sizes)
         sizes = np.where(better, seems, sizes)
-        return np.asarray(np.where((height < 0) & (seems < 0), -sizes, sizes))
+        out = np.flatnonzero((height < 0) & (seems < 0))
+        out = out[self._are_beyond(row, points[out])]
+        sizes[out] *= -1
+        return sizes
+
+    def _are_beyond(self, row: int, points: Floats) -> Bools:
+        """Return whether points (q, 3) are further from the node than the surface, (q,).
+
+        It is star-shaped: the sample in nearly the same direction tells.
+        """
+        away = np.sqrt(dot(points, points))
+        distances = np.sqrt(dot(self._points[row], self._points[row]))
+        directions = self._points[row] / distances[:, None]
+        _, nearest = cKDTree(directions).query(points / away[:, None])
+        return np.asarray(away > distances[nearest])
 
     def _evaluated(self, row: int, patch: Ints, at: Floats) -> tuple[Floats, Floats]:
         """Return points (q, 3) of patches (q,) at parameters (q, 2), and slopes by both."""
