@@ -104,8 +104,8 @@ def solidified(
     ----------
     sides : of the polygons that stand for the circles of round struts, a multiple of 4; 16 by
         default. They have the circles' area
-    factor : what lengths are multiplied with in a file: a union is free of crossings in the 32-bit
-        numbers that it has there
+    factor : what lengths are multiplied with in a file: the solid is free of crossings in the
+        32-bit numbers that it has there
 
     Raises
     ------
@@ -124,7 +124,7 @@ def solidified(
     """
     check_kind(what, Scaffold, RoundStruts)
     if isinstance(what, RoundStruts):
-        mesh = round_mesh(what, SIDES if sides is None else sides)
+        mesh = round_mesh(what, SIDES if sides is None else sides, factor)
         return Solidified(manifolds.to_manifold(mesh), what.overlapping, [])
     if sides is not None:
         raise OptionError(

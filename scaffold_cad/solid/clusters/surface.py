@@ -9,6 +9,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
 from scaffold_cad.base.blocks import CACHE, blocks
+from scaffold_cad.base.positions import in_single_precision
 from scaffold_cad.base.vectors import length
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
@@ -63,22 +64,27 @@ class _Surface:
     """Fillet radius of each node, mm, shape (n,)."""
 
 
-def surface_of(struts: RoundStruts, sides: int) -> TriangleMesh:
+def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> TriangleMesh:
     """Return the surface of round struts, closed and without crossings in 32-bit coordinates.
 
     What is crowded is made as fields, and everything where the struts of these have more than
     `MOST_FIELD` of the area. The inside of hollow struts is a surface like that outside; open ends
     that come to lie in a field are closed.
+
+    Parameters
+    ----------
+    factor : what lengths are multiplied with in a file, in whose 32-bit numbers triangles are
+        looked at
     """
     fillets, nodes = wanted_fillets(struts), unproved(struts)
     if struts.inner is None:
-        return _surface(struts, sides, fillets, nodes).mesh
+        return _surface(struts, sides, fillets, nodes, factor).mesh
     inner = inside_of(struts)
     nodes = nodes | unproved(inner)
     wall = float(struts.options.wall or 0.0)
     room = wall  # for the sides of triangles that are inside of round surfaces
     for _ in range(FINER):
-        mesh, has_fields = _hollow(struts, inner, sides, fillets, nodes, room)
+        mesh, has_fields = _hollow(struts, inner, sides, fillets, nodes, factor, room)
         if not has_fields or len(self_intersections(mesh)) == 0:
             return mesh
         room /= 4.0
@@ -87,15 +93,21 @@ def surface_of(struts: RoundStruts, sides: int) -> TriangleMesh:
 
 
 def _hollow(
-    struts: RoundStruts, inner: RoundStruts, sides: int, fillets: Floats, nodes: Bools, room: float
+    struts: RoundStruts,
+    inner: RoundStruts,
+    sides: int,
+    fillets: Floats,
+    nodes: Bools,
+    factor: float,
+    room: float,
 ) -> tuple[TriangleMesh, bool]:
     """Return the surface of hollow struts, and whether it has fields."""
     wall = float(struts.options.wall or 0.0)
     is_end, is_open = struts.runs.valency == 1, struts.options.ends == "open"
     while True:
-        outside = _surface(struts, sides, fillets, nodes, room)
+        outside = _surface(struts, sides, fillets, nodes, factor, room)
         own = _shortened(inner, nodes & is_end, wall)
-        inside = _surface(own, sides, outside.fillets + wall, nodes, room)
+        inside = _surface(own, sides, outside.fillets + wall, nodes, factor, room)
         more = (outside.nodes | inside.nodes) & is_end & ~nodes
         if not is_open or not more.any():
             break
@@ -134,7 +146,12 @@ def _shortened(struts: RoundStruts, closed: Bools, wall: float) -> RoundStruts:
 
 
 def _surface(
-    struts: RoundStruts, sides: int, fillets: Floats, nodes: Bools, room: float = np.inf
+    struts: RoundStruts,
+    sides: int,
+    fillets: Floats,
+    nodes: Bools,
+    factor: float,
+    room: float = np.inf,
 ) -> _Surface:
     """Return the surface of solid struts with `nodes` (n,) in clusters.
 
@@ -153,16 +170,15 @@ def _surface(
             break
         left = struts if fields is None else rest.struts
         shell = shell_of(left, sides, None if fields is None else rest.open_at)
-        hidden = unseen(left, shell.made)[: len(nodes)]
+        hidden = unseen(left, shell.made, factor)[: len(nodes)]
         if hidden.any():
             nodes = nodes | hidden
             continue
         ends = left.runs.tails[shell.ends]
         mesh, failed = shell.made.mesh, np.zeros(0, dtype=np.intp)
         if fields is not None:
-            mesh, failed = _joined(
-                clusters, shell, field_solid(fields, cell=_cell(fields, room)).mesh
-            )
+            field = _field(fields, room, factor)
+            mesh, failed = _joined(clusters, shell, field, factor)
         if len(failed) == 0:
             own = ends < len(nodes)
             return _Surface(mesh, ends[own], shell.rings[own], nodes, clusters.reached)
@@ -170,7 +186,7 @@ def _surface(
         seeds = Spans.joined([seeds, _further(struts, clusters, failed)])
     count = len(struts.skeleton.edges)
     _log.info("%d struts have too little room for rings of their own: made as a field", count)
-    mesh = field_solid(every, cell=_cell(every, room)).mesh
+    mesh = _field(every, room, factor)
     none = np.zeros((0, sides), dtype=np.intp)
     return _Surface(mesh, none[:, 0], none, np.ones(len(nodes), dtype=np.bool_), fillets)
 
@@ -179,6 +195,15 @@ def polygon_slack(sides: int) -> float:
     """Return how far polygons of so many sides reach beyond their circles at most, in radii."""
     slack = float(enlargement(np.array([np.pi / sides]), sides)[0]) - 1.0
     return max(slack, largest_growth(sides))
+
+
+def _field(fields: FieldStruts, room: float, factor: float) -> TriangleMesh:
+    """Return the surface of fields, whose coordinates are 32-bit numbers in the unit of a file."""
+    cell = _cell(fields, room)
+    if factor == 1.0:
+        return field_solid(fields, cell=cell).mesh
+    made = field_solid(fields.scaled(factor), cell=None if cell is None else factor * cell).mesh
+    return TriangleMesh(made.vertices / factor, made.triangles)
 
 
 def _cell(fields: FieldStruts, room: float) -> float | None:
@@ -191,7 +216,9 @@ def _cell(fields: FieldStruts, room: float) -> float | None:
     return None if (most >= usual).all() else float(np.minimum(most, usual).min())
 
 
-def _joined(clusters: Clusters, shell: Shell, field: TriangleMesh) -> tuple[TriangleMesh, Ints]:
+def _joined(
+    clusters: Clusters, shell: Shell, field: TriangleMesh, factor: float
+) -> tuple[TriangleMesh, Ints]:
     """Return a shell joined to the field of clusters, and the cuts where this fails.
 
     The vertices of the shell come first.
@@ -203,7 +230,7 @@ def _joined(clusters: Clusters, shell: Shell, field: TriangleMesh) -> tuple[Tria
     row = of_node[rest.cuts.node]
     points = shell.made.mesh.vertices
     starts = rest.struts.x[shell.ends[row]]
-    made = seamed(field, rest.cuts, points, shell.rings[row], starts)
+    made = seamed(field, rest.cuts, points, shell.rings[row], starts, factor)
     triangles = np.concatenate([shell.made.mesh.triangles, made.triangles])
     return compacted(np.concatenate([points, made.vertices]), triangles), made.failed
 
@@ -219,13 +246,13 @@ def _further(struts: RoundStruts, clusters: Clusters, failed: Ints) -> Spans:
     return Spans(run, np.minimum(*places), np.maximum(*places))
 
 
-def unseen(struts: RoundStruts, made: Triangulated) -> Bools:
+def unseen(struts: RoundStruts, made: Triangulated, factor: float = 1.0) -> Bools:
     """Return the nodes with triangles that do not face away from them in 32 bits, (n,)."""
-    written = _rounded(made.mesh.vertices)
+    written = in_single_precision(made.mesh.vertices, factor)
     triangles = made.mesh.triangles[: len(made.node)]
     node = np.zeros(len(written), dtype=np.intp)  # that each vertex stands around
     node[triangles] = made.node[:, None]
-    spokes = written - struts.runs.nodes[node]
+    spokes = written - factor * struts.runs.nodes[node]
     leading, size = np.ascontiguousarray(spokes.T), length(spokes)
     found = np.zeros(len(struts.runs.nodes), dtype=np.bool_)
     for part in blocks(len(triangles), TRIANGLE_BYTES, CACHE):
@@ -233,14 +260,9 @@ def unseen(struts: RoundStruts, made: Triangulated) -> Bools:
         least = MARGIN * size[a] * size[b] * size[c]
         seen = _volumes(*(leading[:, corner] for corner in (a, b, c))) > least
         found[made.node[part][~seen]] = True
-    if not _in_order(made).all():
+    if not _in_order(made, written).all():
         found[struts.curves.nodes[struts.curves.nodes >= 0]] = True
     return found
-
-
-def _rounded(points: Points) -> Points:
-    """Return points (n, 3) as they are in 32-bit coordinates."""
-    return points.astype(np.float32).astype(np.float64)
 
 
 def _volumes(a: Floats, b: Floats, c: Floats) -> Floats:
@@ -251,11 +273,10 @@ def _volumes(a: Floats, b: Floats, c: Floats) -> Floats:
     return volumes
 
 
-def _in_order(made: Triangulated) -> Bools:
+def _in_order(made: Triangulated, written: Points) -> Bools:
     """Return whether the rings of curves follow each other in 32-bit coordinates, (l,)."""
     rings = made.curve_rings
     if len(rings.low) == 0:
         return np.ones(0, dtype=np.bool_)
     start = len(made.node)
-    triangles = made.mesh.triangles[start : start + 2 * rings.low.size]
-    return rings_hold(_rounded(made.mesh.vertices), rings, triangles)
+    return rings_hold(written, rings, made.mesh.triangles[start : start + 2 * rings.low.size])
