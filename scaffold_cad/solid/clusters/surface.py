@@ -11,15 +11,16 @@ from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
 from scaffold_cad.base.blocks import CACHE, blocks
 from scaffold_cad.base.positions import in_single_precision
 from scaffold_cad.base.vectors import length
+from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
 from scaffold_cad.solid.clusters.growth import Clusters, clusters_of, unproved
+from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.seams import seamed
 from scaffold_cad.solid.clusters.spans import Spans, no_spans
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
 from scaffold_cad.solid.field import FieldStruts, field_solid
-from scaffold_cad.solid.field.solid import CELL_FRACTION
 from scaffold_cad.struts.bands import enlargement
 from scaffold_cad.struts.curverings import largest_growth, rings_hold
 from scaffold_cad.struts.model import RoundStruts
@@ -36,9 +37,9 @@ then cuts save nothing."""
 TRIES = 8
 """Times that clusters grow where a seam fails, before all becomes one field."""
 
-FINER = 4
-"""Times that fields of hollow struts are made, with cells of half the size, until their walls are
-whole."""
+FINER = 5
+"""Times that hollow struts are made, with cells of half the size where walls cross, until these
+are whole."""
 
 STEP = 0.4
 """By how much a span grows whose seam failed, in radii: the next window has other vertices."""
@@ -62,6 +63,8 @@ class _Surface:
     """Nodes that are in fields, shape (n,)."""
     fillets: Floats
     """Fillet radius of each node, mm, shape (n,)."""
+    node: Ints
+    """Nodes that the first triangles are around, shape (t',)."""
 
 
 def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> TriangleMesh:
@@ -79,42 +82,72 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
     fillets, nodes = wanted_fillets(struts), unproved(struts)
     if struts.inner is None:
         return _surface(struts, sides, fillets, nodes, factor).mesh
-    inner = inside_of(struts)
-    nodes = nodes | unproved(inner)
-    wall = float(struts.options.wall or 0.0)
-    room = wall  # for the sides of triangles that are inside of round surfaces
-    for _ in range(FINER):
-        mesh, has_fields = _hollow(struts, inner, sides, fillets, nodes, factor, room)
-        if not has_fields or len(self_intersections(mesh)) == 0:
-            return mesh
-        room /= 4.0
-    _log.warning("walls of %g mm are too thin for the fields of crowded struts: they cross", wall)
-    return mesh
+    return _hollow(struts, sides, fillets, nodes, factor)
 
 
 def _hollow(
+    struts: RoundStruts, sides: int, fillets: Floats, nodes: Bools, factor: float
+) -> TriangleMesh:
+    """Return the surface of hollow struts.
+
+    Where their outside and their inside cross, nodes become fields, and the cells of fields
+    smaller.
+    """
+    inner = inside_of(struts)
+    nodes = nodes | unproved(inner)
+    sags = Sags(float(struts.options.wall or 0.0) / 4.0)
+    for _ in range(FINER):
+        outside, inside = _both(struts, inner, sides, fillets, nodes, factor, sags)
+        mesh = _walls(struts, outside, inside)
+        written = TriangleMesh(in_single_precision(mesh.vertices, factor), mesh.triangles)
+        crossing = np.unique(self_intersections(written))
+        if len(crossing) == 0:
+            return mesh
+        places = mesh.vertices[mesh.triangles[crossing]].mean(axis=1)
+        at_nodes = _nodes_of(crossing, outside, inside)
+        _log.debug("walls cross in %d triangles", len(crossing))
+        nodes = nodes.copy()
+        nodes[at_nodes[at_nodes >= 0]] = True
+        sags = sags.smaller_at(places)
+    near = ", ".join(f"{value:.6g}" for value in places[0].tolist())
+    raise MeshError(
+        f"the wall of {struts.options.wall:g} mm crosses itself as triangles in {len(crossing)} "
+        f"places, the first near [{near}] mm; need a thicker wall, more sides, or larger angles "
+        "between struts"
+    )
+
+
+def _nodes_of(triangles: Ints, outside: _Surface, inside: _Surface) -> Ints:
+    """Return the nodes that triangles of walls are around, -1 where they are around none."""
+    node = np.full(len(triangles), -1)
+    for surface, first in ((outside, 0), (inside, len(outside.mesh.triangles))):
+        own = triangles - first
+        there = (own >= 0) & (own < len(surface.node))
+        node[there] = surface.node[own[there]]
+    return node
+
+
+def _both(
     struts: RoundStruts,
     inner: RoundStruts,
     sides: int,
     fillets: Floats,
     nodes: Bools,
     factor: float,
-    room: float,
-) -> tuple[TriangleMesh, bool]:
-    """Return the surface of hollow struts, and whether it has fields."""
+    sags: Sags,
+) -> tuple[_Surface, _Surface]:
+    """Return the surfaces outside and inside of hollow struts."""
     wall = float(struts.options.wall or 0.0)
     is_end, is_open = struts.runs.valency == 1, struts.options.ends == "open"
     while True:
-        outside = _surface(struts, sides, fillets, nodes, factor, room)
+        outside = _surface(struts, sides, fillets, nodes, factor, sags)
         own = _shortened(inner, nodes & is_end, wall)
-        inside = _surface(own, sides, outside.fillets + wall, nodes, factor, room)
+        inside = _surface(own, sides, outside.fillets + wall, nodes, factor, sags)
         more = (outside.nodes | inside.nodes) & is_end & ~nodes
         if not is_open or not more.any():
-            break
+            return outside, inside
         _log.info("%d open ends overlap other struts: closed", more.sum())
         nodes = nodes | more
-    mesh = _walls(struts, outside, inside)
-    return mesh, bool((outside.nodes | inside.nodes).any())
 
 
 def _walls(struts: RoundStruts, outside: _Surface, inside: _Surface) -> TriangleMesh:
@@ -151,14 +184,14 @@ def _surface(
     fillets: Floats,
     nodes: Bools,
     factor: float,
-    room: float = np.inf,
+    sags: Sags | None = None,
 ) -> _Surface:
     """Return the surface of solid struts with `nodes` (n,) in clusters.
 
     Parameters
     ----------
     fillets : (n,) fillet radius wanted at each node, mm
-    room : how far the sides of triangles may be inside of round surfaces, twice, mm
+    sags : how far the sides of triangles of fields may be inside of round surfaces
     """
     slack = polygon_slack(sides)
     every, seeds = whole_struts(struts), no_spans()
@@ -177,18 +210,21 @@ def _surface(
         ends = left.runs.tails[shell.ends]
         mesh, failed = shell.made.mesh, np.zeros(0, dtype=np.intp)
         if fields is not None:
-            field = _field(fields, room, factor)
+            field = _field(fields, sags, factor)
             mesh, failed = _joined(clusters, shell, field, factor)
         if len(failed) == 0:
             own = ends < len(nodes)
-            return _Surface(mesh, ends[own], shell.rings[own], nodes, clusters.reached)
+            around = shell.made.node
+            return _Surface(mesh, ends[own], shell.rings[own], nodes, clusters.reached, around)
         _log.debug("%d of %d seams failed", len(failed), len(rest.cuts.node))
         seeds = Spans.joined([seeds, _further(struts, clusters, failed)])
     count = len(struts.skeleton.edges)
     _log.info("%d struts have too little room for rings of their own: made as a field", count)
-    mesh = _field(every, room, factor)
+    mesh = _field(every, sags, factor)
     none = np.zeros((0, sides), dtype=np.intp)
-    return _Surface(mesh, none[:, 0], none, np.ones(len(nodes), dtype=np.bool_), fillets)
+    return _Surface(
+        mesh, none[:, 0], none, np.ones(len(nodes), dtype=np.bool_), fillets, none[:, 0]
+    )
 
 
 def polygon_slack(sides: int) -> float:
@@ -197,23 +233,13 @@ def polygon_slack(sides: int) -> float:
     return max(slack, largest_growth(sides))
 
 
-def _field(fields: FieldStruts, room: float, factor: float) -> TriangleMesh:
+def _field(fields: FieldStruts, sags: Sags | None, factor: float) -> TriangleMesh:
     """Return the surface of fields, whose coordinates are 32-bit numbers in the unit of a file."""
-    cell = _cell(fields, room)
+    sag = np.inf if sags is None else factor * sags.of(fields)
     if factor == 1.0:
-        return field_solid(fields, cell=cell).mesh
-    made = field_solid(fields.scaled(factor), cell=None if cell is None else factor * cell).mesh
+        return field_solid(fields, sag=sag).mesh
+    made = field_solid(fields.scaled(factor), sag=sag).mesh
     return TriangleMesh(made.vertices / factor, made.triangles)
-
-
-def _cell(fields: FieldStruts, room: float) -> float | None:
-    """Return the size of cells that leaves `room`, mm, or None where the usual one does.
-
-    A side of length h between two points of a circle of radius r is h² / 8 r inside of it.
-    """
-    most = np.sqrt(2.0 * fields.radii * room)
-    usual = CELL_FRACTION * fields.radii
-    return None if (most >= usual).all() else float(np.minimum(most, usual).min())
 
 
 def _joined(

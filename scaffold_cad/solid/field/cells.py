@@ -69,13 +69,13 @@ class Level(Frozen):
 
 
 def levels_of(
-    union: FilletedUnion, lattice: Lattice, wanted: Callable[[Floats], Floats]
+    union: FilletedUnion, lattice: Lattice, wanted: Callable[[Floats, Ints], Floats]
 ) -> list[Level]:
     """Return the groups of each level, those of two finest cells a side first.
 
     Parameters
     ----------
-    wanted : gives the largest cell, mm, from the local radius of a strut
+    wanted : gives the largest cells, mm, from the local radii of struts and their numbers
 
     Raises
     ------
@@ -123,7 +123,7 @@ def _check_size(groups: float) -> None:
 def _refined(
     union: FilletedUnion,
     lattice: Lattice,
-    wanted: Callable[[Floats], Floats],
+    wanted: Callable[[Floats, Ints], Floats],
     size: int,
     groups: Ints,
     lists: Lists,
@@ -151,7 +151,7 @@ def _refined(
 def _refine_some(
     union: FilletedUnion,
     lattice: Lattice,
-    wanted: Callable[[Floats], Floats],
+    wanted: Callable[[Floats, Ints], Floats],
     size: int,
     groups: Ints,
     lists: Lists,
@@ -172,7 +172,7 @@ def _refine_some(
     refine = np.zeros(len(cells), dtype=np.bool_)
     if size > 1:
         asked = np.full(len(which), np.inf)
-        asked[kept] = wanted(union.local_radii(place[kept], struts[kept], ball))
+        asked[kept] = wanted(union.local_radii(place[kept], struts[kept], ball), struts[kept])
         if union.capped:
             rim = union.rim_distances(centers[which[kept]], struts[kept]) < ball
             asked[kept] *= np.where(rim, RIM_FRACTION, 1.0)

@@ -80,6 +80,7 @@ def field_solid(
     struts: FieldStruts,
     *,
     cell: float | None = None,
+    sag: float | Floats = np.inf,
     equal_volume: bool = True,
     rounds: int = 3,
 ) -> FieldSolid:
@@ -92,6 +93,9 @@ def field_solid(
         Size of grid cells, at most; smaller where a strut is thinner than this. By default
         `CELL_FRACTION` of the local radius. Sizes are m 2^k mm, m in 4..7, so cells may be up to
         half as large where radii differ.
+    sag : mm, or (m,)
+        How far the sides of triangles may be inside of round surfaces, at most, for each strut:
+        cells are smaller for that.
     equal_volume : bool
         Whether vertices stand outside of round surfaces by as much as gives the mesh their
         volume; otherwise they are on them.
@@ -120,10 +124,12 @@ def field_solid(
         raise OptionError(f"cell is {cell:g} mm; need > 0")
     low, high = struts.box()
     struts, thickened = _thick_enough(struts, float((high - low).max()))
-    lattice = _lattice(struts, cell)
-    swell = _swell(struts, lattice, cell) if equal_volume else np.zeros(len(struts.radii))
+    sags = np.broadcast_to(np.asarray(sag, dtype=np.float64), len(struts.radii))  # (m,)
+    wanted = wanted_cells(struts.radii, cell, sags[:, None])  # (m, 2)
+    lattice = _lattice(struts, wanted)
+    swell = _swell(struts, lattice, wanted) if equal_volume else np.zeros(len(struts.radii))
     union = filleted_union(struts, lattice.origin, swell)
-    levels = levels_of(union, lattice, lambda radii: wanted_cells(radii, cell))
+    levels = levels_of(union, lattice, lambda radii, of: wanted_cells(radii, cell, sags[of]))
     grid = grid_of(union, lattice, levels)
     vertices, triangles = surface_of(union, grid, rounds)
     used = np.flatnonzero([len(level.groups) > 0 for level in levels])
@@ -136,11 +142,13 @@ def field_solid(
     )
 
 
-def wanted_cells(radii: Floats, cell: float | None) -> Floats:
-    """Return the largest cells where struts have some radii, mm."""
-    if cell is None:
-        return CELL_FRACTION * radii
-    return np.minimum(LARGEST_FRACTION * radii, cell)
+def wanted_cells(radii: Floats, cell: float | None, sag: Floats) -> Floats:
+    """Return the largest cells where struts have some radii, and sides so much room, mm.
+
+    A side of length h between two points of a circle of radius r is h² / 8 r inside of it.
+    """
+    usual = CELL_FRACTION * radii if cell is None else np.minimum(LARGEST_FRACTION * radii, cell)
+    return np.minimum(usual, np.sqrt(8.0 * sag * radii))
 
 
 def _thick_enough(struts: FieldStruts, extent: float) -> tuple[FieldStruts, Ints]:
@@ -155,9 +163,8 @@ def _thick_enough(struts: FieldStruts, extent: float) -> tuple[FieldStruts, Ints
     return replace(struts, radii=radii, blend=blend), np.flatnonzero(thin.any(axis=1))
 
 
-def _lattice(struts: FieldStruts, cell: float | None) -> Lattice:
-    sizes = wanted_cells(struts.radii, cell)  # (m, 2)
-    sizes = np.where(struts.flat.any(axis=1, keepdims=True), RIM_FRACTION, 1.0) * sizes
+def _lattice(struts: FieldStruts, wanted: Floats) -> Lattice:
+    sizes = np.where(struts.flat.any(axis=1, keepdims=True), RIM_FRACTION, 1.0) * wanted
     steps = np.ldexp(1.0, spacing_exponents(struts.ends))
     few = bool((sizes < FEW_STEPS * steps).any())
     low, high = struts.box()
@@ -167,9 +174,8 @@ def _lattice(struts: FieldStruts, cell: float | None) -> Lattice:
     return lattice_over(low, high, max(float(sizes.min()), least), few)
 
 
-def _swell(struts: FieldStruts, lattice: Lattice, cell: float | None) -> Floats:
+def _swell(struts: FieldStruts, lattice: Lattice, wanted: Floats) -> Floats:
     """Return by which part of their radii struts are thicker, for equal volume, shape (m,)."""
-    wanted = wanted_cells(struts.radii, cell)  # (m, 2)
     level = np.floor(np.log2(wanted[:, 0] / lattice.cell) + 1e-9)
     even = lattice.cell * 2.0 ** np.maximum(level, 0) / struts.radii[:, 0]
     tapered = OCTAVE_MEAN * (wanted / struts.radii).mean(axis=1)

@@ -5,10 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from scaffold_cad.errors import MeshError
 from scaffold_cad.lattice import tile
+from scaffold_cad.mesh.nearest import NearestPlace
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.solid.clusters import whole_struts
+from scaffold_cad.solid.clusters import surface, whole_struts
 from scaffold_cad.solid.field import field_solid
+from scaffold_cad.solid.field.pieces import pieces_of
 from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts import RoundStruts, round_struts
 from tests.crossings import check_as_written
@@ -113,3 +117,40 @@ def test_curves_beside_struts_that_are_fields_are_whole_as_written() -> None:
     assert struts.overlapping.tolist() == [0, 1, 2]
     assert struts.curves.curved.sum() == 37
     check_as_written(round_mesh(struts, 8))
+
+
+UNEVEN = {
+    "one thick": ([[-14.6, -1.7, -6.3], [-5.8, 13.3, 6.9], [2.4, 6.3, -14.5], [-1.7, -6.2, -14.6]],
+                  [0.49, 2.2, 1.57, 0.82]),
+    "one thin": ([[4.5, 7.3, -13.5], [7.2, -7.6, 12.1], [-10.1, 4.3, -11.6], [14.4, 6.9, 1.0]],
+                 [0.4, 1.16, 1.54, 2.08]),
+}  # fmt: skip
+"""Struts with radii of their own: in cells of the usual size a wall of 0.1 crosses itself."""
+
+
+@pytest.mark.parametrize("name", UNEVEN)
+def test_walls_between_uneven_struts_are_whole_and_thick_as_written(name: str) -> None:
+    tips, radii = UNEVEN[name]
+    star = Skeleton([[0, 0, 0], *tips], [[0, i] for i in range(1, 5)], 1.0).with_edge_radii(radii)
+    mesh = round_mesh(round_struts(star, wall=0.1), 8)
+    check_as_written(mesh)
+    shells = pieces_of(mesh)
+    outside, inside = (np.flatnonzero(sign * shells.volumes > 0) for sign in (1, -1))
+    assert len(outside) == len(inside) == 1
+    of = shells.piece_of[mesh.triangles[:, 0]]
+    outer = NearestPlace(TriangleMesh(mesh.vertices, mesh.triangles[of == outside[0]]))
+    within = mesh.vertices[shells.piece_of == inside[0]]
+    wall = np.linalg.norm(outer.nearest(within) - within, axis=1)
+    assert wall.min() > 0.05
+    assert np.median(wall) == pytest.approx(0.1, rel=0.15)
+
+
+@pytest.mark.parametrize("name", UNEVEN)
+def test_walls_that_cross_after_all_are_refused_with_a_place(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(surface, "FINER", 1)
+    tips, radii = UNEVEN[name]
+    star = Skeleton([[0, 0, 0], *tips], [[0, i] for i in range(1, 5)], 1.0).with_edge_radii(radii)
+    with pytest.raises(MeshError, match=r"the wall of 0.1 mm crosses itself .* near \[.*\] mm"):
+        round_mesh(round_struts(star, wall=0.1), 8)
