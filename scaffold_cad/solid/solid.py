@@ -48,7 +48,8 @@ class Solidified(Frozen, Shown):
     united_edges: Ints
     """Skeleton edges whose struts went through the union, ascending; all others are as built."""
     filled_voids: list[float]
-    """Volume of each void that overlapping struts enclosed, mm³; they are filled."""
+    """Volume of each void that overlapping square struts enclosed, mm³; they are filled, and those
+    between round struts too."""
 
 
 @checks_keywords()

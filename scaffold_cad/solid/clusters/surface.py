@@ -21,6 +21,7 @@ from scaffold_cad.solid.clusters.seams import seamed
 from scaffold_cad.solid.clusters.spans import Spans, no_spans
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
 from scaffold_cad.solid.field import FieldStruts, field_solid
+from scaffold_cad.solid.field.pieces import without_voids
 from scaffold_cad.struts.bands import enlargement
 from scaffold_cad.struts.curverings import largest_growth, rings_hold
 from scaffold_cad.struts.model import RoundStruts
@@ -211,7 +212,7 @@ def _surface(
         mesh, failed = shell.made.mesh, np.zeros(0, dtype=np.intp)
         if fields is not None:
             field = _field(fields, sags, factor)
-            mesh, failed = _joined(clusters, shell, field, factor)
+            mesh, failed = _joined(clusters, shell, _filled(field), factor)
         if len(failed) == 0:
             own = ends < len(nodes)
             around = shell.made.node
@@ -220,7 +221,7 @@ def _surface(
         seeds = Spans.joined([seeds, _further(struts, clusters, failed)])
     count = len(struts.skeleton.edges)
     _log.info("%d struts have too little room for rings of their own: made as a field", count)
-    mesh = _field(every, sags, factor)
+    mesh = _filled(_field(every, sags, factor))
     none = np.zeros((0, sides), dtype=np.intp)
     return _Surface(
         mesh, none[:, 0], none, np.ones(len(nodes), dtype=np.bool_), fillets, none[:, 0]
@@ -240,6 +241,16 @@ def _field(fields: FieldStruts, sags: Sags | None, factor: float) -> TriangleMes
         return field_solid(fields, sag=sag).mesh
     made = field_solid(fields.scaled(factor), sag=sag).mesh
     return TriangleMesh(made.vertices / factor, made.triangles)
+
+
+def _filled(field: TriangleMesh) -> TriangleMesh:
+    """Return a field without the voids that overlapping struts enclose."""
+    mesh, voids = without_voids(field)
+    if voids:
+        _log.info(
+            "%d voids between overlapping struts are filled: %.3g mm³", len(voids), sum(voids)
+        )
+    return mesh
 
 
 def _joined(
