@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints
 from scaffold_cad.base.blocks import CACHE, uneven_blocks
+from scaffold_cad.base.memory import machine_memory
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.errors import OptionError
 from scaffold_cad.solid.field.lattice import Lattice, least_cells
@@ -44,6 +45,9 @@ MOST_GROUPS = 10_000_000
 
 GROUP_BYTES = 2500
 """Memory that a group takes at the peak, with its triangles."""
+
+MOST_MEMORY = 0.8
+"""Most of the machine's memory that a solid may need."""
 
 GROWTH = 2
 """Groups of the next finer level, at least, for each group to be refined."""
@@ -80,7 +84,7 @@ def levels_of(
     Raises
     ------
     OptionError
-        If there are more than `MOST_GROUPS`.
+        If there are more than `MOST_GROUPS`, or more than the machine's memory holds.
     """
     everything = np.arange(union.rows.shape[1])
     level = Level(
@@ -112,11 +116,13 @@ def _with_leaves(levels: list[Level]) -> list[Level]:
 
 
 def _check_size(groups: float) -> None:
-    if groups > MOST_GROUPS:
+    most = min(MOST_GROUPS, MOST_MEMORY * machine_memory() / GROUP_BYTES)
+    if groups > most:
         memory = groups * GROUP_BYTES / 1e9
         raise OptionError(
-            f"the solid needs some {8 * groups:.2g} cells or more and {memory:.0f} GB; need at "
-            f"most {8 * MOST_GROUPS:.2g} cells: take larger cells, fewer struts, or blocks of them"
+            f"the solid of overlapping struts needs some {8 * groups:.2g} cells or more and "
+            f"{memory:.0f} GB of memory; need at most {8 * most:.2g} cells here: thicker struts or "
+            "walls, fewer struts, or tiles of them"
         )
 
 

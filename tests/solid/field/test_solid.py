@@ -186,7 +186,16 @@ def test_a_strut_thinner_than_32_bit_numbers_can_tell_is_thickened_and_said() ->
 
 def test_what_does_not_fit_is_refused_with_an_estimate(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cells, "MOST_GROUPS", 1000)
-    with pytest.raises(OptionError, match=r"cells or more and .* GB; need at most 8e\+03 cells"):
+    message = r"cells or more and .* GB of memory; need at most 8e\+03 cells"
+    with pytest.raises(OptionError, match=message):
+        field_solid(field_struts(TRIPOD, 1.0), cell=0.1)
+
+
+def test_what_is_larger_than_the_machine_is_refused_before_it_is_made(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(cells, "machine_memory", lambda: 1e6)
+    with pytest.raises(OptionError, match=r"need at most 2\.6e\+03 cells here"):
         field_solid(field_struts(TRIPOD, 1.0), cell=0.1)
 
 
