@@ -4,9 +4,9 @@
 ../shared/data and ../shared/data/reported at 1, 2 and 4 times its radii: square, round, and the
 frame of the square one, in every format of meshes and as STEP. trimesh, lib3mf and OCCT read them,
 CGAL looks for crossings in exact arithmetic, and the volume of round struts is held against a count
-of random points in the struts. Small skeletons come first; the time of the judges does not count.
-What is not written is said: STEP files of struts that overlap or of too many, and what took longer
-than allowed.
+of random points in the struts. Small skeletons come first; times are those of the processor, and
+not the judges'. What is not written is said: STEP files of struts that overlap or of too many, and
+what took longer than allowed.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import argparse
 import logging
 import multiprocessing
 import resource
+import signal
 import sys
 import tempfile
 import time
@@ -194,54 +195,52 @@ def crowded(made: Scaffold | RoundStruts) -> Ints:
     return made.overlapping if isinstance(made, RoundStruts) else made.embedding().left_out
 
 
-def run(path: Path, factor: float, kind: str, told: Connection) -> None:
-    """Check one skeleton in a process of its own."""
+def run(path: Path, factor: float, kind: str, seconds: float, told: Connection) -> None:
+    """Check one skeleton in a process of its own, which ends when its processor time is over.
+
+    The time of the judges does not count.
+    """
     logging.disable(logging.WARNING)
+    left, judging, began = seconds, False, time.process_time()
+    signal.setitimer(signal.ITIMER_PROF, left)
     try:
         for line in check(path, factor, kind):
-            told.send(line)
+            if line != JUDGED:
+                told.send(line)
+                continue
+            judging = not judging
+            if judging:
+                left -= time.process_time() - began
+            began = time.process_time()
+            signal.setitimer(signal.ITIMER_PROF, 0 if judging else max(left, 0.01))
     except ScaffoldCadError as error:
         told.send(f"refused: {str(error)[:150]}")
     except BaseException as error:  # what no user should see
         told.send(f"{type(error).__name__}: {str(error)[:150]}")
-    told.send(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6)
+    signal.setitimer(signal.ITIMER_PROF, 0)
+    left -= 0.0 if judging else time.process_time() - began
+    told.send((seconds - left, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6))
 
 
 def outcome(path: Path, factor: float, kind: str, seconds: float) -> tuple[list[str], float, float]:
-    """Return the faults of one skeleton, the seconds, and the greatest memory in GB.
-
-    The time of the judges does not count, nor is it limited.
-    """
+    """Return the faults of one skeleton, the seconds, and the greatest memory in GB."""
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload([__name__, "build123d", "lib3mf", "manifold3d"])
     ours, told = context.Pipe(duplex=False)
-    process = context.Process(target=run, args=(path, factor, kind, told))
+    process = context.Process(target=run, args=(path, factor, kind, seconds, told))
     process.start()
     told.close()
-    found, memory, spent, judging = [], 0.0, 0.0, False
-    began = time.perf_counter()
+    found: list[str] = []
     try:
-        while ours.poll(None if judging else max(seconds - spent, 0.0)):
-            line = ours.recv()
-            now = time.perf_counter()
-            spent += 0.0 if judging else now - began
-            began = now
-            if isinstance(line, float):
-                memory = line
-                break
-            if line == JUDGED:
-                judging = not judging
-            else:
-                found.append(line)
-        else:
-            found.append(f"not done in {seconds:.0f} s")
-            spent = seconds
+        while isinstance(line := ours.recv(), str):
+            found.append(line)
+        process.join()
+        return found, *line
     except EOFError:
         process.join()
-        found.append(f"ended with code {process.exitcode}")
-    process.kill()
-    process.join()
-    return found, spent, memory
+        over = process.exitcode == -signal.SIGPROF
+        found.append(f"not done in {seconds:.0f} s" if over else f"ended: {process.exitcode}")
+        return found, seconds, 0.0
 
 
 def grade(found: list[str]) -> str:
@@ -258,7 +257,7 @@ def main() -> int:
     """Print one line a skeleton and kind; return how many had a fault, 1 at most."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("names", nargs="*", help="files, all by default")
-    parser.add_argument("--seconds", type=float, default=120.0, help="for one of them, at most")
+    parser.add_argument("--seconds", type=float, default=120.0, help="of processor time for one")
     parser.add_argument("--factors", type=float, nargs="*", default=FACTORS)
     parser.add_argument("--kinds", nargs="*", choices=KINDS, default=KINDS)
     options = parser.parse_args()
