@@ -36,6 +36,9 @@ SWELL = 0.0219
 """A mesh with its vertices on a cylinder of radius r, in cells of size h, has the volume of a
 cylinder that is thinner by this times h² / r; twice of it for a ball (both measured)."""
 
+MOST_SWELL = 2.0 * SWELL * LARGEST_FRACTION**2
+"""Most that struts are thicker by for that, as a part of their radius."""
+
 OCTAVE_MEAN = 0.66
 """Size of cells along a cone, as a part of those wanted: sizes are doubled from level to level."""
 
@@ -167,7 +170,7 @@ def _lattice(struts: FieldStruts, wanted: Floats) -> Lattice:
     sizes = np.where(struts.flat.any(axis=1, keepdims=True), RIM_FRACTION, 1.0) * wanted
     steps = np.ldexp(1.0, spacing_exponents(struts.ends))
     few = bool((sizes < FEW_STEPS * steps).any())
-    low, high = struts.box()
+    low, high = replace(struts, radii=(1.0 + MOST_SWELL) * struts.radii).box()
     least = max(
         LEAST_STEPS * float(steps.min()), 2.0 * float((high - low).max()) / MOST_CELLS_ASIDE
     )

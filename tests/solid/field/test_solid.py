@@ -177,6 +177,16 @@ def test_struts_apart_are_components_and_a_shell_has_a_cavity() -> None:
     filled.mesh.check_closed()
 
 
+def test_a_thick_end_with_the_fillets_of_a_thin_one_stays_in_its_grid() -> None:
+    tip = [-14.733887371561151, 9.831004829764954, -24.212887208246958]
+    ends = [
+        [[18.28435500777989, 15.555186734865678, -17.992179623184434], tip],
+        [tip, [26.91010725264008, 9.571906696946892, -9.177403218577192]],
+    ]
+    radii = [[5.0, 0.005], [0.005, 2.344991899823108]]
+    check_exact(field_solid(field_struts(ends, radii, flat=[[1, 0], [0, 1]], blend=0.0025)).mesh)
+
+
 def test_a_strut_thinner_than_32_bit_numbers_can_tell_is_thickened_and_said() -> None:
     far = field_solid(field_struts(TRIPOD + np.array([76e6, 0, 0]), [1.0, 500.0, 500.0]))
     assert far.thickened.tolist() == [0]
