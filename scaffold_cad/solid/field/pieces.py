@@ -47,8 +47,9 @@ def without_voids(mesh: TriangleMesh) -> tuple[TriangleMesh, list[float]]:
     if len(voids) == 0:
         return mesh, []
     low, high = _boxes(mesh, pieces)
-    within = (low[voids, None] <= low[bodies]) & (high[bodies] <= high[voids, None])
-    filled = voids[~within.all(axis=2).any(axis=1)]
+    after = (low[voids, None] <= low[bodies]).all(axis=2)  # (voids, bodies)
+    before = (high[bodies] <= high[voids, None]).all(axis=2)
+    filled = voids[~np.logical_and(after, before).any(axis=1)]
     kept = ~np.isin(pieces.piece_of[mesh.triangles[:, 0]], filled)
     return compacted(mesh.vertices, mesh.triangles[kept]), (-pieces.volumes[filled]).tolist()
 

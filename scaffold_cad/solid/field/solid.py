@@ -170,7 +170,8 @@ def _lattice(struts: FieldStruts, wanted: Floats) -> Lattice:
     sizes = np.where(struts.flat.any(axis=1, keepdims=True), RIM_FRACTION, 1.0) * wanted
     steps = np.ldexp(1.0, spacing_exponents(struts.ends))
     few = bool((sizes < FEW_STEPS * steps).any())
-    low, high = replace(struts, radii=(1.0 + MOST_SWELL) * struts.radii).box()
+    room = np.maximum(struts.blend, MOST_SWELL * struts.radii.max(axis=1))
+    low, high = replace(struts, blend=room).box()
     least = max(
         LEAST_STEPS * float(steps.min()), 2.0 * float((high - low).max()) / MOST_CELLS_ASIDE
     )
