@@ -1,4 +1,4 @@
-"""Points at the very same position."""
+"""Points at the very same position, and positions as files hold them."""
 
 from __future__ import annotations
 
@@ -23,3 +23,20 @@ def equal_positions(points: Points) -> tuple[Ints, Ints]:
     place = np.empty(len(points), dtype=np.intp)
     place[order] = rank[np.cumsum(new) - 1]
     return place, np.sort(first)
+
+
+def in_single_precision(points: Points, factor: float = 1.0) -> Points:
+    """Return positions as a file with 32-bit coordinates holds them, in its unit, (..., 3).
+
+    Parameters
+    ----------
+    factor : what lengths in mm are multiplied with before they are written
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> in_single_precision(np.array([[1.0, 0.1, 0.0]])).tolist()
+    [[1.0, 0.10000000149011612, 0.0]]
+    """
+    rounded: Points = (points * factor).astype(np.float32).astype(np.float64)
+    return rounded

@@ -59,7 +59,7 @@ def surface_of(
         return what.mesh
     if isinstance(what, RoundStruts):
         if to_unite(overlaps, what.overlapping, what.skeleton) or overlaps != "allow":
-            return round_mesh(what, sides)
+            return round_mesh(what, sides, factor)
         return triangulated(what, sides).mesh
     if isinstance(what, Assembly):
         return manifold_triangles(assembly_solid(what))

@@ -1,7 +1,8 @@
 """Watertight solids by manifold3d: unions of what overlaps, and frames."""
 
+from scaffold_cad.solid.cleaning import clean_surface
 from scaffold_cad.solid.manifolds import to_trimesh
-from scaffold_cad.solid.solid import Solidified, clean_surface, solidified, to_solid
+from scaffold_cad.solid.solid import Solidified, solidified, to_solid
 from scaffold_cad.solid.thicken import frame_scaffold, frame_skeleton, thicken
 
 __all__ = [

@@ -12,7 +12,7 @@ from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.skeleton.beams import BUTT, BeamLattice
 from scaffold_cad.solid import manifolds
-from scaffold_cad.solid.solid import FaultySurfaceError, clean_surface
+from scaffold_cad.solid.cleaning import FaultySurfaceError, clean_surface
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

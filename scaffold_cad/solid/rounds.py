@@ -23,12 +23,13 @@ SIDES = 16
 """Sides of round struts in meshes where none are given."""
 
 
-def round_mesh(struts: RoundStruts, sides: int = SIDES) -> TriangleMesh:
+def round_mesh(struts: RoundStruts, sides: int = SIDES, factor: float = 1.0) -> TriangleMesh:
     """Return the surface of round struts, closed and without crossings in 32-bit coordinates.
 
     Parameters
     ----------
     sides : of the polygon that stands for a circle, a multiple of 4; it has the circle's area
+    factor : what lengths are multiplied with in a file, in whose 32-bit numbers nothing crosses
 
     Raises
     ------
@@ -37,7 +38,7 @@ def round_mesh(struts: RoundStruts, sides: int = SIDES) -> TriangleMesh:
     """
     check_kind(struts, RoundStruts)
     check_sides(sides)
-    return surface_of(struts, sides)
+    return surface_of(struts, sides, factor)
 
 
 def faulty_runs(struts: RoundStruts, made: Triangulated, sides: int) -> Bools:

@@ -12,17 +12,15 @@ import numpy as np
 from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
 from scaffold_cad.base.notebook import Shown
-from scaffold_cad.base.positions import equal_positions
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import MeshError, OptionError
-from scaffold_cad.mesh.collapse import without_short_edges
-from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import manifolds
+from scaffold_cad.solid.cleaning import FaultySurfaceError, clean_surface
 from scaffold_cad.solid.pieces import solid_pieces
 from scaffold_cad.solid.rounds import SIDES, round_mesh
 from scaffold_cad.struts import RoundStruts
@@ -37,9 +35,6 @@ where their union crosses itself. The first that works is taken."""
 NEAR_FAULT = 3.0
 """How far from a fault of a union struts are changed, in their radii."""
 
-SINGLE_PRECISION = 2.0**-20
-"""Least length of an edge after a union, in greatest coordinates: some roundings to 32 bits."""
-
 _log = logging.getLogger(__name__)
 
 
@@ -53,7 +48,8 @@ class Solidified(Frozen, Shown):
     united_edges: Ints
     """Skeleton edges whose struts went through the union, ascending; all others are as built."""
     filled_voids: list[float]
-    """Volume of each void that overlapping struts enclosed, mm³; they are filled."""
+    """Volume of each void that overlapping square struts enclosed, mm³; they are filled, and those
+    between round struts too."""
 
 
 @checks_keywords()
@@ -104,14 +100,14 @@ def solidified(
     ----------
     sides : of the polygons that stand for the circles of round struts, a multiple of 4; 16 by
         default. They have the circles' area
-    factor : what lengths are multiplied with in a file: a union is free of crossings in the 32-bit
-        numbers that it has there
+    factor : what lengths are multiplied with in a file: the solid is free of crossings in the
+        32-bit numbers that it has there
 
     Raises
     ------
     MeshError
-        If every union tried of a scaffold's struts crosses itself, touches itself along an edge, or
-        does not stay closed in 32-bit coordinates.
+        If every union tried of a scaffold's struts crosses or touches itself, or does not stay
+        closed in 32-bit coordinates.
     OptionError
         If `what` is of another kind, or `sides` does not fit it.
 
@@ -124,7 +120,7 @@ def solidified(
     """
     check_kind(what, Scaffold, RoundStruts)
     if isinstance(what, RoundStruts):
-        mesh = round_mesh(what, SIDES if sides is None else sides)
+        mesh = round_mesh(what, SIDES if sides is None else sides, factor)
         return Solidified(manifolds.to_manifold(mesh), what.overlapping, [])
     if sides is not None:
         raise OptionError(
@@ -165,7 +161,6 @@ def _clean_union(
         filled, voids = manifolds.without_voids(united(WOBBLES[tries]))
         try:
             mesh = clean_surface(filled.scale((factor, factor, factor)))
-            _check_touching(mesh)
             mesh = TriangleMesh(mesh.vertices / factor, mesh.triangles)
             return Solidified(manifolds.to_manifold(mesh), edges, voids)
         except FaultySurfaceError as fault:
@@ -176,26 +171,6 @@ def _clean_union(
                     f"the union of {len(edges)} overlapping struts {fault}; need a clean surface "
                     "(try other radii)"
                 ) from None
-
-
-def _check_touching(mesh: TriangleMesh) -> None:
-    """Raise where a closed surface touches itself along edges, in 32-bit coordinates.
-
-    Files without indices, such as STL, have more than two triangles at such an edge.
-
-    Raises
-    ------
-    FaultySurfaceError
-        If it does.
-    """
-    written = mesh.single_precision()
-    place, first = equal_positions(written.vertices)
-    if len(first) == len(written.vertices):
-        return
-    repeated, _ = TriangleMesh(written.vertices[first], place[written.triangles]).faulty_sides()
-    if len(repeated):
-        places = written.vertices[first[repeated[:, 0]]]
-        raise FaultySurfaceError(f"touches itself along {len(repeated)} edges", places)
 
 
 def _nodes_near(places: Points, skeleton: Skeleton, edges: Ints) -> Ints:
@@ -212,40 +187,3 @@ def _nodes_near(places: Points, skeleton: Skeleton, edges: Ints) -> Ints:
         _, nearest = nearest_on_segments(here, here, start, end)
         near |= length(nearest - here) < reach
     return np.unique(ends[near] if near.any() else ends)
-
-
-class FaultySurfaceError(MeshError):
-    """A surface that is not that of a solid, and where."""
-
-    def __init__(self, message: str, places: Points) -> None:
-        super().__init__(message)
-        self.places = places
-        """Points near the faults, shape (k, 3), mm; none if nobody knows."""
-
-
-def clean_surface(manifold: Manifold) -> TriangleMesh:
-    """Return the surface of a union in 32-bit coordinates, as files hold it.
-
-    Edges and slivers that these cannot hold, which would be written with two ends at one place or
-    turned over, are drawn together before.
-
-    Raises
-    ------
-    FaultySurfaceError
-        If it crosses itself, or does not stay closed in 32-bit coordinates.
-    """
-    low, high = np.reshape(manifold.bounding_box(), (2, 3))
-    least = SINGLE_PRECISION * float(np.abs([low, high]).max())
-    mesh = manifolds.manifold_triangles(manifold.simplify(least))
-    written = without_short_edges(mesh, least).single_precision()
-    try:
-        written.check_closed()
-    except MeshError as error:
-        places = written.vertices[np.concatenate(written.faulty_sides())[:, 0]]
-        message = f"does not stay closed in 32-bit coordinates: {error}"
-        raise FaultySurfaceError(message, places) from None
-    crossings = self_intersections(written)
-    if len(crossings):
-        places = written.vertices[written.triangles[crossings[:, 0]]].mean(axis=1)
-        raise FaultySurfaceError(f"crosses itself in {len(crossings)} places", places)
-    return written

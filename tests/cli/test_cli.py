@@ -271,6 +271,23 @@ def test_interrupted_work_exits_with_130(figure: str, monkeypatch: pytest.Monkey
     assert main(["build", figure, "-o", "x.stl"]) == 130
 
 
+@pytest.mark.parametrize("options", [[], ["--round"]])
+def test_a_lack_of_memory_is_one_line(
+    options: list[str],
+    figure: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr("scaffold_cad.cli.build.write", full)
+    assert main(["build", figure, "--quiet", "-o", str(tmp_path / "x.stl"), *options]) == 2
+    assert capsys.readouterr().err == "scaffold-cad: out of memory; need a smaller skeleton\n"
+    assert list(tmp_path.glob("*.stl")) == []
+
+
 def run(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-m", "scaffold_cad.cli", *arguments],

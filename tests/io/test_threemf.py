@@ -12,6 +12,7 @@ from scaffold_cad import build_scaffold, write
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io import read_raw, read_skeleton, read_triangles
 from scaffold_cad.io.threemf import archive
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from tests.io.test_reading import written
 from tests.skeletons import STICK_FIGURE
 
@@ -427,3 +428,21 @@ def test_objects_that_multiply_beyond_measure_are_refused(
     path = packed(tmp_path, model([mesh(), doubled(1), doubled(2)], '<item objectid="3"/>'))
     with pytest.raises(FormatError, match=r"lattice\.3mf builds 4 objects; need at most 3"):
         read_raw(path)
+
+
+def test_a_reader_has_the_32_bit_numbers_within_a_step(tmp_path: Path) -> None:
+    random = np.random.default_rng(1)
+    corners = random.uniform(-12, 12, (4, 3)) * random.choice([1.0, 0.1, 0.01], (4, 3))
+    faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+    mesh = TriangleMesh(corners.astype(np.float32), faces)
+    if mesh.signed_volume < 0:
+        mesh = TriangleMesh(mesh.vertices, mesh.triangles[:, ::-1])
+    write(mesh, tmp_path / "corners.3mf")
+    model = lib3mf.get_wrapper().CreateModel()
+    model.QueryReader("3mf").ReadFromFile(str(tmp_path / "corners.3mf"))
+    meshes = model.GetMeshObjects()
+    assert meshes.MoveNext()
+    read = [vertex.Coordinates[:] for vertex in meshes.GetCurrentMeshObject().GetVertices()]
+    np.testing.assert_allclose(
+        np.sort(read, axis=0), np.sort(mesh.vertices, axis=0), rtol=2**-23, atol=1e-9
+    )

@@ -4,7 +4,9 @@
 ../shared/data and ../shared/data/reported at 1, 2 and 4 times its radii: square, round, and the
 frame of the square one, in every format of meshes and as STEP. trimesh, lib3mf and OCCT read them,
 CGAL looks for crossings in exact arithmetic, and the volume of round struts is held against a count
-of random points in the struts.
+of random points in the struts. Small skeletons come first; times are those of the processor, and
+not the judges'. What is not written is said: STEP files of struts that overlap or of too many, and
+what took longer than allowed.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ import argparse
 import logging
 import multiprocessing
 import resource
+import signal
 import sys
 import tempfile
 import time
@@ -34,7 +37,7 @@ from scaffold_cad import (
     write,
 )
 from scaffold_cad.base.arrays import Ints, Points, Triangles
-from scaffold_cad.errors import ScaffoldCadError
+from scaffold_cad.errors import FormatError, ScaffoldCadError
 from scaffold_cad.solid.thicken import frame_scaffold
 from tests.crossings import faults_by_cgal
 from tests.real_files import RADII
@@ -56,16 +59,45 @@ FRAME = 0.15
 """Radius of a frame, in median radii."""
 FILLETS = 1.25
 """Largest volume of round struts over that of their union: it has fillets."""
+STEP_APART = {"square": 0.15, "round": 0.02, "frame": 0.15}
+"""Largest difference in volume of a STEP file and of the STL file, whose quads are split in two:
+twisted quads of square struts are bilinear in STEP."""
 MOST_FACES = 4000
 """Struts of a skeleton whose STEP file is made: one of facets has 32 faces a strut."""
+JUDGED = "-"
+"""What a process says when judges begin, and when they are done."""
+NOTE = "("
+"""What a line that is no fault begins with."""
 
 
-def skeletons() -> Iterator[Path]:
-    """Yield the files, those of nobody's skeletons left out."""
-    for folder in (DATA, DATA / "reported"):
-        yield from sorted(
-            path for path in folder.glob("*.*") if path.is_file() and path.suffix != ".md"
-        )
+def skeletons() -> list[Path]:
+    """Return the files, those of the fewest struts first."""
+    files = [
+        path
+        for folder in (DATA, DATA / "reported", DATA / "reported" / "formats")
+        for path in folder.glob("*.*")
+        if path.is_file() and path.suffix != ".md"
+    ]
+    return sorted(files, key=lambda path: (size_of(path), path.name))
+
+
+def size_of(path: Path) -> int:
+    """Return how many struts a file has, 0 for one that holds no skeleton."""
+    try:
+        return len(skeleton_in(path).edges)
+    except ScaffoldCadError:
+        return 0
+
+
+def skeleton_in(path: Path) -> Skeleton:
+    """Return the skeleton in a file, its radii a twelfth of its lengths where it has none."""
+    if path.name in RADIUS:
+        return read_skeleton(path, RADIUS[path.name])
+    try:
+        return read_skeleton(path)
+    except FormatError:
+        bare = read_skeleton(path, 1.0)
+        return bare.with_radii(float(np.median(bare.lengths)) / 12)
 
 
 def read_back(path: Path) -> tuple[Points, Triangles]:
@@ -106,28 +138,46 @@ def faults(path: Path, parts: int) -> tuple[str, float]:
 
 
 def check(path: Path, factor: float, kind: str) -> Iterator[str]:
-    """Yield what is wrong with the files of one skeleton, one line a fault."""
-    skeleton = read_skeleton(path, RADIUS.get(path.name))
+    """Yield what is wrong with the files of one skeleton, one line a fault.
+
+    Before the judges begin it yields `JUDGED`, and once more when they are done; lines that begin
+    with `NOTE` are no faults.
+    """
+    skeleton = skeleton_in(path)
     skeleton = skeleton.with_edge_radii(factor * skeleton.edge_radii)
     made = made_of(skeleton, kind)
     volumes = {}
     with tempfile.TemporaryDirectory() as folder:
-        for suffix in (*FORMATS, *((".step",) if len(skeleton.edges) < MOST_FACES else ())):
-            if suffix == ".step" and len(crowded(made)):
-                continue  # refused by name
+        for suffix in (*FORMATS, ".step"):
+            if suffix == ".step" and (why := why_no_step(made)):
+                yield f"{NOTE}no STEP: {why})"
+                continue
             file = Path(folder) / f"written{suffix}"
             write(made, file)
+            yield JUDGED
             found, volumes[suffix] = faults(file, skeleton.component_count)
+            yield JUDGED
             if found:
                 yield f"{suffix}: {found}"
     for suffix, volume in volumes.items():
-        if suffix != ".step" and abs(volume / volumes[".stl"] - 1) > 1e-5:
+        most = STEP_APART[kind] if suffix == ".step" else 1e-5
+        if abs(volume / volumes[".stl"] - 1) > most:
             yield f"{suffix}: volume {volume:g} beside {volumes['.stl']:g} of .stl"
     if kind == "round":
+        yield JUDGED
         union, error = union_volume(skeleton, np.random.default_rng(0))
+        yield JUDGED
         ratio = volumes[".stl"] / union
         if not 0.99 - 3 * error / union < ratio < FILLETS:
             yield f"volume is {ratio:.3f} of the struts' union"
+
+
+def why_no_step(made: Scaffold | RoundStruts) -> str:
+    """Return why no STEP file is written, "" if one is."""
+    if count := len(crowded(made)):
+        return f"{count} struts overlap"
+    count = len(made.skeleton.edges)
+    return "" if count < MOST_FACES else f"{count} struts"
 
 
 def made_of(skeleton: Skeleton, kind: str) -> Scaffold | RoundStruts:
@@ -145,52 +195,73 @@ def crowded(made: Scaffold | RoundStruts) -> Ints:
     return made.overlapping if isinstance(made, RoundStruts) else made.embedding().left_out
 
 
-def run(path: Path, factor: float, kind: str, told: Connection) -> None:
-    """Check one skeleton in a process of its own."""
+def run(path: Path, factor: float, kind: str, seconds: float, told: Connection) -> None:
+    """Check one skeleton in a process of its own, which ends when its processor time is over.
+
+    The time of the judges does not count.
+    """
     logging.disable(logging.WARNING)
+    left, judging, began = seconds, False, time.process_time()
+    signal.setitimer(signal.ITIMER_PROF, left)
     try:
         for line in check(path, factor, kind):
-            told.send(line)
+            if line != JUDGED:
+                told.send(line)
+                continue
+            judging = not judging
+            if judging:
+                left -= time.process_time() - began
+            began = time.process_time()
+            signal.setitimer(signal.ITIMER_PROF, 0 if judging else max(left, 0.01))
     except ScaffoldCadError as error:
         told.send(f"refused: {str(error)[:150]}")
     except BaseException as error:  # what no user should see
         told.send(f"{type(error).__name__}: {str(error)[:150]}")
-    told.send(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6)
+    signal.setitimer(signal.ITIMER_PROF, 0)
+    left -= 0.0 if judging else time.process_time() - began
+    told.send((seconds - left, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6))
 
 
 def outcome(path: Path, factor: float, kind: str, seconds: float) -> tuple[list[str], float, float]:
     """Return the faults of one skeleton, the seconds, and the greatest memory in GB."""
-    context = multiprocessing.get_context("spawn")
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload([__name__, "build123d", "lib3mf", "manifold3d"])
     ours, told = context.Pipe(duplex=False)
-    began = time.perf_counter()
-    process = context.Process(target=run, args=(path, factor, kind, told))
+    process = context.Process(target=run, args=(path, factor, kind, seconds, told))
     process.start()
     told.close()
-    found, memory = [], 0.0
+    found: list[str] = []
     try:
-        while ours.poll(max(seconds - (time.perf_counter() - began), 0.0)):
-            line = ours.recv()
-            if isinstance(line, float):
-                memory = line
-                break
+        while isinstance(line := ours.recv(), str):
             found.append(line)
-        else:
-            found.append(f"not done in {seconds:.0f} s")
+        process.join()
+        return found, *line
     except EOFError:
-        found.append(f"ended with code {process.exitcode}")
-    process.kill()
-    process.join()
-    return found, time.perf_counter() - began, memory
+        process.join()
+        over = process.exitcode == -signal.SIGPROF
+        found.append(f"not done in {seconds:.0f} s" if over else f"ended: {process.exitcode}")
+        return found, seconds, 0.0
+
+
+def grade(found: list[str]) -> str:
+    """Return the column of the last line that a skeleton is counted in."""
+    lines = [line for line in found if not line.startswith(NOTE)]
+    if not lines:
+        return "good"
+    if len(lines) == 1 and lines[0].startswith(("refused", "not done")):
+        return "refused" if lines[0].startswith("refused") else "over time"
+    return "with a fault"
 
 
 def main() -> int:
     """Print one line a skeleton and kind; return how many had a fault, 1 at most."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("names", nargs="*", help="files, all by default")
-    parser.add_argument("--seconds", type=float, default=120.0, help="for one of them, at most")
+    parser.add_argument("--seconds", type=float, default=120.0, help="of processor time for one")
     parser.add_argument("--factors", type=float, nargs="*", default=FACTORS)
     parser.add_argument("--kinds", nargs="*", choices=KINDS, default=KINDS)
     options = parser.parse_args()
+    logging.disable(logging.WARNING)
     done: Counter[str] = Counter()
     for path in skeletons():
         if options.names and path.name not in options.names:
@@ -198,7 +269,7 @@ def main() -> int:
         for factor in options.factors:
             for kind in options.kinds:
                 found, seconds, memory = outcome(path, factor, kind, options.seconds)
-                done["with a fault" if found else "good"] += 1
+                done[grade(found)] += 1
                 what = f"{path.name[:40]:<40} x{factor:<3g} {kind:<6}"
                 print(f"{what} {seconds:6.1f} s {memory:5.2f} GB  {'; '.join(found)}", flush=True)
     print(", ".join(f"{count} {what}" for what, count in sorted(done.items())))

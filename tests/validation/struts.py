@@ -17,13 +17,13 @@ import numpy as np
 from build123d import GeomType, Shape, import_step
 
 from scaffold_cad import RoundStruts, Skeleton, delaunay_foam, round_struts, voronoi_foam, write
-from scaffold_cad.base.arrays import Floats, Points
+from scaffold_cad.base.arrays import Bools, Floats, Points
 from scaffold_cad.errors import SkeletonError
 from scaffold_cad.struts.surface import triangulated
 from scaffold_cad.struts.walls import walls
 
 KINDS = ("tree", "foam", "truss", "ring")
-SAMPLES = 2_000_000
+SAMPLES = 200_000
 WALL = 0.4
 """Wall of hollow frames, in radii of the thinnest strut."""
 BOX = [[0, 0, 0], [60, 60, 60]]
@@ -95,24 +95,81 @@ def cylinder_errors(shape: Shape, struts: RoundStruts) -> Floats:
 
 
 def union_volume(skeleton: Skeleton, generator: np.random.Generator) -> tuple[float, float]:
-    """Return the volume of the struts' union by Monte Carlo, without fillets, and its error."""
+    """Return the volume of the struts' union by Monte Carlo, without fillets, and its error.
+
+    Points are drawn in the cones and balls that it is the union of, and count the less the more of
+    these they are in.
+
+    References
+    ----------
+    Karp, Luby, Monte-Carlo algorithms for enumeration and reliability problems, FOCS 1983.
+    """
+    pieces = _pieces(skeleton)
+    start, end, radii = pieces
+    axis = np.linalg.norm(end - start, axis=1)
+    near, far = radii.T
+    volumes = np.pi / 3 * axis * (near * near + near * far + far * far)
+    volumes[axis == 0] = 4 / 3 * np.pi * near[axis == 0] ** 3
+    chosen = generator.choice(len(volumes), SAMPLES, p=volumes / volumes.sum())
+    points = _drawn((start[chosen], end[chosen], radii[chosen]), generator)
+    points = points[np.argsort(points[:, 0])]
+    count = np.zeros(SAMPLES, dtype=np.intp)
+    low = np.minimum(start, end)[:, 0] - radii.max(axis=1)
+    high = np.maximum(start, end)[:, 0] + radii.max(axis=1)
+    slices = np.searchsorted(points[:, 0], np.stack([low, high]))
+    for first, last, *piece in zip(*slices, *pieces, strict=True):
+        count[first:last] += _is_in(points[first:last], *piece)
+    share = 1.0 / np.maximum(count, 1)  # a point on a border may be in none
+    total = float(volumes.sum())
+    return total * float(share.mean()), total * float(share.std() / np.sqrt(SAMPLES))
+
+
+def _pieces(skeleton: Skeleton) -> tuple[Points, Points, Floats]:
+    """Return cones by their ends (p, 3) and radii (p, 2); those of no length are balls."""
     start, end = np.moveaxis(skeleton.nodes[skeleton.edges], 1, 0)
-    reach = skeleton.edge_radii.max()
-    low, high = skeleton.nodes.min(axis=0) - reach, skeleton.nodes.max(axis=0) + reach
-    points: Points = generator.uniform(low, high, (SAMPLES, 3))
-    inside = np.zeros(SAMPLES, dtype=bool)
-    inner = skeleton.valency[skeleton.edges] > 1
-    for a, b, (near, far), ball in zip(start, end, skeleton.edge_radii, inner, strict=True):
-        axis = b - a
-        along = (points - a) @ axis / (axis @ axis)
-        across = np.linalg.norm(points - a - along[:, None] * axis, axis=1)
-        inside |= (along >= 0) & (along <= 1) & (across <= near + along * (far - near))
-        for place, radius, is_ball in ((a, near, ball[0]), (b, far, ball[1])):
-            if is_ball:
-                inside |= np.linalg.norm(points - place, axis=1) <= radius
-    share = inside.mean()
-    box = float(np.prod(high - low))
-    return box * share, box * float(np.sqrt(share * (1 - share) / SAMPLES))
+    inner = (skeleton.valency[skeleton.edges] > 1).T  # (2, m)
+    balls = [(place[own], radius[own]) for place, radius, own
+             in zip((start, end), skeleton.edge_radii.T, inner, strict=True)]  # fmt: skip
+    centers = np.concatenate([place for place, _ in balls])
+    sizes = np.concatenate([radius for _, radius in balls])
+    return (
+        np.concatenate([start, centers]),
+        np.concatenate([end, centers]),
+        np.concatenate([skeleton.edge_radii, np.stack([sizes, sizes], axis=1)]),
+    )
+
+
+def _drawn(pieces: tuple[Points, Points, Floats], generator: np.random.Generator) -> Points:
+    """Return a point in each piece, (p, 3), all places in it as likely."""
+    start, end, radii = pieces
+    length = np.linalg.norm(end - start, axis=1)
+    ball = length == 0
+    way = generator.normal(size=start.shape)
+    way /= np.linalg.norm(way, axis=1, keepdims=True)
+    near, far = radii.T
+    size = np.cbrt(near**3 + generator.random(len(near)) * (far**3 - near**3))
+    even = np.isclose(near, far)
+    along = np.where(even, generator.random(len(near)), 0.0)
+    along[~even] = ((size - near)[~even]) / (far - near)[~even]
+    axis = (end - start) / np.where(ball, 1.0, length)[:, None]
+    across = np.where(ball[:, None], way, way - (way * axis).sum(axis=1, keepdims=True) * axis)
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    power = np.where(ball, 1 / 3, 1 / 2)
+    reach = (near + along * (far - near)) * generator.random(len(near)) ** power
+    found: Points = start + along[:, None] * (end - start) + reach[:, None] * across
+    return found
+
+
+def _is_in(points: Points, start: Points, end: Points, radii: Floats) -> Bools:
+    """Return which points are in a cone, or in a ball if it has no length."""
+    axis = end - start
+    long = float(axis @ axis)
+    along = (points - start) @ axis / long if long else np.zeros(len(points))
+    across = np.linalg.norm(points - start - along[:, None] * axis, axis=1)
+    found: Bools = (
+        (along >= 0) & (along <= 1) & (across <= radii[0] + along * (radii[1] - radii[0]))
+    )
+    return found
 
 
 def least_walls(skeleton: Skeleton) -> Floats:

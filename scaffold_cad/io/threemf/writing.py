@@ -27,6 +27,12 @@ BALL = np.dtype([("node", "<u4"), ("radius", "<f8")])
 LEAST_RADIUS = 1e-6
 """Least radius that six decimals can hold, mm."""
 
+MORE_DECIMALS = 3
+"""Decimals beyond those that tell the largest coordinates apart: small ones have finer steps."""
+
+MOST_DECIMALS = 16
+"""Most decimals that lib3mf writes."""
+
 SHORTEST_BEAM = 1e-6
 """Length below which a program may leave out a beam, mm."""
 
@@ -182,7 +188,8 @@ class _Package:
             file.seek(position)
 
         writer = self._model.QueryWriter("3mf")
-        writer.SetDecimalPrecision(decimals_of(self._extent))
+        # lib3mf cuts decimals off: with more of them readers are a step of 32 bits off at most.
+        writer.SetDecimalPrecision(min(decimals_of(self._extent) + MORE_DECIMALS, MOST_DECIMALS))
         writer.WriteToCallback(
             self._lib3mf.WriteCallback(put), self._lib3mf.SeekCallback(seek), None
         )

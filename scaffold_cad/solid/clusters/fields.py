@@ -44,7 +44,7 @@ def whole_struts(struts: RoundStruts) -> FieldStruts:
     return field_struts(
         runs.nodes[runs.edges],
         runs.radii,
-        flat=at_end & (struts.options.ends == "flat"),
+        flat=at_end & (struts.options.ends != "round"),
         balls=runs.nodes[rows],
         ball_radii=sizes,
         blend=blend,

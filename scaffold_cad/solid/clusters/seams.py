@@ -15,6 +15,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points, Triangles
+from scaffold_cad.base.positions import in_single_precision
 from scaffold_cad.base.vectors import dot, length
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.remainder import Cuts
@@ -75,25 +76,33 @@ class _Frames:
 TURN = 2.0 * np.pi
 
 
-def seamed(field: TriangleMesh, cuts: Cuts, points: Points, rings: Ints, starts: Points) -> Seamed:
+def seamed(
+    field: TriangleMesh,
+    cuts: Cuts,
+    points: Points,
+    rings: Ints,
+    starts: Points,
+    factor: float = 1.0,
+) -> Seamed:
     """Return the mesh of a field, cut off and joined to rings.
 
     Parameters
     ----------
-    field : whose vertices are 32-bit numbers
+    field : whose vertices are 32-bit numbers, times `factor`
     points : (v, 3) vertices of the rings and of all that is not in the field, mm
     rings : (c, s) vertices of the ring beyond each cut, counter-clockwise about `cuts.outward`
     starts : (c, 3) unit vectors from the axis to the first point of each ring
+    factor : what lengths are multiplied with in a file, in whose numbers triangles are looked at
     """
     frames = _Frames(cuts, starts, np.cross(cuts.outward, starts))
     bad = np.zeros(len(cuts.node), dtype=np.bool_)
     beyond, plane = _tails(field.vertices, frames, bad)
-    clipped = _clipped(field, beyond, plane, frames, bad)
+    clipped = _clipped(field, beyond, plane, frames, bad, factor)
     order = _around(clipped, frames, bad)
     zips, cut = _zips(clipped, order, frames, rings, len(points) + len(field.vertices))
     vertices = np.concatenate([field.vertices, clipped.vertices])
     pieces = clipped.triangles + len(points)
-    written = np.concatenate([points, vertices]).astype(np.float32).astype(np.float64)
+    written = in_single_precision(np.concatenate([points, vertices]), factor) / factor
     for triangles, of in ((pieces, clipped.cut_of_triangle), (zips, cut)):
         bad[of[~frames.seen(written[triangles], of)]] = True
     kept = (beyond[field.triangles] < 0).all(axis=1)
@@ -145,7 +154,7 @@ class _Clipped:
     """What is left of the triangles that planes cut, and the loops of their new sides."""
 
     vertices: Points
-    """Where planes cut edges, shape (w, 3), mm, 32-bit numbers."""
+    """Where planes cut edges, shape (w, 3), mm, 32-bit numbers in the file's unit."""
     cut: Ints
     """Cut of each of these, shape (w,)."""
     sides: Edges
@@ -156,7 +165,12 @@ class _Clipped:
 
 
 def _clipped(
-    field: TriangleMesh, beyond: Ints, plane: Floats, frames: _Frames, bad: Bools
+    field: TriangleMesh,
+    beyond: Ints,
+    plane: Floats,
+    frames: _Frames,
+    bad: Bools,
+    factor: float,
 ) -> _Clipped:
     marks = beyond[field.triangles]  # (t, 3)
     out = marks >= 0
@@ -184,7 +198,7 @@ def _clipped(
     at_p, at_q = frames.along(p, own), frames.along(q, own)
     share = (plane[own] - at_p) / np.where(at_q == at_p, 1.0, at_q - at_p)
     bad[own[~((share > 0) & (share < 1))]] = True
-    placed = (p + share[:, None] * (q - p)).astype(np.float32).astype(np.float64)
+    placed = in_single_precision(p + share[:, None] * (q - p), factor) / factor
     ab, ac = (new + len(field.vertices)).T
     tips = np.stack([a, ab, ac], axis=1)[~one]
     both = [np.stack([b, c, ac], axis=1)[one], np.stack([b, ac, ab], axis=1)[one]]

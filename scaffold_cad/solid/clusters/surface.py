@@ -9,16 +9,19 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
 from scaffold_cad.base.blocks import CACHE, blocks
+from scaffold_cad.base.positions import in_single_precision
 from scaffold_cad.base.vectors import length
+from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
 from scaffold_cad.solid.clusters.growth import Clusters, clusters_of, unproved
+from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.seams import seamed
 from scaffold_cad.solid.clusters.spans import Spans, no_spans
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
 from scaffold_cad.solid.field import FieldStruts, field_solid
-from scaffold_cad.solid.field.solid import CELL_FRACTION
+from scaffold_cad.solid.field.pieces import without_voids
 from scaffold_cad.struts.bands import enlargement
 from scaffold_cad.struts.curverings import largest_growth, rings_hold
 from scaffold_cad.struts.model import RoundStruts
@@ -35,9 +38,9 @@ then cuts save nothing."""
 TRIES = 8
 """Times that clusters grow where a seam fails, before all becomes one field."""
 
-FINER = 4
-"""Times that fields of hollow struts are made, with cells of half the size, until their walls are
-whole."""
+FINER = 5
+"""Times that hollow struts are made, with cells of half the size where walls cross, until these
+are whole."""
 
 STEP = 0.4
 """By how much a span grows whose seam failed, in radii: the next window has other vertices."""
@@ -61,48 +64,91 @@ class _Surface:
     """Nodes that are in fields, shape (n,)."""
     fillets: Floats
     """Fillet radius of each node, mm, shape (n,)."""
+    node: Ints
+    """Nodes that the first triangles are around, shape (t',)."""
 
 
-def surface_of(struts: RoundStruts, sides: int) -> TriangleMesh:
+def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> TriangleMesh:
     """Return the surface of round struts, closed and without crossings in 32-bit coordinates.
 
     What is crowded is made as fields, and everything where the struts of these have more than
     `MOST_FIELD` of the area. The inside of hollow struts is a surface like that outside; open ends
     that come to lie in a field are closed.
+
+    Parameters
+    ----------
+    factor : what lengths are multiplied with in a file, in whose 32-bit numbers triangles are
+        looked at
     """
     fillets, nodes = wanted_fillets(struts), unproved(struts)
     if struts.inner is None:
-        return _surface(struts, sides, fillets, nodes).mesh
-    inner = inside_of(struts)
-    nodes = nodes | unproved(inner)
-    wall = float(struts.options.wall or 0.0)
-    room = wall  # for the sides of triangles that are inside of round surfaces
-    for _ in range(FINER):
-        mesh, has_fields = _hollow(struts, inner, sides, fillets, nodes, room)
-        if not has_fields or len(self_intersections(mesh)) == 0:
-            return mesh
-        room /= 4.0
-    _log.warning("walls of %g mm are too thin for the fields of crowded struts: they cross", wall)
-    return mesh
+        return _surface(struts, sides, fillets, nodes, factor).mesh
+    return _hollow(struts, sides, fillets, nodes, factor)
 
 
 def _hollow(
-    struts: RoundStruts, inner: RoundStruts, sides: int, fillets: Floats, nodes: Bools, room: float
-) -> tuple[TriangleMesh, bool]:
-    """Return the surface of hollow struts, and whether it has fields."""
+    struts: RoundStruts, sides: int, fillets: Floats, nodes: Bools, factor: float
+) -> TriangleMesh:
+    """Return the surface of hollow struts.
+
+    Where their outside and their inside cross, nodes become fields, and the cells of fields
+    smaller.
+    """
+    inner = inside_of(struts)
+    nodes = nodes | unproved(inner)
+    sags = Sags(float(struts.options.wall or 0.0) / 4.0)
+    for _ in range(FINER):
+        outside, inside = _both(struts, inner, sides, fillets, nodes, factor, sags)
+        mesh = _walls(struts, outside, inside)
+        written = TriangleMesh(in_single_precision(mesh.vertices, factor), mesh.triangles)
+        crossing = np.unique(self_intersections(written))
+        if len(crossing) == 0:
+            return mesh
+        places = mesh.vertices[mesh.triangles[crossing]].mean(axis=1)
+        at_nodes = _nodes_of(crossing, outside, inside)
+        _log.debug("walls cross in %d triangles", len(crossing))
+        nodes = nodes.copy()
+        nodes[at_nodes[at_nodes >= 0]] = True
+        sags = sags.smaller_at(places)
+    near = ", ".join(f"{value:.6g}" for value in places[0].tolist())
+    raise MeshError(
+        f"the wall of {struts.options.wall:g} mm crosses itself as triangles in {len(crossing)} "
+        f"places, the first near [{near}] mm; need a thicker wall, more sides, or larger angles "
+        "between struts"
+    )
+
+
+def _nodes_of(triangles: Ints, outside: _Surface, inside: _Surface) -> Ints:
+    """Return the nodes that triangles of walls are around, -1 where they are around none."""
+    node = np.full(len(triangles), -1)
+    for surface, first in ((outside, 0), (inside, len(outside.mesh.triangles))):
+        own = triangles - first
+        there = (own >= 0) & (own < len(surface.node))
+        node[there] = surface.node[own[there]]
+    return node
+
+
+def _both(
+    struts: RoundStruts,
+    inner: RoundStruts,
+    sides: int,
+    fillets: Floats,
+    nodes: Bools,
+    factor: float,
+    sags: Sags,
+) -> tuple[_Surface, _Surface]:
+    """Return the surfaces outside and inside of hollow struts."""
     wall = float(struts.options.wall or 0.0)
     is_end, is_open = struts.runs.valency == 1, struts.options.ends == "open"
     while True:
-        outside = _surface(struts, sides, fillets, nodes, room)
+        outside = _surface(struts, sides, fillets, nodes, factor, sags)
         own = _shortened(inner, nodes & is_end, wall)
-        inside = _surface(own, sides, outside.fillets + wall, nodes, room)
+        inside = _surface(own, sides, outside.fillets + wall, nodes, factor, sags)
         more = (outside.nodes | inside.nodes) & is_end & ~nodes
         if not is_open or not more.any():
-            break
+            return outside, inside
         _log.info("%d open ends overlap other struts: closed", more.sum())
         nodes = nodes | more
-    mesh = _walls(struts, outside, inside)
-    return mesh, bool((outside.nodes | inside.nodes).any())
 
 
 def _walls(struts: RoundStruts, outside: _Surface, inside: _Surface) -> TriangleMesh:
@@ -134,14 +180,19 @@ def _shortened(struts: RoundStruts, closed: Bools, wall: float) -> RoundStruts:
 
 
 def _surface(
-    struts: RoundStruts, sides: int, fillets: Floats, nodes: Bools, room: float = np.inf
+    struts: RoundStruts,
+    sides: int,
+    fillets: Floats,
+    nodes: Bools,
+    factor: float,
+    sags: Sags | None = None,
 ) -> _Surface:
     """Return the surface of solid struts with `nodes` (n,) in clusters.
 
     Parameters
     ----------
     fillets : (n,) fillet radius wanted at each node, mm
-    room : how far the sides of triangles may be inside of round surfaces, twice, mm
+    sags : how far the sides of triangles of fields may be inside of round surfaces
     """
     slack = polygon_slack(sides)
     every, seeds = whole_struts(struts), no_spans()
@@ -153,26 +204,28 @@ def _surface(
             break
         left = struts if fields is None else rest.struts
         shell = shell_of(left, sides, None if fields is None else rest.open_at)
-        hidden = unseen(left, shell.made)[: len(nodes)]
+        hidden = unseen(left, shell.made, factor)[: len(nodes)]
         if hidden.any():
             nodes = nodes | hidden
             continue
         ends = left.runs.tails[shell.ends]
         mesh, failed = shell.made.mesh, np.zeros(0, dtype=np.intp)
         if fields is not None:
-            mesh, failed = _joined(
-                clusters, shell, field_solid(fields, cell=_cell(fields, room)).mesh
-            )
+            field = _field(fields, sags, factor)
+            mesh, failed = _joined(clusters, shell, _filled(field), factor)
         if len(failed) == 0:
             own = ends < len(nodes)
-            return _Surface(mesh, ends[own], shell.rings[own], nodes, clusters.reached)
+            around = shell.made.node
+            return _Surface(mesh, ends[own], shell.rings[own], nodes, clusters.reached, around)
         _log.debug("%d of %d seams failed", len(failed), len(rest.cuts.node))
         seeds = Spans.joined([seeds, _further(struts, clusters, failed)])
     count = len(struts.skeleton.edges)
     _log.info("%d struts have too little room for rings of their own: made as a field", count)
-    mesh = field_solid(every, cell=_cell(every, room)).mesh
+    mesh = _filled(_field(every, sags, factor))
     none = np.zeros((0, sides), dtype=np.intp)
-    return _Surface(mesh, none[:, 0], none, np.ones(len(nodes), dtype=np.bool_), fillets)
+    return _Surface(
+        mesh, none[:, 0], none, np.ones(len(nodes), dtype=np.bool_), fillets, none[:, 0]
+    )
 
 
 def polygon_slack(sides: int) -> float:
@@ -181,17 +234,28 @@ def polygon_slack(sides: int) -> float:
     return max(slack, largest_growth(sides))
 
 
-def _cell(fields: FieldStruts, room: float) -> float | None:
-    """Return the size of cells that leaves `room`, mm, or None where the usual one does.
+def _field(fields: FieldStruts, sags: Sags | None, factor: float) -> TriangleMesh:
+    """Return the surface of fields, whose coordinates are 32-bit numbers in the unit of a file."""
+    sag = np.inf if sags is None else factor * sags.of(fields)
+    if factor == 1.0:
+        return field_solid(fields, sag=sag).mesh
+    made = field_solid(fields.scaled(factor), sag=sag).mesh
+    return TriangleMesh(made.vertices / factor, made.triangles)
 
-    A side of length h between two points of a circle of radius r is h² / 8 r inside of it.
-    """
-    most = np.sqrt(2.0 * fields.radii * room)
-    usual = CELL_FRACTION * fields.radii
-    return None if (most >= usual).all() else float(np.minimum(most, usual).min())
+
+def _filled(field: TriangleMesh) -> TriangleMesh:
+    """Return a field without the voids that overlapping struts enclose."""
+    mesh, voids = without_voids(field)
+    if voids:
+        _log.info(
+            "%d voids between overlapping struts are filled: %.3g mm³", len(voids), sum(voids)
+        )
+    return mesh
 
 
-def _joined(clusters: Clusters, shell: Shell, field: TriangleMesh) -> tuple[TriangleMesh, Ints]:
+def _joined(
+    clusters: Clusters, shell: Shell, field: TriangleMesh, factor: float
+) -> tuple[TriangleMesh, Ints]:
     """Return a shell joined to the field of clusters, and the cuts where this fails.
 
     The vertices of the shell come first.
@@ -203,7 +267,7 @@ def _joined(clusters: Clusters, shell: Shell, field: TriangleMesh) -> tuple[Tria
     row = of_node[rest.cuts.node]
     points = shell.made.mesh.vertices
     starts = rest.struts.x[shell.ends[row]]
-    made = seamed(field, rest.cuts, points, shell.rings[row], starts)
+    made = seamed(field, rest.cuts, points, shell.rings[row], starts, factor)
     triangles = np.concatenate([shell.made.mesh.triangles, made.triangles])
     return compacted(np.concatenate([points, made.vertices]), triangles), made.failed
 
@@ -219,13 +283,13 @@ def _further(struts: RoundStruts, clusters: Clusters, failed: Ints) -> Spans:
     return Spans(run, np.minimum(*places), np.maximum(*places))
 
 
-def unseen(struts: RoundStruts, made: Triangulated) -> Bools:
+def unseen(struts: RoundStruts, made: Triangulated, factor: float = 1.0) -> Bools:
     """Return the nodes with triangles that do not face away from them in 32 bits, (n,)."""
-    written = _rounded(made.mesh.vertices)
+    written = in_single_precision(made.mesh.vertices, factor)
     triangles = made.mesh.triangles[: len(made.node)]
     node = np.zeros(len(written), dtype=np.intp)  # that each vertex stands around
     node[triangles] = made.node[:, None]
-    spokes = written - struts.runs.nodes[node]
+    spokes = written - factor * struts.runs.nodes[node]
     leading, size = np.ascontiguousarray(spokes.T), length(spokes)
     found = np.zeros(len(struts.runs.nodes), dtype=np.bool_)
     for part in blocks(len(triangles), TRIANGLE_BYTES, CACHE):
@@ -233,14 +297,9 @@ def unseen(struts: RoundStruts, made: Triangulated) -> Bools:
         least = MARGIN * size[a] * size[b] * size[c]
         seen = _volumes(*(leading[:, corner] for corner in (a, b, c))) > least
         found[made.node[part][~seen]] = True
-    if not _in_order(made).all():
+    if not _in_order(made, written).all():
         found[struts.curves.nodes[struts.curves.nodes >= 0]] = True
     return found
-
-
-def _rounded(points: Points) -> Points:
-    """Return points (n, 3) as they are in 32-bit coordinates."""
-    return points.astype(np.float32).astype(np.float64)
 
 
 def _volumes(a: Floats, b: Floats, c: Floats) -> Floats:
@@ -251,11 +310,10 @@ def _volumes(a: Floats, b: Floats, c: Floats) -> Floats:
     return volumes
 
 
-def _in_order(made: Triangulated) -> Bools:
+def _in_order(made: Triangulated, written: Points) -> Bools:
     """Return whether the rings of curves follow each other in 32-bit coordinates, (l,)."""
     rings = made.curve_rings
     if len(rings.low) == 0:
         return np.ones(0, dtype=np.bool_)
     start = len(made.node)
-    triangles = made.mesh.triangles[start : start + 2 * rings.low.size]
-    return rings_hold(_rounded(made.mesh.vertices), rings, triangles)
+    return rings_hold(written, rings, made.mesh.triangles[start : start + 2 * rings.low.size])

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints
 from scaffold_cad.base.blocks import CACHE, uneven_blocks
+from scaffold_cad.base.memory import machine_memory
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.errors import OptionError
 from scaffold_cad.solid.field.lattice import Lattice, least_cells
@@ -45,6 +46,9 @@ MOST_GROUPS = 10_000_000
 GROUP_BYTES = 2500
 """Memory that a group takes at the peak, with its triangles."""
 
+MOST_MEMORY = 0.8
+"""Most of the machine's memory that a solid may need."""
+
 GROWTH = 2
 """Groups of the next finer level, at least, for each group to be refined."""
 
@@ -69,18 +73,18 @@ class Level(Frozen):
 
 
 def levels_of(
-    union: FilletedUnion, lattice: Lattice, wanted: Callable[[Floats], Floats]
+    union: FilletedUnion, lattice: Lattice, wanted: Callable[[Floats, Ints], Floats]
 ) -> list[Level]:
     """Return the groups of each level, those of two finest cells a side first.
 
     Parameters
     ----------
-    wanted : gives the largest cell, mm, from the local radius of a strut
+    wanted : gives the largest cells, mm, from the local radii of struts and their numbers
 
     Raises
     ------
     OptionError
-        If there are more than `MOST_GROUPS`.
+        If there are more than `MOST_GROUPS`, or more than the machine's memory holds.
     """
     everything = np.arange(union.rows.shape[1])
     level = Level(
@@ -112,18 +116,20 @@ def _with_leaves(levels: list[Level]) -> list[Level]:
 
 
 def _check_size(groups: float) -> None:
-    if groups > MOST_GROUPS:
+    most = min(MOST_GROUPS, MOST_MEMORY * machine_memory() / GROUP_BYTES)
+    if groups > most:
         memory = groups * GROUP_BYTES / 1e9
         raise OptionError(
-            f"the solid needs some {8 * groups:.2g} cells or more and {memory:.0f} GB; need at "
-            f"most {8 * MOST_GROUPS:.2g} cells: take larger cells, fewer struts, or blocks of them"
+            f"the solid of overlapping struts needs some {8 * groups:.2g} cells or more and "
+            f"{memory:.0f} GB of memory; need at most {8 * most:.2g} cells here: thicker struts or "
+            "walls, fewer struts, or tiles of them"
         )
 
 
 def _refined(
     union: FilletedUnion,
     lattice: Lattice,
-    wanted: Callable[[Floats], Floats],
+    wanted: Callable[[Floats, Ints], Floats],
     size: int,
     groups: Ints,
     lists: Lists,
@@ -151,7 +157,7 @@ def _refined(
 def _refine_some(
     union: FilletedUnion,
     lattice: Lattice,
-    wanted: Callable[[Floats], Floats],
+    wanted: Callable[[Floats, Ints], Floats],
     size: int,
     groups: Ints,
     lists: Lists,
@@ -172,7 +178,7 @@ def _refine_some(
     refine = np.zeros(len(cells), dtype=np.bool_)
     if size > 1:
         asked = np.full(len(which), np.inf)
-        asked[kept] = wanted(union.local_radii(place[kept], struts[kept], ball))
+        asked[kept] = wanted(union.local_radii(place[kept], struts[kept], ball), struts[kept])
         if union.capped:
             rim = union.rim_distances(centers[which[kept]], struts[kept]) < ball
             asked[kept] *= np.where(rim, RIM_FRACTION, 1.0)

@@ -37,6 +37,32 @@ def pieces_of(mesh: TriangleMesh) -> Pieces:
     return Pieces(labels, volumes)
 
 
+def without_voids(mesh: TriangleMesh) -> tuple[TriangleMesh, list[float]]:
+    """Return a closed mesh with its enclosed voids filled, and the volumes of these, mm³.
+
+    A void that holds a body of its own stays.
+    """
+    pieces = pieces_of(mesh)
+    voids, bodies = np.flatnonzero(pieces.volumes < 0), np.flatnonzero(pieces.volumes > 0)
+    if len(voids) == 0:
+        return mesh, []
+    low, high = _boxes(mesh, pieces)
+    after = (low[voids, None] <= low[bodies]).all(axis=2)  # (voids, bodies)
+    before = (high[bodies] <= high[voids, None]).all(axis=2)
+    filled = voids[~np.logical_and(after, before).any(axis=1)]
+    kept = ~np.isin(pieces.piece_of[mesh.triangles[:, 0]], filled)
+    return compacted(mesh.vertices, mesh.triangles[kept]), (-pieces.volumes[filled]).tolist()
+
+
+def _boxes(mesh: TriangleMesh, pieces: Pieces) -> tuple[Floats, Floats]:
+    """Return the lowest and highest corner of each piece, (p, 3), mm."""
+    low = np.full((len(pieces.volumes), 3), np.inf)
+    high = -low
+    np.minimum.at(low, pieces.piece_of, mesh.vertices)
+    np.maximum.at(high, pieces.piece_of, mesh.vertices)
+    return low, high
+
+
 def without_small_cavities(mesh: TriangleMesh, pieces: Pieces, volume: float) -> TriangleMesh:
     """Return the mesh without the surfaces of voids smaller than a volume, mm³."""
     small = (pieces.volumes < 0) & (pieces.volumes > -volume)

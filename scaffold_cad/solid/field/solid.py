@@ -36,6 +36,9 @@ SWELL = 0.0219
 """A mesh with its vertices on a cylinder of radius r, in cells of size h, has the volume of a
 cylinder that is thinner by this times h² / r; twice of it for a ball (both measured)."""
 
+MOST_SWELL = 2.0 * SWELL * LARGEST_FRACTION**2
+"""Most that struts are thicker by for that, as a part of their radius."""
+
 OCTAVE_MEAN = 0.66
 """Size of cells along a cone, as a part of those wanted: sizes are doubled from level to level."""
 
@@ -80,6 +83,7 @@ def field_solid(
     struts: FieldStruts,
     *,
     cell: float | None = None,
+    sag: float | Floats = np.inf,
     equal_volume: bool = True,
     rounds: int = 3,
 ) -> FieldSolid:
@@ -92,6 +96,9 @@ def field_solid(
         Size of grid cells, at most; smaller where a strut is thinner than this. By default
         `CELL_FRACTION` of the local radius. Sizes are m 2^k mm, m in 4..7, so cells may be up to
         half as large where radii differ.
+    sag : mm, or (m,)
+        How far the sides of triangles may be inside of round surfaces, at most, for each strut:
+        cells are smaller for that.
     equal_volume : bool
         Whether vertices stand outside of round surfaces by as much as gives the mesh their
         volume; otherwise they are on them.
@@ -120,10 +127,12 @@ def field_solid(
         raise OptionError(f"cell is {cell:g} mm; need > 0")
     low, high = struts.box()
     struts, thickened = _thick_enough(struts, float((high - low).max()))
-    lattice = _lattice(struts, cell)
-    swell = _swell(struts, lattice, cell) if equal_volume else np.zeros(len(struts.radii))
+    sags = np.broadcast_to(np.asarray(sag, dtype=np.float64), len(struts.radii))  # (m,)
+    wanted = wanted_cells(struts.radii, cell, sags[:, None])  # (m, 2)
+    lattice = _lattice(struts, wanted)
+    swell = _swell(struts, lattice, wanted) if equal_volume else np.zeros(len(struts.radii))
     union = filleted_union(struts, lattice.origin, swell)
-    levels = levels_of(union, lattice, lambda radii: wanted_cells(radii, cell))
+    levels = levels_of(union, lattice, lambda radii, of: wanted_cells(radii, cell, sags[of]))
     grid = grid_of(union, lattice, levels)
     vertices, triangles = surface_of(union, grid, rounds)
     used = np.flatnonzero([len(level.groups) > 0 for level in levels])
@@ -136,11 +145,13 @@ def field_solid(
     )
 
 
-def wanted_cells(radii: Floats, cell: float | None) -> Floats:
-    """Return the largest cells where struts have some radii, mm."""
-    if cell is None:
-        return CELL_FRACTION * radii
-    return np.minimum(LARGEST_FRACTION * radii, cell)
+def wanted_cells(radii: Floats, cell: float | None, sag: Floats) -> Floats:
+    """Return the largest cells where struts have some radii, and sides so much room, mm.
+
+    A side of length h between two points of a circle of radius r is h² / 8 r inside of it.
+    """
+    usual = CELL_FRACTION * radii if cell is None else np.minimum(LARGEST_FRACTION * radii, cell)
+    return np.minimum(usual, np.sqrt(8.0 * sag * radii))
 
 
 def _thick_enough(struts: FieldStruts, extent: float) -> tuple[FieldStruts, Ints]:
@@ -155,21 +166,20 @@ def _thick_enough(struts: FieldStruts, extent: float) -> tuple[FieldStruts, Ints
     return replace(struts, radii=radii, blend=blend), np.flatnonzero(thin.any(axis=1))
 
 
-def _lattice(struts: FieldStruts, cell: float | None) -> Lattice:
-    sizes = wanted_cells(struts.radii, cell)  # (m, 2)
-    sizes = np.where(struts.flat.any(axis=1, keepdims=True), RIM_FRACTION, 1.0) * sizes
+def _lattice(struts: FieldStruts, wanted: Floats) -> Lattice:
+    sizes = np.where(struts.flat.any(axis=1, keepdims=True), RIM_FRACTION, 1.0) * wanted
     steps = np.ldexp(1.0, spacing_exponents(struts.ends))
     few = bool((sizes < FEW_STEPS * steps).any())
-    low, high = struts.box()
+    room = np.maximum(struts.blend, MOST_SWELL * struts.radii.max(axis=1))
+    low, high = replace(struts, blend=room).box()
     least = max(
         LEAST_STEPS * float(steps.min()), 2.0 * float((high - low).max()) / MOST_CELLS_ASIDE
     )
     return lattice_over(low, high, max(float(sizes.min()), least), few)
 
 
-def _swell(struts: FieldStruts, lattice: Lattice, cell: float | None) -> Floats:
+def _swell(struts: FieldStruts, lattice: Lattice, wanted: Floats) -> Floats:
     """Return by which part of their radii struts are thicker, for equal volume, shape (m,)."""
-    wanted = wanted_cells(struts.radii, cell)  # (m, 2)
     level = np.floor(np.log2(wanted[:, 0] / lattice.cell) + 1e-9)
     even = lattice.cell * 2.0 ** np.maximum(level, 0) / struts.radii[:, 0]
     tapered = OCTAVE_MEAN * (wanted / struts.radii).mean(axis=1)

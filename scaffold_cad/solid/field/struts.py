@@ -42,6 +42,10 @@ class FieldStruts(Frozen):
         both: Floats = self.radii.sum(axis=1)
         return np.pi * both * (self.lengths + both)
 
+    def scaled(self, factor: float) -> FieldStruts:
+        """Return the struts with all lengths multiplied."""
+        return FieldStruts(factor * self.ends, factor * self.radii, self.flat, factor * self.blend)
+
     def box(self) -> tuple[Floats, Floats]:
         """Return the lowest and highest corner of all struts with their fillets, two (3,), mm."""
         reach = self.radii[:, :, None] + self.blend[:, None, None]

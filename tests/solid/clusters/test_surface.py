@@ -5,13 +5,20 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from scaffold_cad.base.positions import in_single_precision
+from scaffold_cad.errors import MeshError
 from scaffold_cad.lattice import tile
+from scaffold_cad.mesh.nearest import NearestPlace
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.solid.clusters import whole_struts
+from scaffold_cad.solid.clusters import surface, unseen, whole_struts
 from scaffold_cad.solid.field import field_solid
+from scaffold_cad.solid.field.pieces import pieces_of, without_voids
 from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts import RoundStruts, round_struts
+from scaffold_cad.struts.surface import triangulated
 from tests.crossings import check_as_written
+from tests.skeletons import TRIPOD
 from tests.solids import distance_to_axes
 
 TIPS = [[20, 0, 0], [19, 8, 0], [-15, 8, 0], [-9, -10, 17]]
@@ -25,7 +32,7 @@ TAPERS = Skeleton([[0, 0, 0], *TIPS], NARROW.edges, [1.2, 0.5, 0.6, 1.8, 0.9])
 
 
 def field_triangles(struts: RoundStruts) -> int:
-    return len(field_solid(whole_struts(struts)).mesh.triangles)
+    return len(without_voids(field_solid(whole_struts(struts)).mesh)[0].triangles)
 
 
 @pytest.mark.parametrize("skeleton", [NARROW, CROSSING, TAPERS], ids=["narrow", "cross", "tapers"])
@@ -113,3 +120,62 @@ def test_curves_beside_struts_that_are_fields_are_whole_as_written() -> None:
     assert struts.overlapping.tolist() == [0, 1, 2]
     assert struts.curves.curved.sum() == 37
     check_as_written(round_mesh(struts, 8))
+
+
+UNEVEN = {
+    "one thick": ([[-14.6, -1.7, -6.3], [-5.8, 13.3, 6.9], [2.4, 6.3, -14.5], [-1.7, -6.2, -14.6]],
+                  [0.49, 2.2, 1.57, 0.82]),
+    "one thin": ([[4.5, 7.3, -13.5], [7.2, -7.6, 12.1], [-10.1, 4.3, -11.6], [14.4, 6.9, 1.0]],
+                 [0.4, 1.16, 1.54, 2.08]),
+}  # fmt: skip
+"""Struts with radii of their own: in cells of the usual size a wall of 0.1 crosses itself."""
+
+
+@pytest.mark.parametrize("name", UNEVEN)
+def test_walls_between_uneven_struts_are_whole_and_thick_as_written(name: str) -> None:
+    tips, radii = UNEVEN[name]
+    star = Skeleton([[0, 0, 0], *tips], [[0, i] for i in range(1, 5)], 1.0).with_edge_radii(radii)
+    mesh = round_mesh(round_struts(star, wall=0.1), 8)
+    check_as_written(mesh)
+    shells = pieces_of(mesh)
+    outside, inside = (np.flatnonzero(sign * shells.volumes > 0) for sign in (1, -1))
+    assert len(outside) == len(inside) == 1
+    of = shells.piece_of[mesh.triangles[:, 0]]
+    outer = NearestPlace(TriangleMesh(mesh.vertices, mesh.triangles[of == outside[0]]))
+    within = mesh.vertices[shells.piece_of == inside[0]]
+    wall = np.linalg.norm(outer.nearest(within) - within, axis=1)
+    assert wall.min() > 0.05
+    assert np.median(wall) == pytest.approx(0.1, rel=0.15)
+
+
+@pytest.mark.parametrize("name", UNEVEN)
+def test_walls_that_cross_after_all_are_refused_with_a_place(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(surface, "FINER", 1)
+    tips, radii = UNEVEN[name]
+    star = Skeleton([[0, 0, 0], *tips], [[0, i] for i in range(1, 5)], 1.0).with_edge_radii(radii)
+    with pytest.raises(MeshError, match=r"the wall of 0.1 mm crosses itself .* near \[.*\] mm"):
+        round_mesh(round_struts(star, wall=0.1), 8)
+
+
+@pytest.mark.parametrize("unit", [25.4, 1000.0])
+@pytest.mark.parametrize("wall", [None, 0.3])
+def test_clusters_are_whole_in_the_numbers_of_another_unit(unit: float, wall: float | None) -> None:
+    struts = round_struts(NARROW, wall=wall)
+    mesh = round_mesh(struts, 8, 1 / unit)
+    written = mesh.vertices / unit
+    check_as_written(TriangleMesh(written, mesh.triangles))
+    exact = (
+        np.abs(in_single_precision(written) - written).max(axis=1) < 1e-12 * np.abs(written).max()
+    )
+    assert exact.mean() > 0.5  # those of fields, which are 32-bit numbers of that unit
+    usual = round_mesh(struts, 8)
+    assert mesh.signed_volume == pytest.approx(usual.signed_volume, rel=0.01)
+
+
+def test_a_node_is_seen_in_the_numbers_of_a_file() -> None:
+    struts = round_struts(TRIPOD)
+    made = triangulated(struts, 8)
+    assert not unseen(struts, made).any()
+    assert unseen(struts, made, 1e-60).any()  # all numbers become 0

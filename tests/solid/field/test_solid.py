@@ -177,6 +177,16 @@ def test_struts_apart_are_components_and_a_shell_has_a_cavity() -> None:
     filled.mesh.check_closed()
 
 
+def test_a_thick_end_with_the_fillets_of_a_thin_one_stays_in_its_grid() -> None:
+    tip = [-14.733887371561151, 9.831004829764954, -24.212887208246958]
+    ends = [
+        [[18.28435500777989, 15.555186734865678, -17.992179623184434], tip],
+        [tip, [26.91010725264008, 9.571906696946892, -9.177403218577192]],
+    ]
+    radii = [[5.0, 0.005], [0.005, 2.344991899823108]]
+    check_exact(field_solid(field_struts(ends, radii, flat=[[1, 0], [0, 1]], blend=0.0025)).mesh)
+
+
 def test_a_strut_thinner_than_32_bit_numbers_can_tell_is_thickened_and_said() -> None:
     far = field_solid(field_struts(TRIPOD + np.array([76e6, 0, 0]), [1.0, 500.0, 500.0]))
     assert far.thickened.tolist() == [0]
@@ -186,7 +196,16 @@ def test_a_strut_thinner_than_32_bit_numbers_can_tell_is_thickened_and_said() ->
 
 def test_what_does_not_fit_is_refused_with_an_estimate(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cells, "MOST_GROUPS", 1000)
-    with pytest.raises(OptionError, match=r"cells or more and .* GB; need at most 8e\+03 cells"):
+    message = r"cells or more and .* GB of memory; need at most 8e\+03 cells"
+    with pytest.raises(OptionError, match=message):
+        field_solid(field_struts(TRIPOD, 1.0), cell=0.1)
+
+
+def test_what_is_larger_than_the_machine_is_refused_before_it_is_made(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(cells, "machine_memory", lambda: 1e6)
+    with pytest.raises(OptionError, match=r"need at most 2\.6e\+03 cells here"):
         field_solid(field_struts(TRIPOD, 1.0), cell=0.1)
 
 

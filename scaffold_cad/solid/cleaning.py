@@ -1,0 +1,128 @@
+"""The surfaces of unions as files hold them: closed, without crossings, touching nowhere.
+
+Readers of files without indices, such as STL, take vertices at one place for one. Where a surface
+touches itself at a vertex or along edges, that makes vertices where several sheets meet and edges
+of four triangles. So the sheets are parted there: each vertex is drawn a little toward its own
+neighbors.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Bools, Points
+from scaffold_cad.base.positions import equal_positions, in_single_precision
+from scaffold_cad.base.vectors import length
+from scaffold_cad.errors import MeshError
+from scaffold_cad.mesh.collapse import without_short_edges
+from scaffold_cad.mesh.intersections import self_intersections
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.solid import manifolds
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+SINGLE_PRECISION = 2.0**-20
+"""Least length of an edge after a union, in greatest coordinates: some roundings to 32 bits."""
+
+PARTINGS = (1e-5, 1e-6)
+"""How far vertices are moved where a surface touches itself, in greatest coordinates, in turn: the
+first that leaves no crossing is taken."""
+
+MOST_OF_EDGE = 0.25
+"""How far at most, in lengths of the shortest edge there."""
+
+FLAT = 1e-3
+"""A vertex whose neighbors' mean is as near as this, in lengths of edges, stays: its sheet is flat,
+and the other one moves."""
+
+
+class FaultySurfaceError(MeshError):
+    """A surface that is not that of a solid, and where."""
+
+    def __init__(self, message: str, places: Points) -> None:
+        super().__init__(message)
+        self.places = places
+        """Points near the faults, shape (k, 3), mm; none if nobody knows."""
+
+
+def clean_surface(manifold: Manifold) -> TriangleMesh:
+    """Return the surface of a union in 32-bit coordinates, as files hold it.
+
+    Edges and slivers that these cannot hold, which would be written with two ends at one place or
+    turned over, are drawn together before; where it touches itself, it is parted.
+
+    Raises
+    ------
+    FaultySurfaceError
+        If it crosses itself, does not stay closed in 32-bit coordinates, or cannot be parted.
+    """
+    low, high = np.reshape(manifold.bounding_box(), (2, 3))
+    extent = float(np.abs([low, high]).max())
+    least = SINGLE_PRECISION * extent
+    mesh = manifolds.manifold_triangles(manifold.simplify(least))
+    written = without_short_edges(mesh, least).single_precision()
+    try:
+        written.check_closed()
+    except MeshError as error:
+        places = written.vertices[np.concatenate(written.faulty_sides())[:, 0]]
+        message = f"does not stay closed in 32-bit coordinates: {error}"
+        raise FaultySurfaceError(message, places) from None
+    crossings = self_intersections(written)
+    if len(crossings):
+        places = written.vertices[written.triangles[crossings[:, 0]]].mean(axis=1)
+        raise FaultySurfaceError(f"crosses itself in {len(crossings)} places", places)
+    return parted(written, extent)
+
+
+def parted(mesh: TriangleMesh, extent: float) -> TriangleMesh:
+    """Return a closed mesh of 32-bit coordinates, no two vertices of it at one place.
+
+    Parameters
+    ----------
+    extent : greatest coordinate, mm
+
+    Raises
+    ------
+    FaultySurfaceError
+        If it crosses or touches itself after all.
+    """
+    touching = _at_one_place(mesh)
+    if not touching.any():
+        return mesh
+    for parting in PARTINGS:
+        found = _drawn_in(mesh, touching, parting * extent)
+        if not _at_one_place(found).any() and len(self_intersections(found)) == 0:
+            return found
+    places = mesh.vertices[touching]
+    raise FaultySurfaceError(f"touches itself at {len(np.unique(places, axis=0))} places", places)
+
+
+def _at_one_place(mesh: TriangleMesh) -> Bools:
+    """Return which vertices are where another one is, (v,)."""
+    place, first = equal_positions(mesh.vertices)
+    several: Bools = np.bincount(place, minlength=len(first))[place] > 1
+    return several
+
+
+def _drawn_in(mesh: TriangleMesh, touching: Bools, distance: float) -> TriangleMesh:
+    """Return the mesh with some vertices (v,) moved toward the means of their neighbors, mm.
+
+    At a corner of the solid this is into it, at a corner of what is outside it is out of it: in
+    both, sheets that met there are parted.
+    """
+    ends = np.stack([mesh.triangles, np.roll(mesh.triangles, -1, axis=1)], axis=2).reshape(-1, 2)
+    start, end = ends[touching[ends[:, 0]]].T  # each neighbor once: the surface is closed
+    way = mesh.vertices[end] - mesh.vertices[start]
+    count = np.maximum(np.bincount(start, minlength=len(touching)), 1)
+    mean = np.stack([np.bincount(start, w, len(touching)) for w in way.T], axis=1) / count[:, None]
+    shortest = np.full(len(touching), np.inf)
+    np.minimum.at(shortest, start, length(way))
+    size = length(mean)
+    moves = touching & (size > FLAT * shortest)
+    step = np.minimum(distance, MOST_OF_EDGE * shortest)
+    points = mesh.vertices.copy()
+    points[moves] += (step / np.where(moves, size, 1.0))[moves, None] * mean[moves]
+    return TriangleMesh(in_single_precision(points), mesh.triangles)

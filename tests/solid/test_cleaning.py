@@ -1,0 +1,63 @@
+"""Surfaces of unions as files hold them: sheets that touch are parted."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from manifold3d import Manifold
+
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.solid import cleaning, manifolds
+from scaffold_cad.solid.cleaning import FaultySurfaceError, clean_surface
+from tests.crossings import INSTALLED, check_as_written, faults_by_cgal
+
+
+def cube(*place: float, size: float = 2.0) -> Manifold:
+    return Manifold.cube([size] * 3).translate(list(place))
+
+
+BLOCK = cube(-5, -5, -5, size=10.0)
+TOUCHING = {
+    "at a vertex": cube(0, 0, 0) + cube(2, 2, 2),
+    "along an edge": cube(0, 0, 0) + cube(2, 2, 0),
+    "void at a vertex": BLOCK - cube(0, 0, 0) - cube(-2, -2, -2),
+    "void along an edge": BLOCK - cube(0, 0, 0) - cube(-2, -2, 0),
+    "a checkerboard": sum(
+        (cube(2 * i, 2 * j, 2 * k) for i in range(3) for j in range(3) for k in range(3)
+         if (i + j + k) % 2 == 0), start=Manifold()
+    ),
+}  # fmt: skip
+"""Solids that touch themselves; a file without indices has vertices and edges of several sheets."""
+
+
+@pytest.mark.parametrize("name", TOUCHING)
+def test_what_touches_itself_is_parted_as_written(name: str) -> None:
+    solid = TOUCHING[name]
+    mesh = clean_surface(solid)
+    check_as_written(mesh)
+    assert len(np.unique(mesh.vertices, axis=0)) == len(mesh.vertices)
+    assert mesh.signed_volume == pytest.approx(solid.volume(), rel=1e-3)
+    off = np.abs(mesh.vertices - np.round(mesh.vertices)).max()
+    assert off < 1.1 * cleaning.PARTINGS[0] * np.abs(mesh.vertices).max()  # rounded
+
+
+@pytest.mark.skipif(not INSTALLED, reason="CGAL is not installed")
+@pytest.mark.parametrize("name", ["at a vertex", "along an edge", "void at a vertex"])
+def test_such_a_solid_has_a_fault_as_it_is(name: str) -> None:
+    mesh = manifolds.manifold_triangles(TOUCHING[name])
+    assert faults_by_cgal(mesh.vertices, mesh.triangles) == "no manifold"
+
+
+def test_a_surface_that_touches_nowhere_stays_as_it_is() -> None:
+    mesh = clean_surface(BLOCK)
+    assert np.abs(mesh.vertices).tolist() == [[5.0] * 3] * 8
+
+
+def test_a_place_that_cannot_be_parted_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    def as_it_is(mesh: TriangleMesh, *_: object) -> TriangleMesh:
+        return mesh
+
+    monkeypatch.setattr(cleaning, "_drawn_in", as_it_is)
+    with pytest.raises(FaultySurfaceError, match="touches itself at 1 places") as caught:
+        clean_surface(TOUCHING["at a vertex"])
+    assert caught.value.places.tolist() == [[2.0, 2.0, 2.0]] * 2
