@@ -292,6 +292,7 @@ VIEWS: dict[str, tuple[tuple[float, float, float], str]] = {
     "lattice_bracket": ((0.7, -1.0, 0.55), BLUE),
     "filled_bracket": ((0.7, -1.0, 0.55), SAND),
     "bike_node": ((0.6, -1.0, 0.5), BLUE),
+    "chair": ((-0.75, -1.0, 0.45), SAND),
     "tree_support": ((-0.45, -1.0, 0.25), BLUE),
     "neuron": ((-0.2, -0.5, 1.4), CORAL),
     "sandwich_panel": ((-0.8, -1.0, 0.5), BLUE),
