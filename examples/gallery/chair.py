@@ -13,7 +13,7 @@ WIDTH, TUBE, WALL, BEND = 440.0, 25.0, 2.0, 60.0
 
 def make() -> RoundStruts:
     """Return the tube."""
-    path = np.concatenate([SIDE, SIDE[::-1] + [0, WIDTH, 0]])
+    path = np.concatenate([SIDE, SIDE[::-1] + np.array([0, WIDTH, 0])])
     edges = np.stack([np.arange(9), np.arange(1, 10)], axis=1)
     tube = Skeleton(path, edges, TUBE / 2)
     return round_struts(tube, bend=BEND, wall=WALL, ends="open")

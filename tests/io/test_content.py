@@ -28,6 +28,7 @@ from scaffold_cad.io import written_suffixes as known_suffixes
 from scaffold_cad.io.write import check_writable, write
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.products.assembly import Assembly
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.solid.manifolds import to_manifold, to_trimesh
 from tests.meshes import (
@@ -190,9 +191,10 @@ def test_the_same_mesh_always_gives_the_same_bytes(tmp_path: Path, suffix) -> No
     assert first.read_bytes() == second.read_bytes()
 
 
-def test_other_meshes_have_other_3mf_identifiers(tmp_path: Path) -> None:
+def test_other_assemblies_have_other_3mf_identifiers(tmp_path: Path) -> None:
     def identifiers(mesh: QuadMesh) -> set[str]:
-        write(mesh, tmp_path / "part.3mf")
+        beside = TriangleMesh(mesh.vertices, mesh.triangles)
+        write(Assembly([], [beside]), tmp_path / "part.3mf")
         model = lib3mf.Wrapper().CreateModel()
         model.QueryReader("3mf").ReadFromFile(str(tmp_path / "part.3mf"))
         items = model.GetBuildItems()
@@ -367,9 +369,7 @@ def test_pcurves_are_for_step_files(tmp_path: Path) -> None:
         write(CUBE, tmp_path / "cube.stl", write_pcurves=True)
 
 
-@pytest.mark.parametrize(
-    ("suffix", "package"), [(".3mf", "lib3mf"), (".glb", "trimesh"), (".brep", "build123d")]
-)
+@pytest.mark.parametrize(("suffix", "package"), [(".glb", "trimesh"), (".brep", "build123d")])
 def test_without_its_package_a_format_says_how_to_get_it(
     tmp_path: Path, monkeypatch, suffix, package
 ) -> None:

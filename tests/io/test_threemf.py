@@ -7,11 +7,13 @@ from pathlib import Path
 import lib3mf
 import numpy as np
 import pytest
+import trimesh
 
 from scaffold_cad import build_scaffold, write
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io import read_raw, read_skeleton, read_triangles
 from scaffold_cad.io.threemf import archive
+from scaffold_cad.io.threemf.surfaces import write_3mf
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from tests.io.test_reading import written
 from tests.skeletons import STICK_FIGURE
@@ -446,3 +448,22 @@ def test_a_reader_has_the_32_bit_numbers_within_a_step(tmp_path: Path) -> None:
     np.testing.assert_allclose(
         np.sort(read, axis=0), np.sort(mesh.vertices, axis=0), rtol=2**-23, atol=1e-9
     )
+
+
+@pytest.mark.parametrize("extent", [1e-3, 1.0, 33.0, 1e6])
+def test_readers_get_the_coordinates_that_were_written(extent: float, tmp_path: Path) -> None:
+    rng = np.random.default_rng(4)
+    points = extent * rng.uniform(-1, 1, (40, 3)).astype(np.float32).astype(np.float64)
+    points = points.astype(np.float32).astype(np.float64)
+    mesh = TriangleMesh(points, np.arange(40)[:39].reshape(-1, 3))
+    write_3mf(mesh, tmp_path / "mesh.3mf")
+    read = trimesh.load(tmp_path / "mesh.3mf", process=False, force="mesh")
+    np.testing.assert_array_equal(read.vertices.astype(np.float32)[:39], points[:39])
+    wrapper = lib3mf.Wrapper()
+    model = wrapper.CreateModel()
+    model.QueryReader("3mf").ReadFromFile(str(tmp_path / "mesh.3mf"))
+    meshes = model.GetMeshObjects()
+    assert meshes.MoveNext()
+    vertices = meshes.GetCurrentMeshObject().GetVertices()
+    read = np.array([list(each.Coordinates) for each in vertices])
+    np.testing.assert_array_equal(read[:39], points[:39])

@@ -17,7 +17,8 @@ from scaffold_cad.io.register import register_mesh_reader, register_reader, regi
 from scaffold_cad.io.threemf.archive import read_package
 from scaffold_cad.io.threemf.pieces import assembly_of, skeleton_of, triangles_of
 from scaffold_cad.io.threemf.streaming import write_lattice
-from scaffold_cad.io.threemf.writing import write_3mf, write_3mf_assembly
+from scaffold_cad.io.threemf.surfaces import write_3mf
+from scaffold_cad.io.threemf.writing import write_3mf_assembly
 from scaffold_cad.lattice.periodic import PeriodicLattice
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.products.assembly import Assembly, assembly_solid

@@ -6,14 +6,11 @@ twice. `write_repeated` writes one block of cells, and where it is repeated.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import pairwise, product
 from os import PathLike
 from pathlib import Path
 from typing import IO
-from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 import numpy as np
 
@@ -23,7 +20,8 @@ from scaffold_cad.base.files import replacing
 from scaffold_cad.base.radii import radii_at
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._rows import Columns, decimal, rows_of, whole
-from scaffold_cad.io.threemf.model import BEAM_LATTICE, CORE, RELATIONSHIPS, START_PART
+from scaffold_cad.io.threemf.model import BEAM_LATTICE, CORE
+from scaffold_cad.io.threemf.package import model_part, vertex_rows
 from scaffold_cad.io.threemf.writing import SHORTEST_BEAM, check_sizes, decimals_of
 from scaffold_cad.lattice.periodic import PeriodicLattice
 from scaffold_cad.lattice.repetition import Window, further_layers
@@ -34,21 +32,6 @@ AT_ONCE = 200_000
 MOST_VERTICES = 2**31 - 1
 """Vertices that a 3MF object may have."""
 
-PACKING = 1
-"""Level of compression: higher ones take three times as long for a tenth of the size."""
-
-_TYPES = (
-    '<?xml version="1.0" encoding="UTF-8"?>\n'
-    '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">'
-    '<Default Extension="rels" '
-    'ContentType="application/vnd.openxmlformats-package.relationships+xml"/>'
-    '<Default Extension="model" '
-    'ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>\n'
-)
-_RELATIONS = (
-    f'<?xml version="1.0" encoding="UTF-8"?>\n<Relationships xmlns="{RELATIONSHIPS}">'
-    f'<Relationship Target="/3D/3dmodel.model" Id="rel0" Type="{START_PART}"/></Relationships>\n'
-)
 _HEAD = (
     '<?xml version="1.0" encoding="UTF-8"?>\n'
     f'<model xmlns="{CORE}" xmlns:b="{BEAM_LATTICE}" unit="millimeter" xml:lang="en-US" '
@@ -82,7 +65,7 @@ def write_lattice(lattice: PeriodicLattice, path: Path) -> None:
                     f"the lattice has more than {MOST_VERTICES} nodes; a 3MF object holds no more "
                     "(larger or fewer cells, or `write_repeated`)"
                 )
-            file.write(_vertices(slab.positions[: slab.own_vertices], decimals))
+            file.write(vertex_rows(slab.positions[: slab.own_vertices], decimals))
         file.write(b"</vertices>\n<triangles/>\n")
         file.write(_lattice_start(lattice))
         for number, (low, high) in enumerate(slabs):
@@ -192,7 +175,7 @@ def _write_block(
     keys, edges = window.used()
     corner = np.array(low) * lattice.size @ lattice.axes + lattice.origin
     file.write(b'<object id="%d" type="model"><mesh>\n<vertices>\n' % number)
-    file.write(_vertices(lattice.positions(window, keys) - corner, decimals))
+    file.write(vertex_rows(lattice.positions(window, keys) - corner, decimals))
     file.write(b"</vertices>\n<triangles/>\n" + _lattice_start(lattice))
     file.write(_beams(edges, None, 0, decimals))
     file.write(b"</b:beams></b:beamlattice></mesh></object>\n")
@@ -249,13 +232,6 @@ def _extent(lattice: PeriodicLattice) -> float:
     return float(np.abs((corners * lattice.size) @ lattice.axes + lattice.origin).max())
 
 
-def _vertices(positions: Points, decimals: int) -> bytes:
-    if len(positions) == 0:
-        return b""
-    x, y, z = (decimal(positions[:, axis], decimals) for axis in range(3))
-    return rows_of(b'<vertex x="', x, b'" y="', y, b'" z="', z, b'"/>\n')
-
-
 def _beams(edges: Edges, radii: Floats | None, first: int, decimals: int) -> bytes:
     """Return the rows of beams between nodes of which the first has the number `first`."""
     if len(edges) == 0:
@@ -277,23 +253,3 @@ def _lattice_start(lattice: PeriodicLattice) -> bytes:
         f'<b:beamlattice radius="{float(radius[0]):.9g}" minlength="{SHORTEST_BEAM:.6f}" '
         'cap="sphere"><b:beams>\n'
     ).encode()
-
-
-@contextmanager
-def model_part(path: Path, head: str) -> Iterator[IO[bytes]]:
-    """Give the model part of a new 3MF file, open behind `head`, the start of its resources."""
-    with ZipFile(path, "w", ZIP_DEFLATED, compresslevel=PACKING) as archive:
-        for name, text in (("[Content_Types].xml", _TYPES), ("_rels/.rels", _RELATIONS)):
-            archive.writestr(_entry(name), text)
-        with archive.open(_entry("3D/3dmodel.model"), "w", force_zip64=True) as file:
-            file.write(head.encode())
-            yield file
-            file.write(b"</model>\n")
-
-
-def _entry(name: str) -> ZipInfo:
-    """Return an entry without the time of day: the same lattice gives the same bytes."""
-    entry = ZipInfo(name)
-    entry.compress_type = ZIP_DEFLATED
-    entry._compresslevel = PACKING  # type: ignore[attr-defined]  # public since Python 3.13
-    return entry

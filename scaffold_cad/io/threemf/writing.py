@@ -14,7 +14,6 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Points, Triangles
 from scaffold_cad.base.backends import need
 from scaffold_cad.errors import FormatError
-from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.products.assembly import Assembly
 from scaffold_cad.skeleton.beams import BeamLattice
 
@@ -27,27 +26,8 @@ BALL = np.dtype([("node", "<u4"), ("radius", "<f8")])
 LEAST_RADIUS = 1e-6
 """Least radius that six decimals can hold, mm."""
 
-MORE_DECIMALS = 3
-"""Decimals beyond those that tell the largest coordinates apart: small ones have finer steps."""
-
-MOST_DECIMALS = 16
-"""Most decimals that lib3mf writes."""
-
 SHORTEST_BEAM = 1e-6
 """Length below which a program may leave out a beam, mm."""
-
-
-def write_3mf(mesh: TriangleMesh, path: Path) -> None:
-    """Write `mesh` with 32-bit coordinates; the same mesh always gives the same bytes.
-
-    Raises
-    ------
-    MissingBackendError
-        If lib3mf is not installed.
-    """
-    package = _Package()
-    package.build(package.add_mesh(mesh.vertices, mesh.triangles))
-    package.write(path)
 
 
 def write_3mf_assembly(assembly: Assembly, path: Path) -> None:
@@ -188,8 +168,7 @@ class _Package:
             file.seek(position)
 
         writer = self._model.QueryWriter("3mf")
-        # lib3mf cuts decimals off: with more of them readers are a step of 32 bits off at most.
-        writer.SetDecimalPrecision(min(decimals_of(self._extent) + MORE_DECIMALS, MOST_DECIMALS))
+        writer.SetDecimalPrecision(decimals_of(self._extent))
         writer.WriteToCallback(
             self._lib3mf.WriteCallback(put), self._lib3mf.SeekCallback(seek), None
         )
