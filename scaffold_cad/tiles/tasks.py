@@ -108,7 +108,7 @@ def run_tiles(
     need("joblib", "work on tiles")
     import joblib
 
-    target = as_path(folder, "folder")
+    target = as_path(folder, "folder").absolute()  # processes may be elsewhere
     target.mkdir(parents=True, exist_ok=True)
     key = str(joblib.hash((VERSION, type(work).__name__, vars(work), parts.content)))
     files = joblib.Parallel()(

@@ -68,6 +68,17 @@ def test_processes_give_the_bytes_of_one(tmp_path: Path) -> None:
     assert (tmp_path / "alone.stl").read_bytes() == (tmp_path / "both.stl").read_bytes()
 
 
+def test_a_folder_is_one_of_the_caller_wherever_processes_began(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("first", "second"):  # processes are kept from one run to the next
+        (tmp_path / name).mkdir()
+        monkeypatch.chdir(tmp_path / name)
+        with parallel_config(backend="loky", n_jobs=2):
+            made = run_tiles(tiles(LATTICE, block=1), Build(), "parts")
+        assert all((tmp_path / name / "parts" / file.name).is_file() for file in made.files)
+
+
 @dataclass(frozen=True)
 class Failing:
     """A work that ends at a tile, as a full disk or a kill would."""
