@@ -55,8 +55,7 @@ def run(options: argparse.Namespace, sides: int) -> None:
     sides : of round struts where none are given
     """
     _check(options)
-    for package in ("joblib", "threadpoolctl"):
-        need(package, "work on tiles")
+    need("joblib", "work on tiles")
     from joblib import parallel_config
 
     from scaffold_cad.tiles import run_tiles, tiles

@@ -16,16 +16,8 @@ from scipy.linalg import cho_factor, cho_solve
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
 from scaffold_cad.base.products import row_products
-from scaffold_cad.struts.curves import curve_of
 from scaffold_cad.struts.layouts import Layout
-from scaffold_cad.struts.system import KEPT_SYSTEMS, forget_types, system_of
-
-
-def forget_systems() -> None:
-    """Let all matrices be made anew: their last bits depend on how many threads made them."""
-    forget_types()
-    for kept in (curve_of, patch_fit, _free_of_pulls):
-        kept.cache_clear()
+from scaffold_cad.struts.system import KEPT_SYSTEMS, system_of
 
 
 class TypeFit:

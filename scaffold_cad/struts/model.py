@@ -64,7 +64,7 @@ class RoundStruts(Frozen, Shown):
     x: UnitVectors
     """Where the ring of each half-run begins, at right angles to it, shape (2 k, 3)."""
     fillet: Floats
-    """Fillet radius reached at each node, mm; nan where there is none, shape (n,)."""
+    """Fillet radius reached at each node, mm; nan at nodes without a blend, shape (n,)."""
     bends: Floats
     """Centerline radius of the torus that each bend is, mm; nan at other nodes, shape (n,)."""
     crowded: Bools

@@ -35,8 +35,8 @@ ROOM = 1e-9
 MOST_ROOM = 1e6
 """Room for a collar above which it is without end, in radii."""
 NARROW = np.cos(np.radians(10.0))
-"""Cosine of the least angle between struts of nodes that any recipe proves: none was among random
-stars with less. Others have one recipe only."""
+"""Cosine of the least angle between struts of nodes for which all recipes are tried: with less than
+10°, they prove one node in a hundred."""
 SAME = 1e-11
 """Nodes whose numbers agree to this part of a radius are solved once, with their numbers rounded:
 so what a node gets depends on no other node, to the last bit."""

@@ -132,11 +132,6 @@ def system_of(twins: Ints, layout: Layout) -> System:
     return _system(tuple(twins.tolist()), Layout(layout.along_arc, layout.along_strut, 1))
 
 
-def forget_types() -> None:
-    """Let the smooth surfaces of all types be made anew."""
-    _system.cache_clear()
-
-
 @lru_cache(maxsize=KEPT_SYSTEMS)
 def _system(key: tuple[int, ...], layout: Layout) -> System:
     twins = np.array(key, dtype=np.intp)

@@ -11,17 +11,17 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import asdict, dataclass
-from functools import lru_cache
 from hashlib import sha256
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from threadpoolctl import threadpool_limits
+
 from scaffold_cad.base.arguments import as_path, checks_keywords
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.files import replacing
 from scaffold_cad.errors import FormatError
-from scaffold_cad.struts.fits import forget_systems
 from scaffold_cad.tiles.tiling import LatticeTiles, SkeletonTiles, Source
 from scaffold_cad.tiles.works import Work
 
@@ -122,25 +122,16 @@ def run_tiles(
 
 def _task(source: Source, number: int, work: Work, folder: Path, key: str) -> TileFile:
     """Write a tile's file unless it is there, and return what is known of it."""
-    from threadpoolctl import threadpool_limits
-
     path = folder / f"tile-{number:06d}{work.suffix}"
     note = folder / f"tile-{number:06d}.done"
     found = _done(path, note, key)
     if found is None:
         with threadpool_limits(1):
-            _begin(key)
             content = work.made(source.made())
         _write(path, content)
         found = TileFile(path.name, len(content), sha256(content).hexdigest())
         _write(note, json.dumps({"key": key, **asdict(found)}).encode())
     return found
-
-
-@lru_cache(maxsize=1)
-def _begin(key: str) -> None:  # noqa: ARG001  (once a run in each process)
-    """Forget what was made with more threads before."""
-    forget_systems()
 
 
 def _done(path: Path, note: Path, key: str) -> TileFile | None:

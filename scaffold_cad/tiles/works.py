@@ -113,8 +113,11 @@ class Slice:
 
     def join(self, files: Iterable[Path], path: Path) -> None:
         """Write the layers of all tiles as one file, see `write_layers`."""
-        layers = joined_layers(list(files), Planes(self.bottom, self.thickness))
-        write_layers(layers, path, text=self.text, pixel=self.pixel)
+        places = list(files)
+        layers = joined_layers(places, Planes(self.bottom, self.thickness))
+        # The file's own name is one for the time being.
+        label = places[0].parent.name if path.suffix.lower() == ".cli" else None
+        write_layers(layers, path, text=self.text, pixel=self.pixel, label=label)
 
 
 @checks_keywords()

@@ -107,6 +107,8 @@ def test_a_label_has_no_sign_that_means_something(tmp_path: Path) -> None:
     path = tmp_path / 'ä,"b$.cli'
     write_layers(made(), path)
     assert header_of(path.read_bytes())[0]["LABEL"] == "1,___b_"
+    write_layers(made(), path, label="left bracket")
+    assert header_of(path.read_bytes())[0]["LABEL"] == "1,left bracket"
 
 
 def test_a_3mf_file_holds_the_layers_as_lib3mf_reads_them(tmp_path: Path) -> None:
@@ -253,6 +255,8 @@ def test_write_layers_refuses_what_it_cannot_write(tmp_path: Path) -> None:
         write_layers(made(), tmp_path / "a.stl")
     with pytest.raises(OptionError, match=r"text is for .cli files; a.svg is none"):
         write_layers(made(), tmp_path / "a.svg", text=True)
+    with pytest.raises(OptionError, match=r"label is for .cli files; a.svg is none"):
+        write_layers(made(), tmp_path / "a.svg", label="a")
     with pytest.raises(OptionError, match=r"pixel is for .zip files: a.svg"):
         write_layers(made(), tmp_path / "a.svg", pixel=0.1)
     with pytest.raises(OptionError, match=r"pixel is not given; need it, mm: a.zip"):

@@ -78,13 +78,16 @@ def test_a_file_of_all_layers_is_that_of_the_whole(tmp_path: Path) -> None:
     lattice = PeriodicLattice("diamond", 5.0, 2, radius=0.4, blend=0.3)
     layers = slices(lattice, thickness=0.5)
     work = Slice(thickness=0.5, bottom=float(layers.heights[0]) - 0.25, text=True)
-    run_tiles(tiles(lattice, block=1), work, tmp_path).joined(work, tmp_path / "tiles.cli")
-    write_layers(layers, tmp_path / "whole.cli", text=True)
+    made = run_tiles(tiles(lattice, block=1), work, tmp_path / "cube")
+    made.joined(work, tmp_path / "tiles.cli")
+    made.joined(work, tmp_path / "again.cli")
+    assert (tmp_path / "tiles.cli").read_bytes() == (tmp_path / "again.cli").read_bytes()
+    write_layers(layers, tmp_path / "whole.cli", text=True, label="cube")
     found, wanted = (
         (tmp_path / f"{name}.cli").read_text("ascii").splitlines() for name in ("tiles", "whole")
     )
     assert len(found) == len(wanted)
-    heads = ("$$LAYER", "$$DIMENSION", "$$UNITS")
+    heads = ("$$LABEL", "$$LAYER", "$$DIMENSION", "$$UNITS")
     for name in heads:
         assert [line for line in found if line.startswith(name)] == [
             line for line in wanted if line.startswith(name)

@@ -32,6 +32,7 @@ def write_layers(
     *,
     text: bool = False,
     pixel: float | None = None,
+    label: str | None = None,
 ) -> None:
     """Write layers to the file at `path`, one after another, whole or not at all.
 
@@ -44,6 +45,7 @@ def write_layers(
     text : whether a .cli file is one of text, not a binary one
     pixel : side of a pixel of the images in a .zip file, mm. A pixel is white where its center is
         in what is solid
+    label : name of the part in a .cli file; by default that of the file
 
     Raises
     ------
@@ -69,6 +71,8 @@ def write_layers(
     suffix = check_stack(path)
     if as_flag(text, "text") and suffix != ".cli":
         raise OptionError(f"text is for .cli files; {path.name} is none")
+    if label is not None and suffix != ".cli":
+        raise OptionError(f"label is for .cli files; {path.name} is none")
     if (pixel is not None) != (suffix == ".zip"):
         need = "is for .zip files" if suffix != ".zip" else "is not given; need it, mm"
         raise OptionError(f"pixel {need}: {path.name}")
@@ -76,7 +80,7 @@ def write_layers(
         raise FormatError(f"cannot write {path}: there are no layers; need at least one")
     with replacing(path) as fresh:
         if suffix == ".cli":
-            write_cli(layers, fresh, path.stem, text)
+            write_cli(layers, fresh, path.stem if label is None else label, text)
         elif suffix == ".3mf":
             write_slice_stack(layers, fresh)
         elif suffix == ".svg":
