@@ -25,7 +25,7 @@ from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.nodes import blends, nearest_collars
 from scaffold_cad.struts.options import Bend, Blend, Ends, Joints, StrutOptions, as_blend
 from scaffold_cad.struts.room import allotted
-from scaffold_cad.struts.runs import Runs, straight_runs
+from scaffold_cad.struts.runs import Runs, balls_of, straight_runs
 from scaffold_cad.struts.sockets import sockets_of
 from scaffold_cad.struts.walls import without_wall
 
@@ -266,8 +266,7 @@ def _stars(
     """Return what the blends of nodes are asked for, with room without end."""
     directions = runs.directions[group.half_runs]  # (M, N, 3)
     radii = runs.radii.reshape(-1)[group.half_runs]
-    ball = skeleton.radii[group.nodes]
-    ball = np.where(ball > radii.max(axis=1) * (1 + 1e-9), ball, 0.0)
+    ball = balls_of(skeleton, runs)[group.nodes]
     thin = radii.min(axis=1)
     blend = options.blends(group.nodes, thin)
     if outer is not None:

@@ -16,6 +16,13 @@ from scaffold_cad.skeleton import Skeleton
 STRAIGHT = 1e-8
 """Largest turn (rad) at a joint, step of radius (in radii) and change of taper of one run."""
 
+THICKER = 1e-9
+"""By how much a ball is thicker than the struts at its node at least, in their radii."""
+
+STEEP = 0.02
+"""Steep cones touch a ball that is smaller than they are across their node. Where that is more than
+this, in radii, the node has a ball of their radius: a cell body, from which thin necks leave."""
+
 
 @dataclass(frozen=True, eq=False)
 class Runs(Frozen):
@@ -106,6 +113,17 @@ def _radii_at_ends(skeleton: Skeleton, runs: Runs) -> Floats:
         at_end = np.flatnonzero(tails == runs.edges[run, side])
         radii[run[at_end], side] = sizes[at_end]
     return radii
+
+
+def balls_of(skeleton: Skeleton, runs: Runs) -> Floats:
+    """Return the radius of the ball at each node, mm, (n,); 0 where there is none."""
+    across, touched = np.zeros(len(runs.nodes)), np.zeros(len(runs.nodes))
+    radii = runs.radii.reshape(-1)
+    np.maximum.at(across, runs.tails, radii)
+    np.maximum.at(touched, runs.tails, radii / np.hypot(1.0, runs.slopes))
+    is_ball = skeleton.radii > across * (1 + THICKER)
+    is_ball |= (runs.valency > 1) & (skeleton.radii > touched * (1 + STEEP))
+    return np.where(is_ball & (runs.valency > 0), skeleton.radii, 0.0)
 
 
 def straight_runs(skeleton: Skeleton) -> Runs:

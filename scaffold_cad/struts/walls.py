@@ -15,6 +15,7 @@ from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts.curved import ALONG, Curves
 from scaffold_cad.struts.gaps import Gaps
 from scaffold_cad.struts.model import RoundStruts
+from scaffold_cad.struts.runs import balls_of, straight_runs
 
 SAMPLES = (8, 96)
 """Intervals along a piece of a curve, and around it, where walls are measured."""
@@ -68,10 +69,9 @@ def _balls_inside(skeleton: Skeleton, inside: Floats, wall: float) -> Floats:
     ----------
     inside : (m, 2) radii of the edges inside, mm
     """
-    outer, own = np.zeros(len(skeleton.nodes)), np.zeros(len(skeleton.nodes))
-    np.maximum.at(outer, skeleton.edges, skeleton.edge_radii)
+    own = np.zeros(len(skeleton.nodes))
     np.maximum.at(own, skeleton.edges, inside)
-    is_ball = (skeleton.radii > outer * (1 + 1e-9)) | (own == 0)
+    is_ball = (balls_of(skeleton, straight_runs(skeleton)) > 0) | (own == 0)
     return np.where(is_ball, np.maximum(skeleton.radii - wall, 1e-3 * skeleton.radii), own)
 
 

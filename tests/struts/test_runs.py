@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.struts.runs import straight_runs
+from scaffold_cad.solid import to_solid
+from scaffold_cad.struts import round_struts
+from scaffold_cad.struts.runs import balls_of, straight_runs
 from tests.skeletons import CUBE, ELBOW, RING, TRIPOD, polyline
+from tests.validation.struts import union_volume
 
 
 def line(radii: object, bend: float = 0.0) -> Skeleton:
@@ -66,3 +69,15 @@ def test_half_runs_leave_their_nodes() -> None:
     spans = TRIPOD.nodes[heads] - TRIPOD.nodes[runs.tails]
     lengths = np.linalg.norm(spans, axis=1, keepdims=True)
     np.testing.assert_allclose(runs.directions, spans / lengths, atol=1e-15)
+
+
+def test_a_cell_body_of_steep_cones_is_a_ball() -> None:
+    tips = np.array([[7, 0, 0], [-3, 6, 0], [-3, -6, 1.0], [0, 1, 8]])
+    nodes = np.concatenate([np.zeros((1, 3)), tips])
+    body = Skeleton(nodes, [[0, tip] for tip in range(1, 5)], [5, 0.3, 0.3, 0.3, 0.3])
+    assert balls_of(body, straight_runs(body)).tolist() == [5, 0, 0, 0, 0]
+    volume, _ = union_volume(body, np.random.default_rng(2))
+    solid = to_solid(round_struts(body), sides=24)
+    assert 0.985 < solid.volume() / volume < 1.05  # triangles are inside of round surfaces
+    slender = Skeleton(nodes, body.edges, [0.5, 0.3, 0.3, 0.3, 0.3])
+    assert not balls_of(slender, straight_runs(slender)).any()

@@ -30,7 +30,7 @@ from scaffold_cad.struts.pieces import (
     strut_pieces,
     with_domes,
 )
-from scaffold_cad.struts.runs import Runs
+from scaffold_cad.struts.runs import Runs, balls_of
 
 HALVINGS = 30
 """Halvings of the stretch in which the end of what is near is looked for."""
@@ -245,11 +245,8 @@ class _Found:
 
 def balls_at(struts: RoundStruts, nodes: Bools) -> tuple[Ints, Floats]:
     """Return those of `nodes` (n,) that are thicker than their struts, and their radii, mm."""
-    runs = struts.runs
-    widest = np.zeros(len(runs.nodes))
-    np.maximum.at(widest, runs.tails, runs.radii.reshape(-1))
-    radii = struts.skeleton.radii
-    rows = np.flatnonzero(nodes & (runs.valency > 0) & (radii > widest * (1 + 1e-9)))
+    radii = balls_of(struts.skeleton, struts.runs)
+    rows = np.flatnonzero(nodes & (radii > 0))
     return rows, radii[rows]
 
 

@@ -18,6 +18,7 @@ from scaffold_cad.struts.collars import LEAST_BLEND, collar_distances, largest_b
 from scaffold_cad.struts.distances import Union
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.room import allotted
+from scaffold_cad.struts.runs import balls_of
 
 GAP = 0.3
 """Least distance of other struts where a strut is cut, in its radii: as much as the cells of a
@@ -130,8 +131,7 @@ def _unions(
         rows = np.flatnonzero(nodes & (runs.valency == valency))
         half_runs = runs.incidence.at_nodes(rows, valency)
         radii = runs.radii.reshape(-1)[half_runs]
-        ball = struts.skeleton.radii[rows]
-        ball = np.where(ball > radii.max(axis=1) * (1 + 1e-9), ball, 0.0)
+        ball = balls_of(struts.skeleton, runs)[rows]
         directions = np.ascontiguousarray(np.moveaxis(runs.directions[half_runs], -1, 0))
         gaps = np.maximum(fillets[rows], GAP * radii.max(axis=1))
         yield rows, half_runs, Union(directions, radii, runs.slopes[half_runs], ball, gaps)
