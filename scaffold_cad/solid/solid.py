@@ -21,6 +21,7 @@ from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import manifolds
 from scaffold_cad.solid.cleaning import FaultySurfaceError, clean_surface
+from scaffold_cad.solid.field.pieces import without_voids
 from scaffold_cad.solid.pieces import solid_pieces
 from scaffold_cad.solid.rounds import SIDES, round_mesh
 from scaffold_cad.struts import RoundStruts
@@ -162,7 +163,9 @@ def _clean_union(
         try:
             mesh = clean_surface(filled.scale((factor, factor, factor)))
             mesh = TriangleMesh(mesh.vertices / factor, mesh.triangles)
-            return Solidified(manifolds.to_manifold(mesh), edges, voids)
+            # What touched the outside along an edge alone is a void of its own once it is parted.
+            mesh, more = without_voids(mesh)
+            return Solidified(manifolds.to_manifold(mesh), edges, voids + more)
         except FaultySurfaceError as fault:
             tries[_nodes_near(fault.places / factor, skeleton, edges)] += 1
             _log.debug("the union of %d struts %s", len(edges), fault)
