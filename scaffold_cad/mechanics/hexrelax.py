@@ -12,16 +12,16 @@ from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
 from scaffold_cad.base.vectors import dot, length, sums_by_row
 from scaffold_cad.mechanics.hexquality import NEIGHBORS, scaled_jacobians
 
-ROUNDS = 4
+ROUNDS = 10
 """Times that the hexahedra around the bad ones are looked for and relaxed."""
 
-STEPS = 150
+STEPS = 600
 """Most steps of the minimizer a round."""
 
-MARGIN = 1.5
+MARGIN = 1.2
 """What is aimed at, in scaled Jacobians asked for."""
 
-HOLD = 1e-3
+HOLD = 1e-4
 """Cost of a move by a radius, in those of a corner whose scaled Jacobian lacks 1."""
 
 
