@@ -11,7 +11,7 @@ import numpy as np
 
 from scaffold_cad.base.arguments import as_number
 from scaffold_cad.brep import BREP_SUFFIXES
-from scaffold_cad.cli import sizes, source
+from scaffold_cad.cli import sizes, source, tiled
 from scaffold_cad.cli.progress import ROUND_RATE, SCAFFOLD_RATE, SOLID_RATE, Progress
 from scaffold_cad.errors import OptionError
 from scaffold_cad.io.write import check_writable, write
@@ -68,6 +68,7 @@ def add_parser(
         "mm; for several sockets several times",
     )
     add_overlaps_argument(parser)
+    tiled.add_arguments(parser, of="an .stl file")
     parser.set_defaults(run=run)
 
 
@@ -159,6 +160,9 @@ def run(options: argparse.Namespace) -> None:
     """Read, build and write."""
     check_writable(options.output, solid=True)
     _check_combination(options)
+    if options.tiles is not None:
+        _build_tiles(options)
+        return
     progress = Progress()
     assembly = source.assembly_from(options) if _takes_assemblies(options) else None
     if assembly is not None:
@@ -188,6 +192,15 @@ def run(options: argparse.Namespace) -> None:
     with progress.stage("file", struts, "struts", SOLID_RATE):
         write(product, options.output, **keywords)
     _log.info("%s written", options.output)
+
+
+def _build_tiles(options: argparse.Namespace) -> None:
+    """Write the solid tile by tile."""
+    tiled.check_stl(options)
+    skeleton = source.skeleton_from(options)
+    scaffold = _scaffold_options(options)
+    work = tiled.surface_work(options, round_options(options), scaffold, options.sides or SIDES)
+    tiled.make(tiled.cut(skeleton, options), work, options)
 
 
 def round_options(options: argparse.Namespace) -> dict[str, Any]:
@@ -232,9 +245,14 @@ def _build_assembly(assembly: Assembly, output: Path, progress: Progress) -> Non
 
 def scaffold_from(options: argparse.Namespace, skeleton: Skeleton) -> Scaffold:
     """Return the scaffold that the arguments ask for."""
+    return build_scaffold(skeleton, **_scaffold_options(options))
+
+
+def _scaffold_options(options: argparse.Namespace) -> dict[str, Any]:
+    """Return the arguments for `build_scaffold` that are given."""
     given = {name: getattr(options, name) for name in ("fit", "section")}
     chosen = {name: value for name, value in given.items() if value is not None}
-    return build_scaffold(skeleton, collars=options.collars, **chosen)
+    return {"collars": options.collars, **chosen}
 
 
 def frame_radius(options: argparse.Namespace, skeleton: Skeleton) -> float:
@@ -258,6 +276,10 @@ def _check_combination(options: argparse.Namespace) -> None:
         raise OptionError("--socket bores open ends of hollow struts; need --wall T --ends open")
     if options.sides is not None and cad:
         raise OptionError("--sides is for meshes, not for CAD formats")
+    if options.tiles is None:
+        tiled.refuse(options)
+    elif options.socket or options.product != "scaffold":
+        raise OptionError("--tiles is for solids of struts; need it without --as and --socket")
     check_frame_options(options)
 
 

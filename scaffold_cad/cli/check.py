@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import logging
 import math
 from dataclasses import replace
@@ -10,13 +11,16 @@ from pathlib import Path
 from typing import Any
 
 from scaffold_cad.base.files import check_page
-from scaffold_cad.cli import sizes, source
+from scaffold_cad.cli import sizes, source, tiled
 from scaffold_cad.errors import OptionError
 from scaffold_cad.printability import MATERIALS, PROCESSES, check_printability
 from scaffold_cad.printability.page import write_page
 from scaffold_cad.printability.processes import Process
 
 NOT_PRINTABLE = 1
+
+REPORT = "report.json"
+"""File of the report beside the tiles'."""
 
 LIMITS = {
     "least_diameter": ("--min-diameter", "MM", "thinnest strut"),
@@ -75,11 +79,15 @@ def add_parser(
     parser.add_argument(
         "--html", type=Path, metavar="PAGE", help="write a page that shows the failing places"
     )
+    tiled.add_arguments(parser, of="a report of the struts alone")
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Print the report and return 0 if the part is printable, else 1."""
+    if options.tiles is not None:
+        return _check_tiles(options)
+    tiled.refuse(options)
     if options.html is not None:
         check_page(options.html)
     triangles = source.triangles_from(options)
@@ -104,6 +112,24 @@ def run(options: argparse.Namespace) -> int:
         write_page(report, options.html)
         _log.info("%s written", options.html)
     return 0 if report.printable else NOT_PRINTABLE
+
+
+def _check_tiles(options: argparse.Namespace) -> int:
+    """Print what a process asks of the struts as JSON, looked at tile by tile."""
+    names = [*LIMITS, "build_volume", "overhang", "skeleton", "material", "no_supports", "html"]
+    flags = {name: option for name, (option, _, _) in LIMITS.items()}
+    for name in names:
+        if getattr(options, name) not in (None, False):
+            flag = flags.get(name, "--" + name.replace("_", "-"))
+            raise OptionError(f"{flag} is not for a report by --tiles")
+    skeleton = source.skeleton_from(options)
+    parts = tiled.cut(skeleton, options)
+    from scaffold_cad.tiles import Check
+
+    report = tiled.make(parts, Check(process=options.process), options, REPORT)
+    text = report.read_text("utf-8")
+    print(text, end="")
+    return 0 if json.loads(text)["printable"] else NOT_PRINTABLE
 
 
 def _process(options: argparse.Namespace) -> Process:

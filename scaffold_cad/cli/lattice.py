@@ -12,7 +12,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.brep import BREP_SUFFIXES, read_brep
-from scaffold_cad.cli import build, latticelayers, latticetiles, sizes, slicing, source
+from scaffold_cad.cli import build, latticelayers, latticetiles, sizes, slicing, source, tiled
 from scaffold_cad.cli.maps import add_maps, map_of
 from scaffold_cad.cli.progress import ROUND_RATE, SCAFFOLD_RATE, SOLID_RATE, Progress
 from scaffold_cad.errors import FormatError, OptionError
@@ -110,7 +110,7 @@ def run(options: argparse.Namespace) -> None:
     if options.tiles is not None:
         latticetiles.run(options, LATTICE_SIDES)
         return
-    latticetiles.refuse(options)
+    tiled.refuse(options)
     if options.layer is not None:
         _write_layers(options)
         return

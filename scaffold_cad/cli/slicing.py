@@ -11,13 +11,14 @@ import numpy as np
 
 from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.files import check_target
-from scaffold_cad.cli import build, source
+from scaffold_cad.cli import build, source, tiled
 from scaffold_cad.cli.progress import ROUND_RATE, SECTION_RATE, Progress
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.io import read_triangles
 from scaffold_cad.io.stacks import check_stack, write_layers
 from scaffold_cad.layers import Layers, slices
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.solid.rounds import SIDES
 from scaffold_cad.struts import RoundStruts, round_struts
 
 _log = logging.getLogger(__name__)
@@ -44,6 +45,7 @@ def add_parser(
     parser.add_argument(
         "--skin", type=float, metavar="S", help="thickness of a closed wall of that part, mm"
     )
+    tiled.add_arguments(parser, of="the layers of struts")
     parser.set_defaults(run=run)
 
 
@@ -62,6 +64,9 @@ def add_layer_arguments(parser: argparse.ArgumentParser, *, required: bool) -> N
 def run(options: argparse.Namespace) -> None:
     """Read, cut and write."""
     _check(options)
+    if options.tiles is not None:
+        _slice_tiles(options)
+        return
     progress = Progress()
     mesh = source.triangles_from(options)
     if mesh is not None:
@@ -81,6 +86,14 @@ def run(options: argparse.Namespace) -> None:
     _log.info("%s written: %d layers of %g mm", options.output, len(layers), options.layer)
 
 
+def _slice_tiles(options: argparse.Namespace) -> None:
+    """Cut and write tile by tile, from the lowest node less its radius up."""
+    skeleton = source.skeleton_from(options)
+    bottom = float((skeleton.nodes[:, 2] - skeleton.radii).min())
+    work = tiled.layer_work(options, bottom, build.round_options(options), options.sides or SIDES)
+    tiled.make(tiled.cut(skeleton, options), work, options)
+
+
 def _layers(what: TriangleMesh | RoundStruts, options: argparse.Namespace) -> Layers:
     """Return the layers that are asked for."""
     given: dict[str, Any] = {"skin": options.skin, "sides": options.sides}
@@ -96,6 +109,10 @@ def _check(options: argparse.Namespace) -> None:
     check_layers(options)
     if options.skin is not None and options.inside is None:
         raise OptionError("--skin is the wall of a part; need --inside")
+    if options.tiles is None:
+        tiled.refuse(options)
+    else:
+        source.refuse(options, ["inside"], "is not for layers by --tiles")
 
 
 def check_layers(options: argparse.Namespace) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from typing import Any, Protocol
+from typing import Any, Protocol, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -48,6 +48,10 @@ class Ready(Frozen):
         return self.tile
 
 
+@overload
+def tiles(what: Skeleton, *, block: ArrayLike) -> SkeletonTiles: ...
+@overload
+def tiles(what: PeriodicLattice, *, block: ArrayLike) -> LatticeTiles: ...
 @checks_keywords()
 def tiles(what: Skeleton | PeriodicLattice, *, block: ArrayLike) -> SkeletonTiles | LatticeTiles:
     """Return a skeleton or a lattice as tiles, which are made one by one as they are asked for.

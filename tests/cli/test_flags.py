@@ -31,6 +31,7 @@ LINES = {
         f"tripod.json --strict {SHAPE} --output b.step",
         f"tripod.json {ROUND} --overlaps unite --socket 1:1.8:5 --socket 2:1.7:4 -o c.stl",
         "tripod.json --as frame --strut-radius 0.3 -o d.stl",
+        "tripod.json --tiles tiles --block 20 --jobs 1 -o e.stl",
     ],
     "lattice": [
         f"--quiet --cell bcc --size 8 --radius 0.6 --box 8x8x8 {ROUND} --overlaps unite -o a.stl",
@@ -54,6 +55,7 @@ LINES = {
             "tripod.json --min-diameter 0.1 --min-gap 0.1 --max-slenderness 99 --max-bridge 99"
             " --min-opening 0 --layer 0.1 --overhang 10 --build-volume 99x99x99 --json"
         ),
+        "tripod.json --tiles report --block 9 --jobs 1",
     ],
     "strength": [
         f"bare.obj {INPUT} --fix xmin --load xmax:0,0,-1",
@@ -71,6 +73,7 @@ LINES = {
         f"bare.obj {INPUT} --layer 2 --pixel 1 -o a.zip",
         "tripod.json --strict --layer 1 --blend 1 --ends open --wall 0.5 --sides 8 --text -o b.cli",
         "tripod.json --layer 1 --joints blend --bend 5 -o d.cli",
+        "tripod.json --layer 1 --tiles layers --block 9 --jobs 1 -o e.cli",
         "tripod.json --layer 1 --inside box.step --skin 1 --output c.cli",
     ],
     "formats": ["--quiet"],
