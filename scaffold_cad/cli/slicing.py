@@ -90,18 +90,25 @@ def _slice_tiles(options: argparse.Namespace) -> None:
     """Cut and write tile by tile, from the lowest node less its radius up."""
     skeleton = source.skeleton_from(options)
     bottom = float((skeleton.nodes[:, 2] - skeleton.radii).min())
-    work = tiled.layer_work(options, bottom, build.round_options(options), options.sides or SIDES)
+    given = build.round_options(options)
+    work = tiled.layer_work(options, bottom, given, options.sides or SIDES, _region(options))
     tiled.make(tiled.cut(skeleton, options), work, options)
 
 
 def _layers(what: TriangleMesh | RoundStruts, options: argparse.Namespace) -> Layers:
     """Return the layers that are asked for."""
     given: dict[str, Any] = {"skin": options.skin, "sides": options.sides}
-    if options.inside is not None:
-        given["region"] = read_triangles(options.inside)
-        if given["region"] is None:
-            raise FormatError(f"{options.inside} holds no closed part; need a mesh or a solid")
-    return slices(what, thickness=options.layer, **given)
+    return slices(what, thickness=options.layer, region=_region(options), **given)
+
+
+def _region(options: argparse.Namespace) -> TriangleMesh | None:
+    """Return the part that the struts are cut to, if one is given."""
+    if options.inside is None:
+        return None
+    part = read_triangles(options.inside)
+    if part is None:
+        raise FormatError(f"{options.inside} holds no closed part; need a mesh or a solid")
+    return part
 
 
 def _check(options: argparse.Namespace) -> None:
@@ -111,8 +118,6 @@ def _check(options: argparse.Namespace) -> None:
         raise OptionError("--skin is the wall of a part; need --inside")
     if options.tiles is None:
         tiled.refuse(options)
-    else:
-        source.refuse(options, ["inside"], "is not for layers by --tiles")
 
 
 def check_layers(options: argparse.Namespace) -> None:

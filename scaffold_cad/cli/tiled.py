@@ -15,6 +15,7 @@ from scaffold_cad.base.files import check_target
 from scaffold_cad.cli import source
 from scaffold_cad.cli.progress import Progress
 from scaffold_cad.errors import FormatError, OptionError
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.skeleton import Skeleton
 
 if TYPE_CHECKING:
@@ -139,7 +140,11 @@ def surface_work(
 
 
 def layer_work(
-    options: argparse.Namespace, bottom: float, struts: dict[str, Any], sides: int
+    options: argparse.Namespace,
+    bottom: float,
+    struts: dict[str, Any],
+    sides: int,
+    region: TriangleMesh | None = None,
 ) -> Work:
     """Return the work that cuts the layers which are asked for.
 
@@ -148,6 +153,7 @@ def layer_work(
     bottom : height where a layer begins, mm
     struts : options of round struts
     sides : of the polygons that stand for circles
+    region : what the layers are cut to
     """
     from scaffold_cad.tiles import Slice
 
@@ -158,4 +164,6 @@ def layer_work(
         sides=sides,
         text=options.text,
         pixel=options.pixel,
+        region=region,
+        skin=options.skin,
     )

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from itertools import repeat
 from typing import Any
 
 import numpy as np
@@ -15,17 +13,13 @@ from scaffold_cad.base.backends import need
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import PeriodicLattice
 from scaffold_cad.layers.lattice import RepeatedLattice, lattice_solid
-from scaffold_cad.layers.layer import Layer, Layers
+from scaffold_cad.layers.layer import Layers
 from scaffold_cad.layers.loops import MeshSections
+from scaffold_cad.layers.regions import Region, closed
 from scaffold_cad.layers.struts import struts_solid
-from scaffold_cad.layers.uniting import Solid, layer_of
-from scaffold_cad.mesh.bodies import body_of
-from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.products.surfaces import triangles_of
+from scaffold_cad.layers.uniting import Solid
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.solid import manifolds
 from scaffold_cad.solid.rounds import SIDES, check_sides
-from scaffold_cad.solid.skins import inside_of
 from scaffold_cad.struts import RoundStruts, round_struts
 
 ENOUGH = 1e-6
@@ -86,20 +80,17 @@ def slices(
         raise OptionError("need either heights or the thickness of layers, mm")
     need("manifold3d", "layers")
     solid = _solid(what, sides)
-    body = None if region is None else _closed(region)
-    if skin is not None and body is None:
+    if skin is not None and region is None:
         raise OptionError("skin is given without a region; need one")
-    whole = None if body is None else Solid(MeshSections(body))
-    wall = None if body is None or skin is None else _wall(body, as_number(skin, "skin"))
+    within = None if region is None else Region(closed(region), skin)
     if heights is None:
         step = as_number(thickness, "thickness")
-        planes = _middles(solid, whole, wall is not None, step)
+        planes = _middles(solid.bounds if within is None else within.bounds(solid), step)
     else:
         step, planes = 0.0, _heights(heights)
-    if whole is None:
+    if within is None:
         return Layers(solid.layers(planes, step), planes, step, solid.box)
-    made = _in_region(planes, step, solid, whole, wall)
-    return Layers(made, planes, step, _box(solid, whole, wall is not None))
+    return Layers(within.layers(solid, planes, step), planes, step, within.box(solid))
 
 
 def _solid(what: Any, sides: int | None) -> Solid | RepeatedLattice:
@@ -111,7 +102,7 @@ def _solid(what: Any, sides: int | None) -> Solid | RepeatedLattice:
     if not isinstance(what, RoundStruts):
         if sides is not None:
             raise OptionError(f"sides is for round struts; got a {type(what).__name__}")
-        return Solid(MeshSections(_closed(what)))
+        return Solid(MeshSections(closed(what)))
     return struts_solid(what, _sides(sides))
 
 
@@ -119,17 +110,6 @@ def _sides(sides: int | None) -> int:
     number = SIDES if sides is None else sides
     check_sides(number)
     return number
-
-
-def _closed(what: Any) -> TriangleMesh:
-    """Return the closed surface of a body, its vertices shared."""
-    return body_of(triangles_of(what))
-
-
-def _wall(body: TriangleMesh, skin: float) -> Solid:
-    """Return what is inside the skin of a body."""
-    inside = inside_of(body, manifolds.to_manifold(body), skin)
-    return Solid(MeshSections(manifolds.manifold_triangles(inside)))
 
 
 def _heights(heights: ArrayLike) -> Floats:
@@ -143,14 +123,9 @@ def _heights(heights: ArrayLike) -> Floats:
     return planes
 
 
-def _middles(
-    solid: Solid | RepeatedLattice, whole: Solid | None, walled: bool, step: float
-) -> Floats:
+def _middles(bounds: tuple[float, float], step: float) -> Floats:
     """Return the middles of layers from the lowest point to the highest."""
-    low, high = solid.bounds
-    if whole is not None:
-        bottom, top = whole.bounds
-        low, high = (bottom, top) if walled else (max(low, bottom), min(high, top))
+    low, high = bounds
     count = np.ceil((high - low) / step - ENOUGH)
     if not count <= MOST_LAYERS:
         raise OptionError(
@@ -158,30 +133,3 @@ def _middles(
             f"{MOST_LAYERS}"
         )
     return np.asarray(low + step * (np.arange(int(max(count, 0))) + 0.5), dtype=np.float64)
-
-
-def _box(solid: Solid | RepeatedLattice, whole: Solid, walled: bool) -> Floats:
-    """Return the lowest and highest corner of a box that holds all polygons, shape (2, 2), mm."""
-    box, around = solid.box, whole.box
-    if walled:
-        return around
-    return np.stack([np.maximum(box[0], around[0]), np.minimum(box[1], around[1])])
-
-
-def _in_region(
-    planes: Floats,
-    step: float,
-    solid: Solid | RepeatedLattice,
-    whole: Solid,
-    wall: Solid | None,
-) -> Iterator[Layer]:
-    """Yield layers of what is in a body, and of the body but for what is inside its wall."""
-    insides = repeat(None, len(planes)) if wall is None else wall.sections(planes)
-    sections = zip(
-        planes.tolist(), solid.sections(planes), whole.sections(planes), insides, strict=True
-    )
-    for height, section, body, inside in sections:
-        cut = section ^ body
-        if inside is not None:
-            cut = cut + (body - inside)
-        yield layer_of(cut, height, step)

@@ -17,6 +17,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Ints
 from scaffold_cad.layers.layer import Layer, Layers
 from scaffold_cad.layers.loops import Loops
+from scaffold_cad.layers.regions import Region
 from scaffold_cad.layers.slicing import ENOUGH
 from scaffold_cad.layers.struts import Own, StrutSections, inside_sections
 from scaffold_cad.layers.uniting import Solid
@@ -186,8 +187,8 @@ class TileSections:
         return some or [Loops(np.zeros((0, 2)), np.zeros(1, np.intp), np.zeros(0, np.intp))]
 
 
-def joined_layers(paths: Sequence[Path], planes: Planes) -> Layers:
-    """Return the layers of all tiles, each made when it is asked for."""
+def joined_layers(paths: Sequence[Path], planes: Planes, region: Region | None) -> Layers:
+    """Return the layers of all tiles, cut to a region, each made when it is asked for."""
     outside: list[_Polygons] = []
     inside: list[_Polygons] = []
     bounds = np.array([np.inf, -np.inf])
@@ -214,10 +215,13 @@ def joined_layers(paths: Sequence[Path], planes: Planes) -> Layers:
         is_hollow |= head.hollow
     whole = TileSections(outside, planes, bounds, box)
     hollow = TileSections(inside, planes, bounds, box) if is_hollow else None
-    heights = planes.heights(planes.layers(*whole.bounds) if outside else np.zeros(0, np.intp))
-    return Layers(
-        Solid(whole, hollow).layers(heights, planes.thickness), heights, planes.thickness, box
-    )
+    solid = Solid(whole, hollow)
+    step = planes.thickness
+    bounds_of_all = solid.bounds if region is None else region.bounds(solid)
+    heights = planes.heights(planes.layers(*bounds_of_all) if outside else np.zeros(0, np.intp))
+    if region is None:
+        return Layers(solid.layers(heights, step), heights, step, box)
+    return Layers(region.layers(solid, heights, step), heights, step, region.box(solid))
 
 
 def _running(counts: np.ndarray) -> Ints:

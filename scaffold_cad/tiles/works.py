@@ -16,8 +16,10 @@ import numpy as np
 
 from scaffold_cad.base.arguments import as_number, as_real, check_choice, checks_keywords
 from scaffold_cad.base.backends import need
+from scaffold_cad.errors import OptionError
 from scaffold_cad.io.stacks import write_layers
 from scaffold_cad.io.stl import facets_of, join_stl
+from scaffold_cad.layers.regions import Region, closed
 from scaffold_cad.printability.processes import process_named
 from scaffold_cad.printability.struts import narrow_gaps
 from scaffold_cad.scaffold import build_scaffold
@@ -98,12 +100,18 @@ class Slice:
     """Whether a .cli file is one of text."""
     pixel: float | None = None
     """Side of the pixels of a .zip file, mm."""
+    region: Any = None
+    """A closed body that the layers are cut to when they are joined."""
+    skin: float | None = None
+    """Thickness of a wall inside its surface, which is solid too, mm."""
 
     suffix = ".layers"
 
     def __post_init__(self) -> None:
         as_number(self.thickness, "thickness")
         as_real(self.bottom, "bottom")
+        if self.skin is not None and self.region is None:
+            raise OptionError("skin is given without a region; need one")
         check_sides(self.sides)
 
     def made(self, tile: Tile) -> bytes:
@@ -114,7 +122,8 @@ class Slice:
     def join(self, files: Iterable[Path], path: Path) -> None:
         """Write the layers of all tiles as one file, see `write_layers`."""
         places = list(files)
-        layers = joined_layers(places, Planes(self.bottom, self.thickness))
+        region = None if self.region is None else Region(closed(self.region), self.skin)
+        layers = joined_layers(places, Planes(self.bottom, self.thickness), region)
         # The file's own name is one for the time being.
         label = places[0].parent.name if path.suffix.lower() == ".cli" else None
         write_layers(layers, path, text=self.text, pixel=self.pixel, label=label)

@@ -74,10 +74,6 @@ def test_struts_are_checked_by_tiles(
         (["build", "-o", "a.stl", "--block", "5"], "--block is for --tiles"),
         (["build", "-o", "a.stl", "--tiles", "p", "--block", "0"], "--block is 0 mm"),
         (["slice", "-o", "a.cli", "--layer", "1", "--jobs", "2"], "--jobs is for --tiles"),
-        (
-            ["slice", "-o", "a.cli", "--layer", "1", "--tiles", "p", "--inside", "b.stl"],
-            "--inside is not for layers by --tiles",
-        ),
         (["check", "--tiles", "p", "--min-gap", "1"], "--min-gap is not for a report by --tiles"),
         (["check", "--jobs", "2"], "--jobs is for --tiles"),
     ],

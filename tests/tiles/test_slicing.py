@@ -7,11 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 
 from scaffold_cad import (
     Layer,
     PeriodicLattice,
     Skeleton,
+    TriangleMesh,
     read_skeleton,
     round_struts,
     slices,
@@ -20,6 +22,7 @@ from scaffold_cad import (
     write_layers,
 )
 from scaffold_cad.errors import OptionError
+from scaffold_cad.layers.regions import Region
 from scaffold_cad.layers.uniting import united
 from scaffold_cad.tiles import LatticeTiles, SkeletonTiles, Slice, run_tiles, tiles
 from scaffold_cad.tiles.slicing import Planes, joined_layers
@@ -45,7 +48,9 @@ def check_layers(
     work = Slice(thickness=0.31, bottom=bottom, sides=12, options=options)
     manifest = run_tiles(parts, work, folder)
     assert len(manifest.files) > 1
-    found = joined_layers([folder / file.name for file in manifest.files], Planes(bottom, 0.31))
+    found = joined_layers(
+        [folder / file.name for file in manifest.files], Planes(bottom, 0.31), None
+    )
     np.testing.assert_array_equal(found.heights, wanted.heights)
     np.testing.assert_allclose(found.box, wanted.box, atol=1e-9)
     for one, other in zip(found, wanted, strict=True):
@@ -94,8 +99,30 @@ def test_a_file_of_all_layers_is_that_of_the_whole(tmp_path: Path) -> None:
         ]
 
 
+@pytest.mark.parametrize("skin", [None, 0.7])
+def test_layers_are_cut_to_a_body_with_its_wall(skin: float | None, tmp_path: Path) -> None:
+    lattice = PeriodicLattice("bcc", 5.0, 3, radius=0.5)
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=6.0)
+    body = TriangleMesh(ball.vertices + 7.3, ball.faces)
+    whole = slices(lattice, thickness=0.25, region=body, skin=skin)
+    bottom = float(whole.heights[0]) - 0.125
+    work = Slice(thickness=0.25, bottom=bottom, region=body, skin=skin)
+    manifest = run_tiles(tiles(lattice, block=2), work, tmp_path / "parts")
+    manifest.joined(work, tmp_path / "tiles.cli")
+    found = joined_layers(
+        [tmp_path / "parts" / file.name for file in manifest.files],
+        Planes(bottom, 0.25),
+        Region(body, skin),
+    )
+    np.testing.assert_allclose(found.heights, whole.heights)
+    areas = [[layer.area for layer in layers] for layers in (found, whole)]
+    np.testing.assert_allclose(*areas, atol=1e-5)
+
+
 def test_options_are_looked_at_before_any_work() -> None:
     with pytest.raises(OptionError, match="thickness is 0"):
         Slice(thickness=0.0)
     with pytest.raises(OptionError, match="sides is 6; need a multiple of 4"):
         Slice(thickness=0.1, sides=6)
+    with pytest.raises(OptionError, match="skin is given without a region"):
+        Slice(thickness=0.1, skin=1.0)
