@@ -13,9 +13,10 @@ from scaffold_cad.base.arguments import as_count, check_kind
 from scaffold_cad.base.arrays import Bools
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.solid.clusters import polygon_slack, surface_of, unseen, whole_struts
+from scaffold_cad.solid.clusters import surface_of, unseen, whole_struts
 from scaffold_cad.solid.field import field_solid
-from scaffold_cad.struts.apart import crossings
+from scaffold_cad.struts.apart import Slack, crossings
+from scaffold_cad.struts.bands import polygon_slack
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.surface import Triangulated
 
@@ -56,7 +57,7 @@ def faulty_runs(struts: RoundStruts, made: Triangulated, sides: int) -> Bools:
         struts.collar,
         struts.options.ends,
         faulty,
-        polygon_slack(sides),
+        Slack(polygon_slack(sides), made.swell),
     )
     runs = struts.crowded_runs | faulty[struts.runs.edges].any(axis=1)
     runs[found.runs] = True

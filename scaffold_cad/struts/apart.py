@@ -8,7 +8,7 @@ other. Pieces are first looked at as capsules, and where these meet as what they
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -41,6 +41,29 @@ LEAST_GAP = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
+class Slack(Frozen):
+    """How much thicker pieces are taken to be than they are."""
+
+    ratio: float
+    """All of them, in radii."""
+    nodes: Floats = field(default_factory=lambda: np.zeros(0))
+    """Those at each node at least, mm, shape (n,); none at all by default."""
+
+    def of(self, pieces: Pieces) -> Floats:
+        """Return the slack of pieces, in their radii, (c,)."""
+        found = np.full(len(pieces.radius), self.ratio)
+        body = np.flatnonzero(pieces.hull >= 0)
+        if len(self.nodes):
+            more = self.nodes[pieces.nodes[body, 0]] / pieces.radius[body]
+            found[body] = np.maximum(found[body], more)
+        return found
+
+
+EXACT = Slack(0.0)
+"""Pieces as they are."""
+
+
+@dataclass(frozen=True, eq=False)
 class Crossings(Frozen):
     """What of round struts is not known to keep apart."""
 
@@ -59,7 +82,7 @@ def crossings(
     collar: Floats,
     ends: Ends,
     crowded: Bools,
-    slack: float = 0.0,
+    slack: Slack = EXACT,
 ) -> Crossings:
     """Return what is not known to keep apart.
 
@@ -68,17 +91,17 @@ def crossings(
     collar : (2 k,) distance of each half-run's collar from its node, mm
     ends : round ones reach beyond their nodes
     crowded : (n,) nodes without a surface of their own: there struts go on to the node
-    slack : how much thicker all are taken to be, in radii: polygons reach beyond their circles
+    slack : how much thicker all are taken to be: polygons reach beyond their circles
     """
     straight = runs.valency[runs.tails] > 1
     reach = np.where(crowded[runs.tails] & straight, 0.0, collar)
-    reach = with_domes(runs, reach, ends, len(runs.nodes))
+    reach = with_domes(runs, reach, ends, len(runs.nodes), slack.ratio)
     curved = curves.curved & ~crowded[runs.edges].any(axis=1)
     bodies = joined([node_pieces(runs, blended), curve_pieces(curves)])
     own: Bools = ~np.asarray(crowded[bodies.nodes].any(axis=1))
     bodies = bodies.chosen(own)
     pieces = joined([strut_pieces(runs, curved, reach), bodies])
-    pairs = meeting(pieces, slack)
+    pairs = meeting(pieces, slack.of(pieces))
     found = pairs.reshape(-1)
     is_strut = (pieces.hull[found] < 0) & (pieces.curve[found] < 0)
     nodes, struts = np.zeros(len(runs.nodes), np.bool_), np.zeros(len(runs.edges), np.bool_)
@@ -87,8 +110,13 @@ def crossings(
     return Crossings(np.unique(np.sort(pieces.run[pairs], axis=1), axis=0), nodes, struts)
 
 
-def meeting(pieces: Pieces, slack: float = 0.0) -> Edges:
-    """Return the pairs i < j of pieces that are not known to keep apart, shape (p, 2)."""
+def meeting(pieces: Pieces, slack: Floats) -> Edges:
+    """Return the pairs i < j of pieces that are not known to keep apart, shape (p, 2).
+
+    Parameters
+    ----------
+    slack : (c,) how much thicker each is taken to be, in its radius
+    """
     pieces = pieces.thickened(1.0 + slack)
     found = [np.empty((0, 2), dtype=np.intp)]
     for i, j in _near_boxes(pieces):
@@ -166,13 +194,13 @@ def _share_nodes(a: Edges, b: Edges) -> Bools:
     return shared
 
 
-def _apart(pieces: Pieces, i: Ints, j: Ints, slack: float) -> Bools:
+def _apart(pieces: Pieces, i: Ints, j: Ints, slack: Floats) -> Bools:
     """Return whether a plane was found between the pieces of each pair, shape (p,).
 
     Steps towards the point of their difference that is nearest to 0 (Frank and Wolfe's): where the
     difference lies beyond a plane across the way to it, the pieces are apart.
     """
-    around = [slack / (1 + slack) * pieces.radius[k] for k in (i, j)]
+    around = [slack[k] / (1 + slack[k]) * pieces.radius[k] for k in (i, j)]
     middles = [(pieces.start[k] + pieces.end[k]) / 2 for k in (i, j)]
     nearest = middles[0] - middles[1]  # (p, 3), a point of the difference
     scale = pieces.radius[i] + pieces.radius[j]

@@ -98,3 +98,10 @@ def enlargement(twist: Floats, sides: int) -> Floats:
     mean = (2.0 * end + 4.0 * middle) / 6.0
     ratio: Floats = np.sqrt(np.pi / mean)
     return ratio
+
+
+def polygon_slack(sides: int) -> float:
+    """Return how far polygons of so many sides reach beyond their circles at most, in radii."""
+    step = 2 * np.pi / sides
+    twisted, straight = enlargement(np.array([step / 2, 0.0]), sides)
+    return float(max(twisted, straight + step**2 / 8)) - 1.0

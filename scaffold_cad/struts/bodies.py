@@ -91,12 +91,13 @@ class NodeBodies:
         half_runs = group.half_runs.reshape(-1)
         own = own_rings(struts, half_runs, self._sized, sides).reshape(*shape, sides, 3)
         growth = self._sized.growth[group.half_runs]
-        placed, triangles, last = node_surface(struts, group, own, growth, sides)
-        middle = len(placed) + np.arange(len(half_runs)).reshape(*shape, 1)
+        made = node_surface(struts, group, own, growth, sides)
+        last = made.rings
+        middle = len(made.points) + np.arange(len(half_runs)).reshape(*shape, 1)
         fans = [np.broadcast_to(middle, last.shape), last, np.roll(last, -1, axis=2)]
         discs = np.stack(fans, axis=-1).reshape(-1, 3)
-        points = np.concatenate([placed, ring_centers(struts, half_runs)])
-        return points, np.concatenate([triangles, discs])
+        points = np.concatenate([made.points, ring_centers(struts, half_runs)])
+        return points, np.concatenate([made.triangles, discs])
 
 
 def _equal(shape_of: Ints, sized: Sized, half_runs: Ints) -> Ints:
@@ -130,10 +131,11 @@ def curve_bodies(struts: RoundStruts, sides: int, chosen: Bools) -> TriangleMesh
     ends = curves.half_runs[~curves.closed].reshape(-1)
     rings = np.empty((len(struts.collar), sides), dtype=np.intp)
     rings[ends] = np.arange(len(ends) * sides).reshape(-1, sides)
-    made = curve_rings(curves, curves.turns, rings, len(ends) * sides, sides)
-    own = own_rings(struts, ends, sized_rings(struts, sides), sides).reshape(-1, 3)
-    points = np.concatenate([own, made.points, ring_centers(struts, ends)])
-    middle = len(own) + len(made.points) + np.arange(len(ends))[:, None]
+    own = own_rings(struts, ends, sized_rings(struts, sides), sides)  # (2 c', sides, 3)
+    at_ends = own.reshape(-1, 2, sides, 3)
+    made = curve_rings(curves, curves.turns, rings, at_ends, len(ends) * sides)
+    points = np.concatenate([own.reshape(-1, 3), made.points, ring_centers(struts, ends)])
+    middle = len(ends) * sides + len(made.points) + np.arange(len(ends))[:, None]
     middle = np.broadcast_to(middle, (len(ends), sides))
     discs = np.stack([middle, rings[ends], np.roll(rings[ends], -1, axis=1)], axis=-1)
     faces = [ring_triangles(points, made.low, made.high), discs.reshape(-1, 3)]

@@ -5,7 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints, Points, Triangles
+from scaffold_cad.struts.bands import polygon_slack
 from scaffold_cad.struts.runs import Runs
+from scaffold_cad.struts.volumes import triangle_volumes
+
+ROUNDS = 12
+"""Times that the volume of round ends is looked at."""
 
 
 def flat_ends(
@@ -50,10 +55,13 @@ def round_ends(
     spoke = points - points.mean(axis=1, keepdims=True)  # (e, s, 3), as long as the ring is wide
     wide = size[:, None] * np.cos(latitude) / radius[:, None]
     high = center[:, None] + size[:, None] * np.sin(latitude)
-    inner = (node[:, None] + high[..., None] * outward[:, None])[:, :, None] + wide[
-        ..., None, None
-    ] * spoke[:, None]  # (e, levels - 1, s, 3)
-    pole = node + (center + size)[:, None] * outward
+    around = wide[..., None, None] * spoke[:, None]  # (e, levels - 1, s, 3)
+    around = around + (high[..., None] * outward[:, None])[:, :, None]
+    tip = (center + size)[:, None] * outward
+    wanted = np.pi / 3 * (center + size) ** 2 * (2 * size - center)
+    larger = _larger(spoke, around, tip, wanted)
+    inner = node[:, None, None] + larger[:, None, None, None] * around
+    pole = node + larger[:, None] * tip
     block = (levels - 1) * sides + 1
     first = count + block * np.arange(number)
     own = first[:, None, None] + np.arange((levels - 1) * sides).reshape(levels - 1, sides)
@@ -71,3 +79,23 @@ def round_ends(
         [bands.reshape(number, 2 * (levels - 1) * sides, 3), fans], axis=1
     )  # end by end
     return vertices.reshape(-1, 3), closing.reshape(-1, 3)
+
+
+def _larger(base: Floats, around: Floats, tip: Floats, wanted: Floats) -> Floats:
+    """Return by how much ends of flat faces are larger than spheres of the same volume, (e,).
+
+    Parameters
+    ----------
+    base : (e, s, 3) last ring of the strut, relative to its node, mm
+    around : (e, l, s, 3) rings on the sphere
+    tip : (e, 3) its pole
+    wanted : (e,) mm³
+    """
+    pole = np.broadcast_to(tip[:, None], base.shape)
+    beyond = np.concatenate([around, pole[:, None]], axis=1)
+    found = np.ones(len(wanted))
+    for _ in range(ROUNDS):
+        stack = np.concatenate([base[:, None], found[:, None, None, None] * beyond], axis=1)
+        # Rings run clockwise about the outward axis. Volumes grow with the size, or its cube.
+        found = found * np.sqrt(wanted / -triangle_volumes(stack[:, None]))
+    return np.minimum(found, 1.0 + polygon_slack(base.shape[1]))

@@ -54,8 +54,8 @@ class Pieces(Frozen):
     discs: Floats
     """Centers and half-diameters of ellipses, shape (d, 4, 3, 3), mm."""
 
-    def thickened(self, factor: float) -> Pieces:
-        """Return the pieces with radii multiplied by `factor` ≥ 1, and as much around hulls."""
+    def thickened(self, factor: Floats) -> Pieces:
+        """Return the pieces with radii multiplied by factors (c,) ≥ 1, and as much around hulls."""
         return Pieces(
             self.start,
             self.end,
@@ -119,15 +119,16 @@ def _furthest_of_discs(discs: Floats, directions: Floats) -> Points:
     return points
 
 
-def with_domes(runs: Runs, collar: Floats, ends: Ends, count: int) -> Floats:
+def with_domes(runs: Runs, collar: Floats, ends: Ends, count: int, slack: float) -> Floats:
     """Return `collar` (2 k,), at round ends as far beyond the node as the strut is thick, < 0.
 
     Parameters
     ----------
     count : nodes that are those of a skeleton, the first ones
+    slack : how much further they reach, in radii
     """
     domed = (runs.valency[runs.tails] == 1) & (runs.tails < count) & (ends == "round")
-    return np.where(domed, -runs.radii.reshape(-1), collar)
+    return np.where(domed, -(1.0 + slack) * runs.radii.reshape(-1), collar)
 
 
 def strut_pieces(runs: Runs, curved: Bools, collar: Floats) -> Pieces:

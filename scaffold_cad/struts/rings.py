@@ -11,12 +11,20 @@ from functools import cache
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, UnitVectors, read_only
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, read_only
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.struts.blend import Solved
+from scaffold_cad.struts.lifts import Lifted, Samples
 from scaffold_cad.struts.model import BlendedNodes
 from scaffold_cad.struts.quarter import ARC, DEGREE
+from scaffold_cad.struts.volumes import cells_of
+
+GRADING = 1.5
+"""Power by which levels stand closer beside the arcs, where blends turn, than at the collars."""
+
+SAME = 1e-6
+"""Growths that agree to this part of a radius are the same; nodes with one blend are made once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,24 +35,23 @@ class Stacks(Frozen):
     """Vertices node by node, shape (M, b, 3), mm: corners, points of arcs, levels 1 and on."""
     rings: Ints
     """Vertices of each level of each strut, in 0..b-1, shape (M, N, levels + 1, sides)."""
-    normals: UnitVectors
-    """Outward unit normals at the points, shape (M, b, 3)."""
+    swell: Floats
+    """How far samples are moved, where that is further than the slack, mm, shape (M,)."""
 
 
-def stacks(group: BlendedNodes, growth: Floats, levels: int, sides: int) -> Stacks:
-    """Sample the patches of nodes, and move the samples outward.
-
-    A surface of flat faces through points of a round one is smaller than that: so the points are
-    moved along the normals, by `growth` at each collar and by its mean over the struts at the arcs.
+def stacks(group: BlendedNodes, growth: Floats, levels: int, sides: int, slack: float) -> Stacks:
+    """Sample the patches of nodes, and move the samples so that the volume is that of the blends.
 
     Parameters
     ----------
     group : M nodes
-    growth : (M, N) mm
+    growth : (M, N) how much larger than the collars the last rings are, over their radii
     levels : intervals from the arcs to the collar
     sides : points of a ring, a multiple of 4
+    slack : how far samples are moved, over their distance from their strut's axis: further only
+        where that does not make up for the volume
     """
-    quads, which = group.quads, group.shape_of
+    quads = group.quads
     count, valency = quads.shape[:2]
     steps = sides // 4
     shared = valency + 2 + 2 * valency * (steps - 1)
@@ -52,18 +59,20 @@ def stacks(group: BlendedNodes, growth: Floats, levels: int, sides: int) -> Stac
     rings = np.empty((count, valency, levels + 1, sides), dtype=np.intp)
     rings[:, :, 0] = first_rings(quads, steps)
     rings[:, :, 1:] = own
-    v = np.linspace(0.0, 1.0, levels + 1)
-    sampled, normals = _sampled(group.shapes, quarter_parameters(steps), v)
-    node = np.arange(count)[:, None, None, None]
+    u, v = quarter_parameters(steps), np.linspace(0.0, 1.0, levels + 1) ** GRADING
+    samples = Samples(*_sampled(group.shapes, u, v), rings)
+    cells = cells_of(group.shapes, np.append(u, 1.0), v)
+    lifted = Lifted.of(group.shapes, group.axes, samples, cells)
+    rounded = np.rint(growth / SAME)
+    rows = np.concatenate([group.shape_of[:, None], rounded], axis=1)
+    kinds, kind = np.unique(rows, axis=0, return_inverse=True)
+    kind = kind.reshape(-1)
+    which = kinds[:, 0].astype(np.intp)
+    moved = lifted.moved(which, SAME * kinds[:, 1:], slack)
+    placed = np.empty((len(kinds), shared + own.size, 3))
     # Of the samples at one vertex the last one written stays, for all the same.
-    points, outward = (np.empty((count, shared + own.size, 3)) for _ in range(2))
-    points[node, rings], outward[node, rings] = sampled, normals
-    mean = growth.mean(axis=1)[:, None, None]  # (M, 1, 1)
-    moved = np.empty((len(which), points.shape[1]))
-    step = mean + v * (growth[:, :, None] - mean)  # (M, N, levels + 1)
-    moved[np.arange(len(which))[:, None, None, None], rings[which]] = step[..., None]
-    placed = points[which] + moved[..., None] * outward[which]
-    return Stacks(placed, rings[which], outward[which])
+    placed[np.arange(len(kinds))[:, None, None, None], rings[which]] = moved.points
+    return Stacks(placed[kind], rings[group.shape_of], moved.swell[kind])
 
 
 def block_size(valency: Ints, levels: int, sides: int) -> Ints:

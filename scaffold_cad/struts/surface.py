@@ -8,7 +8,14 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Triangles
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.struts.bands import band_triangles, between, enlargement, matching, twist_of
+from scaffold_cad.struts.bands import (
+    band_triangles,
+    between,
+    enlargement,
+    matching,
+    polygon_slack,
+    twist_of,
+)
 from scaffold_cad.struts.curverings import CurveRings, curve_rings
 from scaffold_cad.struts.ends import flat_ends, round_ends
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
@@ -47,6 +54,9 @@ class Triangulated(Frozen):
     """How the rings of each run are joined, see `Matching`, shape (k,)."""
     owner: Ints
     """What each triangle belongs to: node v as v, run i as -1 - i, shape (t,)."""
+    swell: Floats
+    """How far the triangles of nodes reach beyond their blends where this is more than polygons
+    reach beyond circles, mm, shape (n,)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +98,8 @@ def triangulated(struts: RoundStruts, sides: int) -> Triangulated:
     mesh = TriangleMesh(np.concatenate(points), np.concatenate(faces))
     made = outer.made
     owner = np.concatenate([made.owner, inside.made.owner, *more_owners])
-    return Triangulated(mesh, made.node, made.curve_rings, made.shift, owner)
+    swell = np.maximum(made.swell, inside.made.swell)
+    return Triangulated(mesh, made.node, made.curve_rings, made.shift, owner, swell)
 
 
 def open_ends(
@@ -167,22 +178,21 @@ def shell_of(struts: RoundStruts, sides: int, open_at: Bools | None = None) -> S
     own = own_rings(struts, np.arange(len(struts.collar)), sized, sides)  # (2 k, sides, 3)
     starts, count = _blocks(struts, sides)
     rings = np.empty((len(struts.collar), sides), dtype=np.intp)
-    at_nodes = np.empty((count, 3))
+    at_nodes, swell = np.empty((count, 3)), np.zeros(len(struts.runs.nodes))
     nodes: list[Ints] = []
     run_of = number[::2] >> 1  # of the runs left
     along: list[Ints] = []
     faces: list[Triangles] = []
     for group in struts.blended:
         half_runs = group.half_runs
-        placed, own_faces, last = node_surface(
-            struts, group, own[half_runs], sized.growth[half_runs], sides
-        )
-        block = len(placed) // len(group.nodes)
+        made = node_surface(struts, group, own[half_runs], sized.growth[half_runs], sides)
+        block = len(made.points) // len(group.nodes)
         place = (starts[group.nodes][:, None] + np.arange(block)).reshape(-1)
-        at_nodes[place] = placed
-        faces.append(place[own_faces])
-        nodes.append(np.repeat(group.nodes, len(own_faces) // len(group.nodes)))
-        rings[half_runs] = place[last]
+        at_nodes[place] = made.points
+        faces.append(place[made.triangles])
+        nodes.append(np.repeat(group.nodes, len(made.triangles) // len(group.nodes)))
+        rings[half_runs] = place[made.rings]
+        swell[group.nodes] = made.swell
     ends = np.flatnonzero(struts.runs.valency[struts.runs.tails] == 1)
     rings[ends] = count + np.arange(len(ends) * sides).reshape(-1, sides)
     count += len(ends) * sides
@@ -190,7 +200,8 @@ def shell_of(struts: RoundStruts, sides: int, open_at: Bools | None = None) -> S
     at_curves = struts.curves.half_runs[~struts.curves.closed].reshape(-1)
     rings[at_curves] = count + np.arange(len(at_curves) * sides).reshape(-1, sides)
     count += len(at_curves) * sides
-    passed = curve_rings(struts.curves, _turns(struts), rings, count, sides)
+    at_ends = own[at_curves].reshape(-1, 2, sides, 3)
+    passed = curve_rings(struts.curves, _turns(struts), rings, at_ends, count)
     count += len(passed.points)
     points += [own[at_curves].reshape(-1, 3), passed.points]
     faces.append(ring_triangles(np.concatenate(points), passed.low, passed.high))
@@ -213,7 +224,8 @@ def shell_of(struts: RoundStruts, sides: int, open_at: Bools | None = None) -> S
     if model is not None:
         around, triangles, owner = model.node, model.mesh.triangles, model.owner
     mesh = TriangleMesh(np.concatenate(points), triangles)
-    return Shell(Triangulated(mesh, around, passed, sized.shift, owner), number[ends], rings[ends])
+    found = Triangulated(mesh, around, passed, sized.shift, owner, swell)
+    return Shell(found, number[ends], rings[ends])
 
 
 def _turns(struts: RoundStruts) -> Floats:
@@ -273,23 +285,39 @@ def ring_centers(struts: RoundStruts, half_runs: Ints) -> Points:
     return centers
 
 
+@dataclass(frozen=True, eq=False)
+class NodeSurfaces(Frozen):
+    """The triangles of M nodes of valency N."""
+
+    points: Points
+    """Node by node, shape (M b, 3), mm."""
+    triangles: Triangles
+    """Node by node."""
+    rings: Ints
+    """Vertices of the rings at the collars, shape (M, N, sides)."""
+    swell: Floats
+    """See `Triangulated`, shape (M,), mm."""
+
+
 def node_surface(
     struts: RoundStruts, group: BlendedNodes, own: Points, growth: Floats, sides: int
-) -> tuple[Points, Triangles, Ints]:
-    """Return the vertices and triangles of nodes, and the rings at their collars, (M, N, sides).
+) -> NodeSurfaces:
+    """Return the triangles of nodes.
 
     Parameters
     ----------
     own : (M, N, sides, 3) points of the rings, mm
     growth : (M, N), see `Sized`, mm
     """
-    sampled = stacks(group, growth, levels_of(sides), sides)
+    growth = growth / group.shapes.collar_radii[group.shape_of]
+    sampled = stacks(group, growth, levels_of(sides), sides, polygon_slack(sides))
     count, block = sampled.points.shape[:2]
     rings = sampled.rings + (block * np.arange(count))[:, None, None, None]
     points = (sampled.points + struts.runs.nodes[group.nodes][:, None]).reshape(-1, 3)
     points[rings[:, :, -1]] = own
     low, high = rings[:, :, :-1].reshape(-1, sides), rings[:, :, 1:].reshape(-1, sides)
-    return points, ring_triangles(points, low, high), rings[:, :, -1]
+    triangles = ring_triangles(points, low, high)
+    return NodeSurfaces(points, triangles, rings[:, :, -1], sampled.swell)
 
 
 def ring_triangles(points: Points, low: Ints, high: Ints) -> Triangles:

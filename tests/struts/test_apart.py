@@ -11,7 +11,7 @@ from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts import round_struts
-from scaffold_cad.struts.apart import crossings
+from scaffold_cad.struts.apart import Slack, crossings
 from tests.crossings import check_as_written
 
 
@@ -55,7 +55,7 @@ def test_thicker_polygons_meet_sooner() -> None:
     struts = round_struts(pair(2.01))
     parts = struts.runs, struts.blended, struts.curves, struts.collar, "flat", struts.crowded
     assert len(crossings(*parts).runs) == 0
-    assert crossings(*parts, 0.01).runs.tolist() == [[0, 1]]
+    assert crossings(*parts, Slack(0.01)).runs.tolist() == [[0, 1]]
 
 
 def test_cones_are_looked_at_in_pieces() -> None:

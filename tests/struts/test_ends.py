@@ -39,9 +39,10 @@ def test_round_ends_of_a_cone_touch_it_along_its_last_circle() -> None:
     slope = (b - a) / length
     size, center = np.array([a, b]) * np.hypot(1, slope), np.array([a, b]) * slope
     # Spheres around (a slope, 0, 0) and (length + b slope, 0, 0): tangent to the cone.
+    # Flat faces reach beyond them, for the same volume.
     tips = [center[0] - size[0], length + center[1] + size[1]]
     x = mesh.vertices @ TAPER.directions[0]
-    assert [x.min(), x.max()] == pytest.approx(tips, rel=1e-6)
+    assert [x.min(), x.max()] == pytest.approx(tips, rel=1e-4)
     for middle, radius in ((center[0], size[0]), (length + center[1], size[1])):
         away = np.linalg.norm(mesh.vertices - middle * TAPER.directions[0], axis=1)
         assert away.min() > radius * (1 - 1e-3)

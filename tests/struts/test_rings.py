@@ -44,7 +44,7 @@ def only_group(struts: RoundStruts) -> BlendedNodes:
 def test_collars_are_circles_of_the_struts_radius(skeleton: Skeleton) -> None:
     struts = round_struts(skeleton)
     group = only_group(struts)
-    sampled = stacks(group, np.zeros(group.half_runs.shape), 4, 16)
+    sampled = stacks(group, np.zeros(group.half_runs.shape), 4, 16, 0.05)
     last = sampled.points[0][sampled.rings[0, :, -1]]  # (N, 16, 3)
     axis = struts.runs.directions[group.half_runs[0]][:, None]
     height = (last * axis).sum(axis=2)
@@ -62,9 +62,13 @@ def test_the_surface_of_a_node_is_closed_by_its_struts(sides: int) -> None:
     assert len(mesh.vertices) - len(mesh.triangles) // 2 == 2  # Euler: a sphere
 
 
-def test_samples_move_outward_by_their_growth() -> None:
-    group = only_group(round_struts(TRIPOD))
-    plain = stacks(group, np.zeros((1, 3)), 4, 8)
-    grown = stacks(group, np.full((1, 3), 0.1), 4, 8)
-    np.testing.assert_allclose(np.linalg.norm(grown.points - plain.points, axis=2), 0.1, rtol=1e-9)
-    assert (np.linalg.norm(grown.points, axis=2) > np.linalg.norm(plain.points, axis=2)).all()
+def test_equal_nodes_are_sampled_once_and_alike() -> None:
+    both = Skeleton(
+        np.vstack([JACK.nodes, JACK.nodes + 40.0]),
+        np.vstack([JACK.edges, JACK.edges + len(JACK.nodes)]),
+        1.0,
+    )
+    group = only_group(round_struts(both))
+    sampled = stacks(group, np.full((2, 6), 0.01), 4, 16, 0.05)
+    np.testing.assert_array_equal(*sampled.points)
+    assert (sampled.swell == 0).all()

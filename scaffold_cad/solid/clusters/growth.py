@@ -18,7 +18,7 @@ from scaffold_cad.base.vectors import length
 from scaffold_cad.solid.clusters.remainder import Remainder, remainder
 from scaffold_cad.solid.clusters.spans import Spans, merged, no_spans, radii_at, tail_length
 from scaffold_cad.solid.clusters.stumps import GAP, Reaches, stumps
-from scaffold_cad.struts.apart import meeting
+from scaffold_cad.struts.apart import Slack, meeting
 from scaffold_cad.struts.curved import ALONG
 from scaffold_cad.struts.curveproof import proved
 from scaffold_cad.struts.model import RoundStruts
@@ -65,14 +65,14 @@ class Clusters(Frozen):
 
 
 def clusters_of(
-    struts: RoundStruts, fillets: Floats, slack: float, nodes: Bools, seeds: Spans
+    struts: RoundStruts, fillets: Floats, slack: Slack, nodes: Bools, seeds: Spans
 ) -> Clusters:
     """Return the least clusters that hold some nodes (n,) and spans.
 
     Parameters
     ----------
     fillets : (n,) fillet radius wanted at each node, mm
-    slack : how much thicker all are taken to be, in radii
+    slack : how much thicker all are taken to be
     """
     runs = struts.runs
     bodies = joined([node_pieces(runs, struts.blended), curve_pieces(struts.curves)])
@@ -163,10 +163,10 @@ class _Found:
     blend: Floats
     nodes: Bools
 
-    def meeting(self, slack: float) -> tuple[Bools, Spans]:
+    def meeting(self, slack: Slack) -> tuple[Bools, Spans]:
         """Return the nodes and the stretches of runs that have to join the clusters."""
-        pieces, kind, radius, blend = self._pieces()
-        pairs = meeting(pieces, slack)
+        pieces, kind, radius, blend = self._pieces(slack.ratio)
+        pairs = meeting(pieces, slack.of(pieces))
         kinds = kind[pairs]
         idle = (kinds == DUMMY).any(axis=1) & (kinds < SPAN).any(axis=1)
         pairs, kinds = pairs[~idle], kinds[~idle]
@@ -181,7 +181,7 @@ class _Found:
             near.append(_near(self.struts.runs, pieces, own, other, radius[other] + gap, inner))
         return joining, Spans.joined(near)
 
-    def _pieces(self) -> tuple[Pieces, Ints, Floats, Floats]:
+    def _pieces(self, slack: float) -> tuple[Pieces, Ints, Floats, Floats]:
         """Return all pieces, what they are, their radii without fillets, and their fillets."""
         rest, runs, cuts = self.rest, self.struts.runs, self.rest.cuts
         balls, sizes = balls_at(self.struts, self.nodes)
@@ -193,7 +193,7 @@ class _Found:
         if len(rest.run):
             curved = rest.struts.curves.curved
             bands, ends = rest.struts.runs, self.struts.options.ends
-            collar = with_domes(bands, rest.struts.collar, ends, len(runs.nodes))
+            collar = with_domes(bands, rest.struts.collar, ends, len(runs.nodes), slack)
             left = strut_pieces(bands, curved, collar)
             of_run = rest.run[left.run]
             left = replace(left, nodes=runs.edges[of_run], run=of_run)

@@ -22,8 +22,9 @@ from scaffold_cad.solid.clusters.spans import Spans, no_spans
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
 from scaffold_cad.solid.field import FieldStruts, field_solid
 from scaffold_cad.solid.field.pieces import without_voids
-from scaffold_cad.struts.bands import enlargement
-from scaffold_cad.struts.curverings import largest_growth, rings_hold
+from scaffold_cad.struts.apart import Slack
+from scaffold_cad.struts.bands import polygon_slack
+from scaffold_cad.struts.curverings import rings_hold
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.runs import Runs
 from scaffold_cad.struts.surface import Shell, Triangulated, inside_of, open_ends, shell_of
@@ -194,7 +195,7 @@ def _surface(
     fillets : (n,) fillet radius wanted at each node, mm
     sags : how far the sides of triangles of fields may be inside of round surfaces
     """
-    slack = polygon_slack(sides)
+    slack = Slack(polygon_slack(sides), np.zeros(len(nodes)))
     every, seeds = whole_struts(struts), no_spans()
     for _ in range(TRIES):
         clusters = clusters_of(struts, fillets, slack, nodes, seeds)
@@ -204,6 +205,10 @@ def _surface(
             break
         left = struts if fields is None else rest.struts
         shell = shell_of(left, sides, None if fields is None else rest.open_at)
+        swell = shell.made.swell[: len(nodes)]
+        if (swell > slack.nodes).any():
+            slack = replace(slack, nodes=np.maximum(slack.nodes, swell))
+            continue
         hidden = unseen(left, shell.made, factor)[: len(nodes)]
         if hidden.any():
             nodes = nodes | hidden
@@ -226,12 +231,6 @@ def _surface(
     return _Surface(
         mesh, none[:, 0], none, np.ones(len(nodes), dtype=np.bool_), fillets, none[:, 0]
     )
-
-
-def polygon_slack(sides: int) -> float:
-    """Return how far polygons of so many sides reach beyond their circles at most, in radii."""
-    slack = float(enlargement(np.array([np.pi / sides]), sides)[0]) - 1.0
-    return max(slack, largest_growth(sides))
 
 
 def _field(fields: FieldStruts, sags: Sags | None, factor: float) -> TriangleMesh:

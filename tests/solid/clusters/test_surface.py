@@ -155,8 +155,8 @@ def test_walls_that_cross_after_all_are_refused_with_a_place(
     monkeypatch.setattr(surface, "FINER", 1)
     tips, radii = UNEVEN[name]
     star = Skeleton([[0, 0, 0], *tips], [[0, i] for i in range(1, 5)], 1.0).with_edge_radii(radii)
-    with pytest.raises(MeshError, match=r"the wall of 0.1 mm crosses itself .* near \[.*\] mm"):
-        round_mesh(round_struts(star, wall=0.1), 8)
+    with pytest.raises(MeshError, match=r"the wall of 0.05 mm crosses itself .* near \[.*\] mm"):
+        round_mesh(round_struts(star, wall=0.05), 8)
 
 
 @pytest.mark.parametrize("unit", [25.4, 1000.0])
