@@ -19,6 +19,7 @@ from scaffold_cad.partition.sphere import METHODS
 from scaffold_cad.scaffold.bevels import Sleeving, with_bevels
 from scaffold_cad.scaffold.collars import Refinement, with_collars, without_collars
 from scaffold_cad.scaffold.embedding import Embedding, embedding
+from scaffold_cad.scaffold.sleevemesh import SleeveMesh
 from scaffold_cad.scaffold.sleeves import (
     REVERSED,
     Sections,
@@ -226,7 +227,8 @@ def _scaffold(
     """Return the scaffold that has these sections, with the quads of `like`."""
     refined = made.refinement.skeleton
     if like is None:
-        mesh = QuadMesh(made.vertices, _quads(refined, made.sleeves))
+        quads, axes = _quads(refined, made.sleeves), refined.nodes[refined.edges]
+        mesh: QuadMesh = SleeveMesh(made.vertices, quads, made.sleeves, axes)
     else:
         mesh = like.mesh.moved(made.vertices)
     return Scaffold(

@@ -45,7 +45,7 @@ FOLDED = Skeleton(
         [-1, 5, 0.6],
     ],
     [[0, 1], [1, 2], [0, 3], [0, 4], [0, 5]],
-    [1.47, 0.07, 0.23, 0.51, 0.51, 0.51],
+    [1.62, 0.08, 0.25, 0.56, 0.56, 0.56],
 )
 """A strut that folds back at a thin joint into its thick branch point, across its collar."""
 

@@ -59,9 +59,8 @@ FRAME = 0.15
 """Radius of a frame, in median radii."""
 FILLETS = 1.25
 """Largest volume of round struts over that of their union: it has fillets."""
-STEP_APART = {"square": 0.15, "round": 0.02, "frame": 0.15}
-"""Largest difference in volume of a STEP file and of the STL file, whose quads are split in two:
-twisted quads of square struts are bilinear in STEP."""
+STEP_APART = 0.02
+"""Largest difference in volume of a STEP file and of the STL file, whose quads are split in two."""
 MOST_FACES = 4000
 """Struts of a skeleton whose STEP file is made: one of facets has 32 faces a strut."""
 JUDGED = "-"
@@ -160,7 +159,7 @@ def check(path: Path, factor: float, kind: str) -> Iterator[str]:
             if found:
                 yield f"{suffix}: {found}"
     for suffix, volume in volumes.items():
-        most = STEP_APART[kind] if suffix == ".step" else 1e-5
+        most = STEP_APART if suffix == ".step" else 1e-5
         if abs(volume / volumes[".stl"] - 1) > most:
             yield f"{suffix}: volume {volume:g} beside {volumes['.stl']:g} of .stl"
     if kind == "round":
