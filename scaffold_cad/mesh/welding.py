@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
 from scaffold_cad.base.positions import equal_positions
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, have_distinct_corners
@@ -26,3 +30,25 @@ def without_repeated_corners(mesh: TriangleMesh) -> TriangleMesh:
     rows = mesh.triangles
     proper = have_distinct_corners(rows)
     return mesh if proper.all() else TriangleMesh(mesh.vertices, rows[proper])
+
+
+def with_fans_apart(mesh: TriangleMesh) -> TriangleMesh:
+    """Return a closed mesh with a vertex of its own for each fan of triangles around a point.
+
+    Where sheets touch at a vertex, as after welding, that gives them one each, at one place.
+    """
+    rows = mesh.triangles
+    corner = np.arange(rows.size)
+    start, end = rows.reshape(-1), np.roll(rows, -1, axis=1).reshape(-1)
+    following = np.roll(corner.reshape(-1, 3), -1, axis=1).reshape(-1)
+    order = np.lexsort((end, start))
+    back = np.empty_like(order)  # the side of the neighbor that runs the other way
+    back[np.lexsort((start, end))] = order
+    links = np.concatenate([corner, following]), np.concatenate([following[back], back])
+    graph = coo_array((np.ones(2 * rows.size, dtype=np.int8), links), shape=(rows.size, rows.size))
+    count, fan = connected_components(graph, directed=False)
+    if count == len(np.unique(start)):
+        return mesh
+    vertices = np.empty((count, 3))
+    vertices[fan] = mesh.vertices[start]
+    return TriangleMesh(vertices, fan.reshape(-1, 3))

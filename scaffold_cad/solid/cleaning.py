@@ -19,6 +19,7 @@ from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.collapse import without_short_edges
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.welding import with_fans_apart
 from scaffold_cad.solid import manifolds
 
 if TYPE_CHECKING:
@@ -70,6 +71,8 @@ def clean_surface(manifold: Manifold) -> TriangleMesh:
         places = written.vertices[np.concatenate(written.faulty_sides())[:, 0]]
         message = f"does not stay closed in 32-bit coordinates: {error}"
         raise FaultySurfaceError(message, places) from None
+    if len(written.triangles) < len(mesh.triangles):  # vertices may have become one
+        written = with_fans_apart(written)
     crossings = self_intersections(written)
     if len(crossings):
         places = written.vertices[written.triangles[crossings[:, 0]]].mean(axis=1)

@@ -14,13 +14,15 @@ from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
 from scaffold_cad.base.notebook import Shown
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import length
-from scaffold_cad.errors import MeshError, OptionError
+from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import manifolds
 from scaffold_cad.solid.cleaning import FaultySurfaceError, clean_surface
+from scaffold_cad.solid.field import field_solid
+from scaffold_cad.solid.field.nets import skeleton_struts
 from scaffold_cad.solid.field.pieces import without_voids
 from scaffold_cad.solid.pieces import solid_pieces
 from scaffold_cad.solid.rounds import SIDES, round_mesh
@@ -29,9 +31,13 @@ from scaffold_cad.struts import RoundStruts
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-WOBBLES = np.array([0.0, 1e-3, -1e-3, 3e-3, -3e-3, 0.01, -0.01, 0.02, -0.02, 0.03, -0.03])
+WOBBLES = np.array([0.0, 1e-3, -3e-3, 0.01, -0.03])
 """Relative changes of radius that overlapping square struts and their nodes are given, in turn,
-where their union crosses itself. The first that works is taken."""
+where their union crosses itself. The first that works is taken; where none does, struts are round
+in the solid."""
+
+EQUAL_AREA = float(np.sqrt(2.0 / np.pi))
+"""Radius of the circle of the same area as a square, in distances of its corners."""
 
 NEAR_FAULT = 3.0
 """How far from a fault of a union struts are changed, in their radii."""
@@ -106,11 +112,13 @@ def solidified(
 
     Raises
     ------
-    MeshError
-        If every union tried of a scaffold's struts crosses or touches itself, or does not stay
-        closed in 32-bit coordinates.
     OptionError
         If `what` is of another kind, or `sides` does not fit it.
+
+    Notes
+    -----
+    Where struts of a scaffold are so thin or so close that 32-bit coordinates do not hold any union
+    of theirs, the solid has round struts of the same section, made as a field; that is logged.
 
     Examples
     --------
@@ -140,13 +148,29 @@ def _square_solid(scaffold: Scaffold, factor: float) -> Solidified:
         surfaces = [pieces.surface] if len(pieces.surface.triangles) else []
         return manifolds.union([*surfaces, *pieces.spheres], pieces.hulls)
 
-    return _clean_union(united, scaffold.skeleton, embedded.left_out, factor)
+    made = _clean_union(united, scaffold.skeleton, embedded.left_out, factor)
+    return _round_instead(scaffold, factor) if made is None else made
+
+
+def _round_instead(scaffold: Scaffold, factor: float) -> Solidified:
+    """Return the solid with round struts of the same section as the square ones, as a field.
+
+    It is closed and free of crossings wherever it is; struts that 32-bit coordinates do not hold
+    are thicker.
+    """
+    skeleton = scaffold.skeleton
+    radii = EQUAL_AREA * scaffold.options.corner_distance * skeleton.radii
+    struts = skeleton_struts(skeleton.with_radii(radii), blend=0.0, flat_ends=True)
+    mesh, voids = without_voids(field_solid(struts.scaled(factor)).mesh)
+    mesh = TriangleMesh(mesh.vertices / factor, mesh.triangles)
+    edges = np.arange(len(skeleton.edges))
+    return Solidified(manifolds.to_manifold(mesh), edges, [void / factor**3 for void in voids])
 
 
 def _clean_union(
     united: Callable[[Floats], Manifold], skeleton: Skeleton, edges: Ints, factor: float
-) -> Solidified:
-    """Return the first union without a fault, its voids filled.
+) -> Solidified | None:
+    """Return the first union without a fault, its voids filled, or None.
 
     Struts near a fault are made anew and all others as they were, so that nothing changes where
     all is well: with thousands of struts no try would be without any fault.
@@ -158,22 +182,26 @@ def _clean_union(
     factor : see `solidified`
     """
     tries = np.zeros(len(skeleton.nodes), dtype=np.intp)
-    while True:
+    while tries.max() < len(WOBBLES):
         filled, voids = manifolds.without_voids(united(WOBBLES[tries]))
         try:
             mesh = clean_surface(filled.scale((factor, factor, factor)))
-            mesh = TriangleMesh(mesh.vertices / factor, mesh.triangles)
-            # What touched the outside along an edge alone is a void of its own once it is parted.
-            mesh, more = without_voids(mesh)
-            return Solidified(manifolds.to_manifold(mesh), edges, voids + more)
         except FaultySurfaceError as fault:
-            tries[_nodes_near(fault.places / factor, skeleton, edges)] += 1
             _log.debug("the union of %d struts %s", len(edges), fault)
-            if tries.max() == len(WOBBLES):
-                raise MeshError(
-                    f"the union of {len(edges)} overlapping struts {fault}; need a clean surface "
-                    "(try other radii)"
-                ) from None
+            told = str(fault)
+            tries[_nodes_near(fault.places / factor, skeleton, edges)] += 1
+            continue
+        mesh = TriangleMesh(mesh.vertices / factor, mesh.triangles)
+        # What touched the outside along an edge alone is a void of its own once it is parted.
+        mesh, more = without_voids(mesh)
+        return Solidified(manifolds.to_manifold(mesh), edges, voids + more)
+    _log.warning(
+        "the union of %d overlapping struts %s as 32-bit coordinates hold it: "
+        "all struts are round in the solid, of the same section",
+        len(edges),
+        told,
+    )
+    return None
 
 
 def _nodes_near(places: Points, skeleton: Skeleton, edges: Ints) -> Ints:

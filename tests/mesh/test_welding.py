@@ -6,7 +6,7 @@ import numpy as np
 
 from scaffold_cad.filling import fill
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.mesh.welding import welded, without_repeated_corners
+from scaffold_cad.mesh.welding import welded, with_fans_apart, without_repeated_corners
 from tests.meshes import CUBE
 
 CORNERS_APART = TriangleMesh(
@@ -49,3 +49,18 @@ def test_triangles_that_become_edges_stay_until_they_are_dropped() -> None:
 
 def test_nothing_is_made_anew_where_no_corner_repeats() -> None:
     assert without_repeated_corners(EDGE_TO_EDGE) is EDGE_TO_EDGE
+
+
+def test_each_fan_around_a_point_gets_a_vertex_of_its_own() -> None:
+    other = CUBE.vertices + np.ptp(CUBE.vertices, axis=0)  # corner to corner
+    places, place = np.unique(np.concatenate([CUBE.vertices, other]), axis=0, return_inverse=True)
+    rows = np.concatenate([CUBE.triangles, CUBE.triangles + len(CUBE.vertices)])
+    touching = TriangleMesh(places, place.reshape(-1)[rows])
+    assert len(touching.vertices) == 15
+    apart = with_fans_apart(touching)
+    apart.check_closed()
+    assert len(apart.vertices) == 16
+    np.testing.assert_array_equal(
+        apart.vertices[apart.triangles], touching.vertices[touching.triangles]
+    )
+    assert with_fans_apart(CUBE) is CUBE

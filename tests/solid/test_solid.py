@@ -11,7 +11,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from manifold3d import Manifold
 
-from scaffold_cad.errors import MeshError
 from scaffold_cad.io.write import write
 from scaffold_cad.lattice import tile
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -124,13 +123,30 @@ def test_only_struts_near_a_fault_are_made_anew(monkeypatch: pytest.MonkeyPatch)
         np.testing.assert_array_equal(wobble, expected)
 
 
-def test_a_fault_that_stays_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("factor", [1.0, 0.001])
+def test_where_no_union_is_clean_struts_are_round_of_the_same_section(
+    factor: float, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
     def faulty(manifold: Manifold) -> TriangleMesh:
         raise solid.FaultySurfaceError("has a fault", np.zeros((0, 3)))
 
+    scaffold = build_scaffold(CROSSING)
+    square = solid.solidified(scaffold)
     monkeypatch.setattr(solid, "clean_surface", faulty)
-    with pytest.raises(MeshError, match="the union of 2 overlapping struts has a fault; need"):
-        solid.solidified(build_scaffold(CROSSING))
+    result = solid.solidified(scaffold, factor=factor)
+    assert "the union of 2 overlapping struts has a fault" in caplog.text
+    check_solid_of(CROSSING, result.manifold)
+    assert result.manifold.volume() == pytest.approx(square.manifold.volume(), rel=0.05)
+    assert result.united_edges.tolist() == [0, 1, 2]
+
+
+def test_thin_rods_far_away_are_one_solid_as_written() -> None:
+    random, radius = np.random.default_rng(0), 0.02
+    centers, ways = 4 * radius * random.uniform(-1, 1, (8, 3)), random.normal(size=(8, 3))
+    ways *= 15 * radius / np.linalg.norm(ways, axis=1)[:, None]
+    nodes = np.stack([centers - ways, centers + ways], axis=1).reshape(-1, 3) + 7.6e4
+    rods = Skeleton(nodes, np.arange(16).reshape(-1, 2), radius)
+    check_as_written(manifold_triangles(to_solid(build_scaffold(rods))))
 
 
 @pytest.mark.parametrize("shift", [2.5e-6, 1e-3])
