@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, UnitVectors
+from scaffold_cad.base.topology import component_labels
 from scaffold_cad.brep.analytic import AnalyticBrep, Axes, BrepEdges, BrepFaces, Surface
 
 
 @dataclass(frozen=True, eq=False)
 class PlaneRings(Frozen):
-    """Plane faces between an outer circle and an inner one, which are edges of two B-reps."""
+    """Plane faces with a hole, whose two loops are a circle of one B-rep and edges of another."""
 
     origin: Points
     """Shape (r, 3), mm."""
@@ -22,15 +23,15 @@ class PlaneRings(Frozen):
     x: UnitVectors
     """Across it, shape (r, 3)."""
     edges: Ints
-    """The edges around, in the first B-rep and in the second, shape (r, 2)."""
+    """The edges around: one of the first B-rep, then the loop in the second, shape (r, 1 + s)."""
     forward: Bools
-    """Whether they are used along or against their direction, shape (r, 2)."""
+    """Whether they are used along or against their direction, shape (r, 1 + s)."""
     swapped: Bools
-    """Whether the edge in the second B-rep is the larger one, shape (r,)."""
+    """Whether the loop in the second B-rep is the larger one, shape (r,)."""
     shell: Ints
     """Shell of each, shape (r,)."""
     name: Ints
-    """Name of each among those of the first B-rep, shape (r,)."""
+    """Name of each among those of both, shape (r,)."""
 
     @staticmethod
     def none() -> PlaneRings:
@@ -89,7 +90,8 @@ def _joined(
     """
     numbers = edge_numbers(first, second)
     used = [numbers[part][faces.edge] for part, faces in enumerate((first.faces, second.faces))]
-    ring_edges = np.stack([numbers[k][rings.edges[:, k]] for k in (0, 1)], axis=1)
+    edges = rings.edges
+    ring_edges = np.hstack([numbers[0][edges[:, :1]], numbers[1][edges[:, 1:]]])
     parts = [
         _Rows.of(first.faces, used[0], first.faces.outward, first.faces.shell, 0),
         _Rows.of(second.faces, used[1], outward, shells[second.faces.shell], len(first.names)),
@@ -171,17 +173,18 @@ class _Rows(Frozen):
 
     @staticmethod
     def rings(rings: PlaneRings, edges: Ints) -> _Rows:
-        count = len(rings.origin)
+        count, around = edges.shape
         swapped = rings.swapped[:, None]
-        edges = np.where(swapped, edges[:, ::-1], edges)
-        forward = np.where(swapped, rings.forward[:, ::-1], rings.forward)
+        edges = np.where(swapped, np.roll(edges, -1, axis=1), edges)
+        forward = np.where(swapped, np.roll(rings.forward, -1, axis=1), rings.forward)
+        uses = np.where(swapped, [around - 1, 1], [1, around - 1])
         return _Rows(
             np.full(count, Surface.PLANE, dtype=np.intp),
             np.full(count, 2, dtype=np.intp),
-            np.ones(2 * count, dtype=np.intp),
+            uses.reshape(-1),
             edges.reshape(-1),
             forward.reshape(-1),
-            np.full((2 * count, 2, 2), np.nan),
+            np.full((edges.size, 2, 2), np.nan),
             np.ones(count, dtype=np.bool_),
             rings.shell,
             rings.name,
@@ -225,3 +228,39 @@ def _rows_of(counts: Ints, order: Ints) -> Ints:
     chosen = counts[order]
     first = np.repeat(starts[order] - (np.cumsum(chosen) - chosen), chosen)
     return first + np.arange(len(first))
+
+
+def by_edges(brep: AnalyticBrep) -> AnalyticBrep:
+    """Return the same with a shell, and a solid, for all faces that edges connect."""
+    faces = brep.faces
+    loop = np.repeat(np.arange(len(faces.uses) - 1), np.diff(faces.uses))
+    face = np.repeat(np.arange(len(faces.kinds)), np.diff(faces.loops))[loop]
+    links = np.stack([face, len(faces.kinds) + faces.edge], axis=1)
+    labels = component_labels(links, len(faces.kinds) + len(brep.edges.ends))
+    _, shell = np.unique(labels[: len(faces.kinds)], return_inverse=True)
+    shell = shell.reshape(-1)
+    return replace(brep, faces=replace(faces, shell=shell), solid=np.arange(shell.max() + 1))
+
+
+def with_voids(brep: AnalyticBrep, void: Bools) -> AnalyticBrep:
+    """Return the same with some of its shells (s,) as voids in the others, each a solid.
+
+    A void is in the solid of the smallest box that holds its own.
+    """
+    order = np.argsort(void, kind="stable")
+    rank = np.empty_like(order)
+    rank[order] = np.arange(len(order))
+    faces, bodies = brep.faces, int((~void).sum())
+    shell = rank[faces.shell]
+    loop = np.repeat(np.arange(len(faces.uses) - 1), np.diff(faces.uses))
+    of_use = shell[np.repeat(np.arange(len(shell)), np.diff(faces.loops))[loop]]
+    low, high = np.full((2, len(void), 3), np.inf)
+    ends = brep.vertices[brep.edges.ends[faces.edge]]  # (u, 2, 3)
+    np.minimum.at(low, of_use, ends.min(axis=1))
+    np.minimum.at(high, of_use, -ends.max(axis=1))
+    size = -(low + high).prod(axis=1)[:bodies]
+    solid = np.arange(len(void))
+    for each in range(bodies, len(void)):
+        holds = (low[:bodies] <= low[each]).all(axis=1) & (high[:bodies] <= high[each]).all(axis=1)
+        solid[each] = np.where(holds, size, np.inf).argmin()
+    return replace(brep, faces=replace(faces, shell=shell), solid=solid)

@@ -15,7 +15,7 @@ from scaffold_cad.errors import FormatError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.subdivision import Subdivision
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.products.breps import analytic_faces, to_brep
+from scaffold_cad.products.breps import faces_of_struts, to_brep
 from scaffold_cad.products.overlaps import Overlaps, to_unite
 from scaffold_cad.products.surfaces import surface_of
 from scaffold_cad.scaffold import Scaffold
@@ -111,9 +111,7 @@ class Content:
         what = self.what
         if self.factor != 1.0 or not isinstance(what, RoundStruts):
             return None
-        if self._unites(what.overlapping, what.skeleton):
-            return None
-        return analytic_faces(what)
+        return faces_of_struts(what, self.overlaps or "refuse")
 
     def _unites(self, edges: Ints, skeleton: Skeleton) -> bool:
         """Return whether struts that overlap are united, in a B-rep, or refuse them."""

@@ -12,11 +12,11 @@ from scaffold_cad.brep.beziermesh import BezierMesh
 from scaffold_cad.brep.g1 import Patches, smooth_patches
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
-from scaffold_cad.products.facets import faceted
+from scaffold_cad.products.facets import check_facets, facets_of
 from scaffold_cad.products.overlaps import Overlaps, to_unite
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.solid.manifolds import manifold_triangles
-from scaffold_cad.solid.rounds import coarse_union
+from scaffold_cad.solid.mixed import mixed_brep
 from scaffold_cad.solid.solid import to_solid
 from scaffold_cad.struts import RoundStruts
 from scaffold_cad.struts.faces import brep_of_struts
@@ -80,26 +80,30 @@ def to_brep(
     if split is not None and not smooth:
         raise OptionError("split is for smooth=True; need it too, or split left out")
     if isinstance(what, RoundStruts):
-        if to_unite(overlaps, what.overlapping, what.skeleton):
-            return faceted(coarse_union(what))
-        return brep.brep_of_faces(analytic_faces(what), kind)
+        return brep.brep_of_faces(faces_of_struts(what, overlaps), kind)
     if isinstance(what, Scaffold):
         if to_unite(overlaps, what.embedding().left_out, what.skeleton):
-            return faceted(manifold_triangles(to_solid(what)))
+            faces = facets_of(manifold_triangles(to_solid(what)))
+            return brep.brep_of_faces(faces, kind)
         what = what.mesh
     if smooth and isinstance(what, QuadMesh):
         what = smooth_patches(what, split=split)
     return brep.brep_of_patches(what.bezier if isinstance(what, Patches) else what, kind)
 
 
-def analytic_faces(struts: RoundStruts) -> AnalyticBrep:
+def faces_of_struts(struts: RoundStruts, overlaps: Overlaps) -> AnalyticBrep:
     """Return the faces of round struts as arrays, checked to be closed.
 
     Raises
     ------
     BrepError
-        If an edge is too short for CAD systems.
+        If struts overlap and are refused, or an edge is too short for CAD systems, or crowded
+        struts have too many facets.
     """
-    faces = brep_of_struts(struts)
+    if to_unite(overlaps, struts.overlapping, struts.skeleton):
+        faces = mixed_brep(struts)
+        check_facets(faces)
+    else:
+        faces = brep_of_struts(struts)
     faces.check_closed()
     return faces

@@ -6,42 +6,48 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Ints
-from scaffold_cad.base.backends import need
-from scaffold_cad.base.topology import component_labels
+from scaffold_cad import brep
+from scaffold_cad.brep.analytic import AnalyticBrep, Surface
+from scaffold_cad.brep.facets import brep_of_triangles
+from scaffold_cad.brep.joining import with_voids
 from scaffold_cad.errors import BrepError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.solid.field.pieces import pieces_of
 
 if TYPE_CHECKING:
     from build123d import Shape
 
-MOST_TRIANGLES = 10_000
-"""Most triangles of a union that become faces: CAD programs are slow with more."""
+MOST_FACETS = 100_000
+"""Most plane faces of a union: CAD programs are slow with more."""
 
 
 def faceted(mesh: TriangleMesh) -> Shape:
-    """Return a closed mesh as a B-rep, each triangle a plane face.
+    """Return a closed mesh as a B-rep, each triangle a plane face, see `facets_of`."""
+    return brep.brep_of_faces(facets_of(mesh))
+
+
+def facets_of(mesh: TriangleMesh) -> AnalyticBrep:
+    """Return a plane face for each triangle of a closed mesh, a solid for each connected body.
 
     Raises
     ------
     BrepError
-        If it has more than 10 000 triangles, or one without area.
+        If it has too many triangles, or one without area.
     """
-    if len(mesh.triangles) > MOST_TRIANGLES:
+    name = np.zeros(len(mesh.triangles), dtype=np.intp)
+    faces = brep_of_triangles(mesh, name, ("union of struts",))
+    check_facets(faces)
+    pieces = pieces_of(mesh)
+    void = np.zeros(len(faces.solid), dtype=np.bool_)
+    void[faces.faces.shell[pieces.volumes[pieces.piece_of[mesh.triangles[:, 0]]] < 0]] = True
+    return with_voids(faces, void)
+
+
+def check_facets(faces: AnalyticBrep) -> None:
+    """Raise if there are more plane faces than CAD programs work with."""
+    count = int((faces.faces.kinds == Surface.PLANE).sum())
+    if count > MOST_FACETS:
         raise BrepError(
-            f"the union of the struts has {len(mesh.triangles)} triangles; need "
-            f"{MOST_TRIANGLES} or less for a B-rep (to_mesh_shape(to_solid(...)) shows and "
-            "exports any number)"
+            f"the union of the struts has {count} plane facets; need {MOST_FACETS} or less for a "
+            "B-rep (to_mesh_shape(to_solid(...)) shows and exports any number)"
         )
-    need("build123d", "a B-rep")
-    from scaffold_cad.brep import occtmeshes
-
-    return occtmeshes.solid_of_triangles(mesh.vertices, mesh.triangles, _shell_of_triangle(mesh))
-
-
-def _shell_of_triangle(mesh: TriangleMesh) -> Ints:
-    """Return the shell of each triangle, shape (t,)."""
-    links = mesh.triangles[:, [0, 1, 1, 2]].reshape(-1, 2)
-    part = component_labels(links, len(mesh.vertices))
-    _, shell = np.unique(part[mesh.triangles[:, 0]], return_inverse=True)
-    return shell.reshape(-1)

@@ -13,8 +13,7 @@ from scaffold_cad.base.arguments import as_count, check_kind
 from scaffold_cad.base.arrays import Bools
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.solid.clusters import surface_of, unseen, whole_struts
-from scaffold_cad.solid.field import field_solid
+from scaffold_cad.solid.clusters import surface_of, unseen
 from scaffold_cad.struts.apart import Slack, crossings
 from scaffold_cad.struts.bands import polygon_slack
 from scaffold_cad.struts.model import RoundStruts
@@ -62,13 +61,6 @@ def faulty_runs(struts: RoundStruts, made: Triangulated, sides: int) -> Bools:
     runs = struts.crowded_runs | faulty[struts.runs.edges].any(axis=1)
     runs[found.runs] = True
     return runs
-
-
-def coarse_union(struts: RoundStruts) -> TriangleMesh:
-    """Return the union of round struts with few triangles, for formats where each is a face."""
-    check_kind(struts, RoundStruts)
-    fields = whole_struts(struts)
-    return field_solid(fields, cell=float(fields.radii.max())).mesh
 
 
 def check_sides(sides: int) -> None:

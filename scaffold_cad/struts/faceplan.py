@@ -11,7 +11,6 @@ from scaffold_cad.partition.arcs import side_twins
 from scaffold_cad.struts.curvefaces import CurveParts
 from scaffold_cad.struts.elbows import Tori, tori_of
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
-from scaffold_cad.struts.options import Ends
 from scaffold_cad.struts.seams import Seams, seams
 
 
@@ -33,8 +32,10 @@ class FacePlan(Frozen):
     """Half-runs at extremities, shape (e,)."""
     end_rank: Ints
     """Place of each half-run in `ends`, or -1, shape (2 k,)."""
-    caps: Ends
-    """How struts end."""
+    discs: Ints
+    """Places in `ends` of the flat ends, shape (d,)."""
+    balls: Ints
+    """Places in `ends` of the round ends, shape (b,)."""
     run_face: Ints
     """Place of each run's face among those of all runs, cylinders first, shape (k,)."""
     curves: CurveParts
@@ -43,8 +44,13 @@ class FacePlan(Frozen):
     """Elbows."""
 
     @staticmethod
-    def of(struts: RoundStruts) -> FacePlan:
-        """Return the plan of the faces of struts, each of which is straight somewhere."""
+    def of(struts: RoundStruts, open_at: Bools | None = None) -> FacePlan:
+        """Return the plan of the faces of struts, each of which is straight somewhere.
+
+        Parameters
+        ----------
+        open_at : (n,) nodes where struts end without a face; none by default
+        """
         runs = struts.runs
         at_end = runs.valency[runs.tails] == 1
         found = seams(struts)
@@ -55,7 +61,10 @@ class FacePlan(Frozen):
         run_face[np.argsort(is_cone, kind="stable")] = np.arange(len(is_cone))
         count = len(runs.tails)
         ranks = [_rank(members, count) for members in (ringed, split, ends)]
-        caps = struts.options.ends
+        closed = np.ones(len(ends), dtype=np.bool_)
+        if open_at is not None:
+            closed = ~open_at[runs.tails[ends]]
+        kind = struts.options.ends
         is_torus = np.isfinite(struts.curves.tori)
         return FacePlan(
             struts,
@@ -66,7 +75,8 @@ class FacePlan(Frozen):
             ranks[1],
             ends,
             ranks[2],
-            caps,
+            np.flatnonzero(closed & (kind == "flat")),
+            np.flatnonzero(closed & (kind == "round")),
             run_face,
             CurveParts.of(struts.curves.chosen(~is_torus)),
             tori_of(runs, struts.curves.half_runs[is_torus], struts.curves.tori[is_torus]),
@@ -98,7 +108,7 @@ class FacePlan(Frozen):
     @property
     def torus_seams(self) -> int:
         """Number of the first seam of a torus."""
-        return self.meridians + (len(self.ends) if self.caps == "round" else 0)
+        return self.meridians + len(self.balls)
 
     @property
     def curve_rings(self) -> int:
@@ -140,7 +150,7 @@ class FacePlan(Frozen):
     @property
     def node_vertices(self) -> int:
         """Number of the first corner of a node."""
-        return self.poles + (len(self.ends) if self.caps == "round" else 0)
+        return self.poles + len(self.balls)
 
     @property
     def curve_vertices(self) -> int:
@@ -153,7 +163,7 @@ class FacePlan(Frozen):
     @property
     def strut_faces(self) -> int:
         """Number of the first face of a strut."""
-        return len(self.ends) if self.caps == "flat" else 0
+        return len(self.discs)
 
     @property
     def domes(self) -> int:
@@ -163,7 +173,7 @@ class FacePlan(Frozen):
     @property
     def torus_faces(self) -> int:
         """Number of the first torus."""
-        return self.domes + (len(self.ends) if self.caps == "round" else 0)
+        return self.domes + len(self.balls)
 
     @property
     def patch_faces(self) -> int:
@@ -238,7 +248,7 @@ def owners(quads: Ints) -> tuple[Ints, Bools]:
 
 def domes(plan: FacePlan) -> tuple[Points, Floats, Floats]:
     """Return center and radius of the spheres at round ends, and the latitude of their rings."""
-    runs, ends = plan.struts.runs, plan.ends
+    runs, ends = plan.struts.runs, plan.ends[plan.balls]
     radius = runs.radii.reshape(-1)[ends]
     growth = -runs.slopes[ends]  # outward
     center = runs.nodes[runs.tails[ends]] - (radius * growth)[:, None] * runs.directions[ends]

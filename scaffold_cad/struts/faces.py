@@ -42,6 +42,7 @@ from scaffold_cad.struts.faceuses import (
     torus_uses,
 )
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
+from scaffold_cad.struts.runs import Runs
 from scaffold_cad.struts.seams import QUARTER
 from scaffold_cad.struts.sockets import bores
 from scaffold_cad.struts.splines import Spline
@@ -55,12 +56,12 @@ def brep_of_struts(struts: RoundStruts) -> AnalyticBrep:
     struts = struts if struts.inner is None else replace(struts, inner=struts.inner.straight)
     struts = struts.straight
     plan = FacePlan.of(struts)
-    outer = _shells_of(plan)
+    outer = shells_of(plan)
     if struts.inner is None:
         return outer
     is_open = np.zeros(len(outer.solid), dtype=np.bool_)
     inside = FacePlan.of(struts.inner)
-    void = _shells_of(inside)
+    void = shells_of(inside)
     if struts.options.ends != "open":
         return hollow(outer, void, PlaneRings.none(), is_open)
     runs, ends, inner_rings = struts.runs, plan.ends, inside.end_rings + np.arange(len(plan.ends))
@@ -117,13 +118,10 @@ def _bored(
     return extended(void, parts, shoulders), rings
 
 
-def _shells_of(plan: FacePlan) -> AnalyticBrep:
+def shells_of(plan: FacePlan) -> AnalyticBrep:
     """Return the outer faces of struts, but for the ends of open ones."""
     uses = [patch_uses(plan), strut_uses(plan), curve_uses(plan), torus_uses(plan)]
-    if plan.caps == "flat":
-        uses.append(cap_uses(plan))
-    elif plan.caps == "round":
-        uses.append(dome_uses(plan))
+    uses += [cap_uses(plan), dome_uses(plan)]
     face, order, edge, forward, parameters = (
         np.concatenate(column) for column in zip(*uses, strict=True)
     )
@@ -156,10 +154,9 @@ def _points(plan: FacePlan) -> Points:
     )
     splits = ring_points(plan, plan.split, plan.seams.angle[plan.split])
     ends = ring_points(plan, plan.ends, np.zeros(len(plan.ends)))
-    points = [corners, splits, ends]
-    if plan.caps == "round":
-        center, size, _ = domes(plan)
-        points.append(center - size[:, None] * plan.struts.runs.directions[plan.ends])
+    center, size, _ = domes(plan)
+    poles = center - size[:, None] * plan.struts.runs.directions[plan.ends[plan.balls]]
+    points = [corners, splits, ends, poles]
     for group, *_ in groups_of(plan):
         points.append(placed(plan, group)[0].reshape(-1, 3))
     return np.concatenate([*points, plan.curves.ring_points])
@@ -189,15 +186,14 @@ def _edges(plan: FacePlan) -> BrepEdges:
     radii = [runs.radii_at(half_run, plan.struts.collar[half_run])]
     circles = [angles, rest_angles, ring_angles]
     pairs = [seam, arc_ends, rest_ends, ring]
-    if plan.caps == "round":
-        middle_of, size, latitude = domes(plan)
-        outward = -runs.directions[ends]
-        origin.append(middle_of)
-        z.append(np.cross(plan.struts.x[ends], outward))
-        x.append(plan.struts.x[ends])
-        radii.append(size)
-        circles.append(np.stack([latitude, np.full(len(ends), QUARTER)], axis=1))
-        pairs.append(np.stack([ring[:, 0], plan.poles + np.arange(len(ends))], axis=1))
+    middle_of, size, latitude = domes(plan)
+    domed = ends[plan.balls]
+    origin.append(middle_of)
+    z.append(np.cross(plan.struts.x[domed], -runs.directions[domed]))
+    x.append(plan.struts.x[domed])
+    radii.append(size)
+    circles.append(np.stack([latitude, np.full(len(domed), QUARTER)], axis=1))
+    pairs.append(np.stack([ring[plan.balls, 0], plan.poles + np.arange(len(domed))], axis=1))
     tori = plan.tori
     corner = 4 * plan.rank[tori.half_runs]  # (q, 2)
     origin.append(tori.centers)
@@ -257,8 +253,9 @@ def _node_curves(
 def _surfaces(plan: FacePlan) -> tuple[Ints, Axes, Floats, tuple[SplinePatches, ...]]:
     """Return the kinds of faces, their axes and sizes, and the patches."""
     struts, runs = plan.struts, plan.struts.runs
-    ends, near = plan.ends, plan.seams.near
-    outward, node = -runs.directions[ends], runs.nodes[runs.tails[ends]]
+    near = plan.seams.near
+    flat, round_ = plan.ends[plan.discs], plan.ends[plan.balls]
+    center, size, _ = domes(plan)
     slope = runs.slopes[near]
     in_order = np.argsort(plan.run_face)
     angle = plan.seams.angle[near]
@@ -267,19 +264,20 @@ def _surfaces(plan: FacePlan) -> tuple[Ints, Axes, Floats, tuple[SplinePatches, 
     origin = runs.nodes[runs.tails[near]] + struts.collar[near, None] * axis
     radius = runs.radii_at(near, struts.collar[near])
     columns = [
+        (runs.nodes[runs.tails[flat]], -runs.directions[flat], struts.x[flat]),
         (origin[in_order], axis[in_order], seam_x[in_order]),
+        (center, -runs.directions[round_], struts.x[round_]),
     ]
-    sizes = [np.stack([radius, np.arctan(slope)], axis=1)[in_order]]
-    kinds = [np.where(slope[in_order] == 0, Surface.CYLINDER, Surface.CONE)]
-    if plan.caps == "flat":
-        columns.insert(0, (node, outward, struts.x[ends]))
-        sizes.insert(0, np.zeros((len(ends), 2)))
-        kinds.insert(0, np.full(len(ends), Surface.PLANE))
-    elif plan.caps == "round":
-        center, size, _ = domes(plan)
-        columns.append((center, outward, struts.x[ends]))
-        sizes.append(np.stack([size, np.zeros(len(ends))], axis=1))
-        kinds.append(np.full(len(ends), Surface.SPHERE))
+    sizes = [
+        np.zeros((len(flat), 2)),
+        np.stack([radius, np.arctan(slope)], axis=1)[in_order],
+        np.stack([size, np.zeros(len(round_))], axis=1),
+    ]
+    kinds = [
+        np.full(len(flat), Surface.PLANE),
+        np.where(slope[in_order] == 0, Surface.CYLINDER, Surface.CONE),
+        np.full(len(round_), Surface.SPHERE),
+    ]
     tori = plan.tori
     columns.append((tori.centers, tori.z, tori.x))
     sizes.append(np.stack([tori.radii, runs.radii.reshape(-1)[tori.half_runs[:, 0]]], axis=1))
@@ -315,10 +313,8 @@ def _nodes_of_faces(plan: FacePlan) -> Ints:
     ]
     of_curves = plan.struts.curves.nodes[plan.curves.curves.pieces[plan.curves.first] + 1]
     patches.append(np.repeat(of_curves, 4))
-    before = at_ends if plan.caps == "flat" else at_ends[:0]
-    after = at_ends if plan.caps == "round" else at_ends[:0]
     at_tori = runs.tails[plan.tori.half_runs[:, 0]]
-    return np.concatenate([before, struts, after, at_tori, *patches])
+    return np.concatenate([at_ends[plan.discs], struts, at_ends[plan.balls], at_tori, *patches])
 
 
 def _shell_of_nodes(struts: RoundStruts) -> Ints:
@@ -348,17 +344,21 @@ def _names(plan: FacePlan) -> Ints:
 def _texts(plan: FacePlan) -> tuple[str, ...]:
     """Return the names of runs, then those of nodes, of curves and of tori."""
     runs = plan.struts.runs
-    edge = np.full(len(runs.edges), len(runs.run_of_edge))
-    straight = np.flatnonzero(runs.run_of_edge >= 0)
-    np.minimum.at(edge, runs.run_of_edge[straight], straight)
     curves = plan.curves.curves
     joints = np.where(curves.nodes >= 0, curves.nodes, len(runs.nodes))
     lowest = np.minimum.reduceat(joints, curves.offsets[:-1]) if len(joints) else joints
     of_node = np.where(runs.valency == 1, "end", "node")
-    names = [f"strut {number}" for number in edge.tolist()]
     return (
-        *names,
+        *run_names(runs),
         *(f"{kind} {node}" for node, kind in enumerate(of_node.tolist())),
         *(f"curve {node}" for node in lowest.tolist()),
         *(f"bend {node}" for node in runs.tails[plan.tori.half_runs[:, 0]].tolist()),
     )
+
+
+def run_names(runs: Runs) -> list[str]:
+    """Return the name of each run: the strut of its lowest edge."""
+    edge = np.full(len(runs.edges), len(runs.run_of_edge))
+    straight = np.flatnonzero(runs.run_of_edge >= 0)
+    np.minimum.at(edge, runs.run_of_edge[straight], straight)
+    return [f"strut {number}" for number in edge.tolist()]

@@ -175,19 +175,19 @@ def _ring_uses(
 
 def cap_uses(plan: FacePlan) -> Uses:
     """Return the rings around plane ends."""
-    count = len(plan.ends)
+    count = len(plan.discs)
     nothing = np.full(count, np.nan)
-    rings = plan.end_rings + np.arange(count)
+    rings = plan.end_rings + plan.discs
     return _rows(np.arange(count), 0, rings, False, (nothing, nothing, nothing, nothing))
 
 
 def dome_uses(plan: FacePlan) -> Uses:
     """Return the edges around spheres at round ends: the ring, and a meridian to the pole."""
     _, _, low = domes(plan)
-    count = len(plan.ends)
+    count = len(plan.balls)
     face, number = plan.domes + np.arange(count), np.arange(count)
     zero, turn, top = np.zeros(count), np.full(count, TURN), np.full(count, QUARTER)
-    ring, meridian = plan.end_rings + number, plan.meridians + number
+    ring, meridian = plan.end_rings + plan.balls, plan.meridians + number
     return joined(
         [
             _rows(face, 0, ring, False, (turn, low, zero, low)),

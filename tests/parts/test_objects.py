@@ -17,7 +17,6 @@ import pytest
 import trimesh
 
 from scaffold_cad.brep import tessellated
-from scaffold_cad.brep.occtmeshes import solid_of_triangles
 from scaffold_cad.errors import BrepError, MeshError, OptionError, SkeletonError
 from scaffold_cad.filling import fill
 from scaffold_cad.lattice import CylinderMap
@@ -33,6 +32,7 @@ from scaffold_cad.parts import (
     to_mesh_shape,
 )
 from scaffold_cad.parts.models import Section
+from scaffold_cad.products.facets import facets_of
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import to_solid
@@ -89,9 +89,8 @@ def test_a_union_with_a_triangle_without_area_has_no_brep() -> None:
     triangles = np.concatenate([split, CUBE.triangles[1:]])
     vertices = np.concatenate([CUBE.vertices, CUBE.vertices[[a, b]].mean(axis=0)[None]])
     TriangleMesh(vertices, triangles).check_closed()
-    shell = np.zeros(len(triangles), dtype=np.intp)
     with pytest.raises(BrepError, match=rf"triangle 2 with vertices \[{a}, {b}, {middle}\] has no"):
-        solid_of_triangles(vertices, triangles, shell)
+        facets_of(TriangleMesh(vertices, triangles))
 
 
 def test_builder_adds() -> None:
@@ -491,11 +490,12 @@ def test_struts_that_overlap_are_united_if_asked() -> None:
     assert len(part.joints) == 4
 
 
-def test_round_struts_are_united_as_plane_facets() -> None:
+def test_round_struts_are_facets_where_they_overlap_and_cylinders_beside() -> None:
     part = RoundStrutsSolid(CLOSE, overlaps="unite")
     assert part.volume == pytest.approx(to_solid(round_struts(CLOSE)).volume(), rel=0.005)
     assert part.is_valid
-    assert {face.geom_type for face in part.faces()} == {bd.GeomType.PLANE}
+    kinds = {face.geom_type for face in part.faces()}
+    assert kinds == {bd.GeomType.PLANE, bd.GeomType.CYLINDER}
 
 
 def test_unions_of_several_parts_are_several_solids() -> None:
@@ -510,8 +510,8 @@ def test_unions_of_several_parts_are_several_solids() -> None:
 
 
 def test_unions_of_too_many_triangles_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("scaffold_cad.products.facets.MOST_TRIANGLES", 20)
-    with pytest.raises(BrepError, match=r"has \d+ triangles; need 20 or less .*to_mesh_shape"):
+    monkeypatch.setattr("scaffold_cad.products.facets.MOST_FACETS", 20)
+    with pytest.raises(BrepError, match=r"has \d+ plane facets; need 20 or less .*to_mesh_shape"):
         ScaffoldSolid(CLOSE, overlaps="unite")
 
 

@@ -192,13 +192,21 @@ def test_b_reps_refuse_by_default(make: Callable[[Skeleton], Any]) -> None:
         to_brep(make(CLOSE))
 
 
-@makers
-def test_b_reps_of_a_union_have_plane_faces(make: Callable[[Skeleton], Any]) -> None:
+def test_b_reps_of_square_struts_that_are_united_have_plane_faces() -> None:
     build123d = pytest.importorskip("build123d")
-    united = to_brep(make(CLOSE), overlaps="unite")
+    united = to_brep(build_scaffold(CLOSE), overlaps="unite")
     assert {face.geom_type for face in united.faces()} == {build123d.GeomType.PLANE}
-    # Fewer triangles than in a mesh: each is a face.
-    assert united.volume == pytest.approx(to_solid(make(CLOSE)).volume(), rel=0.005)
+    assert united.volume == pytest.approx(to_solid(build_scaffold(CLOSE)).volume(), rel=1e-6)
+
+
+def test_b_reps_of_round_struts_that_are_united_have_facets_where_these_overlap_only() -> None:
+    build123d = pytest.importorskip("build123d")
+    united = to_brep(round_struts(CLOSE), overlaps="unite")
+    cylinders = united.faces().filter_by(build123d.GeomType.CYLINDER)
+    assert len(cylinders) == 4  # each strut on both sides of the crossing
+    assert {cylinder.radius for cylinder in cylinders} == {1.0}
+    assert united.is_valid
+    assert united.volume == pytest.approx(to_solid(round_struts(CLOSE)).volume(), rel=0.005)
 
 
 def test_b_reps_of_what_is_allowed_are_exact_struts() -> None:

@@ -11,7 +11,7 @@ from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import tile
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import solidified, thicken, to_solid
-from scaffold_cad.solid.rounds import coarse_union, round_mesh
+from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts import round_struts
 from tests.crossings import check_as_written
 from tests.skeletons import CUBE, K4, NAMED, STICK_FIGURE, STRUT, TAPER, TRIPOD
@@ -81,14 +81,6 @@ def test_struts_that_overlap_become_one_solid() -> None:
     check_solid_of(CLOSE, solid.manifold)
     # Two cylinders of radius 1 that cross at right angles share 16/3 where their axes meet.
     assert np.pi * 36 - 16 / 3 < solid.manifold.volume() < np.pi * 36
-
-
-def test_a_union_for_faces_has_few_triangles_and_nearly_the_volume() -> None:
-    struts = round_struts(CLOSE)
-    coarse, fine = coarse_union(struts), round_mesh(struts)
-    check_as_written(coarse)
-    assert len(coarse.triangles) < 10_000
-    assert coarse.signed_volume == pytest.approx(fine.signed_volume, rel=0.005)
 
 
 def test_frames_of_round_struts_follow_their_radius() -> None:

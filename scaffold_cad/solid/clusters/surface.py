@@ -216,24 +216,24 @@ def _surface(
         ends = left.runs.tails[shell.ends]
         mesh, failed = shell.made.mesh, np.zeros(0, dtype=np.intp)
         if fields is not None:
-            field = _field(fields, sags, factor)
-            mesh, failed = _joined(clusters, shell, _filled(field), factor)
+            field = field_of(fields, sags, factor)
+            mesh, failed = _joined(clusters, shell, filled(field), factor)
         if len(failed) == 0:
             own = ends < len(nodes)
             around = shell.made.node
             return _Surface(mesh, ends[own], shell.rings[own], nodes, clusters.reached, around)
         _log.debug("%d of %d seams failed", len(failed), len(rest.cuts.node))
-        seeds = Spans.joined([seeds, _further(struts, clusters, failed)])
+        seeds = Spans.joined([seeds, further(struts, clusters, failed)])
     count = len(struts.skeleton.edges)
     _log.info("%d struts have too little room for rings of their own: made as a field", count)
-    mesh = _filled(_field(every, sags, factor))
+    mesh = filled(field_of(every, sags, factor))
     none = np.zeros((0, sides), dtype=np.intp)
     return _Surface(
         mesh, none[:, 0], none, np.ones(len(nodes), dtype=np.bool_), fillets, none[:, 0]
     )
 
 
-def _field(fields: FieldStruts, sags: Sags | None, factor: float) -> TriangleMesh:
+def field_of(fields: FieldStruts, sags: Sags | None, factor: float) -> TriangleMesh:
     """Return the surface of fields, whose coordinates are 32-bit numbers in the unit of a file."""
     sag = np.inf if sags is None else factor * sags.of(fields)
     if factor == 1.0:
@@ -242,7 +242,7 @@ def _field(fields: FieldStruts, sags: Sags | None, factor: float) -> TriangleMes
     return TriangleMesh(made.vertices / factor, made.triangles)
 
 
-def _filled(field: TriangleMesh) -> TriangleMesh:
+def filled(field: TriangleMesh) -> TriangleMesh:
     """Return a field without the voids that overlapping struts enclose."""
     mesh, voids = without_voids(field)
     if voids:
@@ -271,7 +271,7 @@ def _joined(
     return compacted(np.concatenate([points, made.vertices]), triangles), made.failed
 
 
-def _further(struts: RoundStruts, clusters: Clusters, failed: Ints) -> Spans:
+def further(struts: RoundStruts, clusters: Clusters, failed: Ints) -> Spans:
     """Return the stretches by which spans grow whose seams failed."""
     cuts, runs = clusters.rest.cuts, struts.runs
     run = clusters.spans.run[cuts.span[failed]]

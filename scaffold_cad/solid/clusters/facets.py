@@ -1,0 +1,133 @@
+"""Clusters as facets beside exact struts: fields that end in polygons inside of their circles.
+
+The mesh of a cluster is cut off across each strut that leaves it, as for meshes, and joined to a
+polygon in the plane in which the exact strut begins. The polygon lies inside the strut's circle,
+and the ring between both is a plane face of its own.
+"""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points
+from scaffold_cad.mesh.decimation import decimated
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
+from scaffold_cad.solid.clusters.growth import Clusters, clusters_of
+from scaffold_cad.solid.clusters.seams import seamed
+from scaffold_cad.solid.clusters.spans import Spans, no_spans
+from scaffold_cad.solid.clusters.surface import TRIES, field_of, filled, further
+from scaffold_cad.solid.field import FieldStruts
+from scaffold_cad.solid.field.solid import CELL_FRACTION, SWELL
+from scaffold_cad.struts.apart import Slack
+from scaffold_cad.struts.model import RoundStruts
+
+SIDES = 16
+"""Corners of the polygons in which clusters end."""
+
+INSET = 0.02
+"""How far the corners of polygons are inside of their circles, in radii: more than CAD programs
+take for one place."""
+
+FLAT = 0.02
+"""How far facets are off the field's surface, in radii of the struts there, by the root of the
+mean square."""
+
+MANY = 50_000
+"""Facets of a part from which on they become coarser."""
+
+SLACK = 2.0 * SWELL * CELL_FRACTION**2
+"""How much thicker than struts their fields are at most, in radii."""
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, eq=False)
+class Faceted(Frozen):
+    """Clusters as facets, and what is left beside them."""
+
+    clusters: Clusters | None
+    """Nodes and spans that are facets, and the struts that are left; None if all are facets."""
+    mesh: TriangleMesh
+    """The facets, open at the polygons: the first vertices are theirs."""
+    rings: Ints
+    """Vertices of the polygon at each cut, counter-clockwise about its `outward`, (c, SIDES)."""
+    half_runs: Ints
+    """Half-run that begins at each cut, among those left, shape (c,)."""
+
+
+def faceted(struts: RoundStruts, fillets: Floats, nodes: Bools) -> Faceted | None:
+    """Return the clusters of struts as facets, or None if there are none.
+
+    Parameters
+    ----------
+    fillets : (n,) fillet radius wanted at each node, mm
+    nodes : (n,) nodes that are in clusters in any case
+    """
+    seeds = no_spans()
+    for _ in range(TRIES):
+        clusters = clusters_of(struts, fillets, Slack(SLACK), nodes, seeds)
+        cuts, left = clusters.rest.cuts, clusters.rest.struts
+        if len(clusters.spans) == 0:
+            return None
+        if len(clusters.rest.run) == 0:
+            break
+        half_runs = _half_runs(left, cuts.node)
+        points, starts = _polygons(left, half_runs), left.x[half_runs]
+        rings = np.arange(len(points)).reshape(-1, SIDES)
+        fields = cluster_struts(struts, clusters)
+        made = seamed(filled(field_of(fields, None, 1.0)), cuts, points, rings, starts)
+        if len(made.failed) == 0:
+            vertices = np.concatenate([points, made.vertices])
+            mesh = _compacted(vertices, made.triangles, len(points))
+            return Faceted(clusters, _coarser(mesh, fields, rings), rings, half_runs)
+        _log.debug("%d of %d seams failed", len(made.failed), len(cuts.node))
+        seeds = Spans.joined([seeds, further(struts, clusters, made.failed)])
+        nodes = clusters.nodes
+    none, fields = np.zeros((0, SIDES), dtype=np.intp), whole_struts(struts)
+    mesh = _coarser(filled(field_of(fields, None, 1.0)), fields, none)
+    return Faceted(None, mesh, none, none[:, 0])
+
+
+def _coarser(mesh: TriangleMesh, fields: FieldStruts, rings: Ints) -> TriangleMesh:
+    """Return the mesh of a field with fewer triangles."""
+    count = 1 + np.ceil(fields.lengths / fields.radii.min(axis=1)).astype(np.intp)
+    which = np.repeat(np.arange(len(count)), count)
+    step = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
+    share = (step / np.maximum(count - 1, 1)[which])[:, None]
+    start, end = np.moveaxis(fields.ends[which], 1, 0)
+    radii = (1.0 - share[:, 0]) * fields.radii[which, 0] + share[:, 0] * fields.radii[which, 1]
+    near = cKDTree(start + share * (end - start)).query(mesh.vertices)[1]
+    return decimated(mesh, FLAT * radii[near], rings.reshape(-1), MANY)
+
+
+def _half_runs(left: RoundStruts, nodes: Ints) -> Ints:
+    """Return the half-runs that leave nodes of one strut, (c,)."""
+    of_node = np.full(len(left.runs.nodes), -1)
+    of_node[left.runs.tails] = np.arange(len(left.runs.tails))
+    return of_node[nodes]
+
+
+def _polygons(left: RoundStruts, half_runs: Ints) -> Points:
+    """Return the polygons in the circles at the nodes of half-runs (c,), (c SIDES, 3), mm."""
+    runs = left.runs
+    angle = 2 * np.pi / SIDES * np.arange(SIDES)
+    x = left.x[half_runs]
+    y = np.cross(runs.directions[half_runs], x)
+    around = np.cos(angle)[:, None] * x[:, None] + np.sin(angle)[:, None] * y[:, None]
+    size = (1.0 - INSET) * runs.radii.reshape(-1)[half_runs]
+    center = runs.nodes[runs.tails[half_runs]]
+    points: Points = center[:, None] + size[:, None, None] * around
+    return points.reshape(-1, 3)
+
+
+def _compacted(vertices: Points, triangles: Ints, kept: int) -> TriangleMesh:
+    """Return triangles with the vertices that they use, the first `kept` of which are all used."""
+    used = np.zeros(len(vertices), dtype=np.bool_)
+    used[triangles] = True
+    used[:kept] = True
+    return TriangleMesh(vertices[used], (np.cumsum(used) - 1)[triangles])

@@ -1,0 +1,170 @@
+"""B-reps of struts some of which are crowded: facets there only, exact faces beside, one shell."""
+
+from __future__ import annotations
+
+import logging
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from scaffold_cad.brep import brep_of_faces
+from scaffold_cad.brep.analytic import AnalyticBrep, Surface
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.solid.mixed import mixed_brep
+from scaffold_cad.solid.rounds import round_mesh
+from scaffold_cad.struts import RoundStruts, round_struts
+from scaffold_cad.struts.faces import brep_of_struts
+from tests.skeletons import K4
+
+TIPS = [[20, 0, 0], [19, 4, 0], [-15, 8, 0], [-9, -10, 17]]
+FOUR = [[0, i] for i in range(1, 5)]
+NARROW = Skeleton([[0, 0, 0], *TIPS], FOUR, 1.0)
+"""Four struts, two of them 12° apart: their node is crowded."""
+
+TAPERS = Skeleton([[0, 0, 0], [20, 0, 0], [20, 2, 0], *TIPS[2:]], FOUR, [1.2, 0.5, 0.6, 1.8, 0.9])
+
+CROSSING = Skeleton([[0, 0, 0], [40, 0, 0], [20, -16, 0.5], [20, 16, 0.5]], [[0, 1], [2, 3]], 1.0)
+"""Two struts that cross in their middles."""
+
+BESIDE = Skeleton(
+    np.vstack([K4.nodes * 10, K4.nodes[:1] * 10 + [[40, 0, 0], [40, 5, 0]]]),
+    np.vstack([K4.edges, [[0, 4], [0, 5]]]),
+    0.3,
+)
+
+SKELETONS = {"narrow": NARROW, "tapers": TAPERS, "cross": CROSSING}
+
+
+def kinds(faces: AnalyticBrep) -> Counter[Surface]:
+    return Counter(Surface(kind) for kind in faces.faces.kinds.tolist())
+
+
+def facets(faces: AnalyticBrep) -> int:
+    """Return how many faces are triangles of clusters."""
+    uses = np.diff(faces.faces.uses)[faces.faces.loops[:-1]]
+    return int(((faces.faces.kinds == Surface.PLANE) & (uses == 3)).sum())
+
+
+@pytest.mark.parametrize("ends", ["flat", "round"])
+@pytest.mark.parametrize("skeleton", SKELETONS.values(), ids=SKELETONS)
+def test_shells_are_closed_and_valid_with_the_volume_of_the_mesh(
+    skeleton: Skeleton, ends: str
+) -> None:
+    struts = round_struts(skeleton, ends=ends)  # type: ignore[arg-type]
+    assert len(struts.overlapping)
+    faces = mixed_brep(struts)
+    faces.check_closed()
+    shape = brep_of_faces(faces)
+    assert shape.is_valid
+    assert len(shape.solids()) == 1
+    assert shape.volume == pytest.approx(round_mesh(struts).signed_volume, rel=0.005)
+    assert kinds(faces)[Surface.SPHERE] == (4 if ends == "round" else 0)
+    assert facets(faces) < 2000
+
+
+@pytest.mark.parametrize("skeleton", SKELETONS.values(), ids=SKELETONS)
+def test_struts_beside_clusters_have_their_radius_and_axis(skeleton: Skeleton) -> None:
+    faces = mixed_brep(round_struts(skeleton))
+    analytic = faces.faces.kinds[faces.faces.kinds < Surface.SPLINE]
+    side = (analytic == Surface.CYLINDER) | (analytic == Surface.CONE)
+    assert side.sum() == 4
+    ends = skeleton.nodes[skeleton.edges]  # (m, 2, 3)
+    for origin, axis, (radius, slant) in zip(
+        faces.faces.axes.origin[side],
+        faces.faces.axes.z[side],
+        faces.faces.sizes[side],
+        strict=True,
+    ):
+        off = np.linalg.norm(np.cross(ends - origin, axis), axis=2).max(axis=1)
+        edge = int(off.argmin())
+        assert off[edge] < 1e-12
+        along = (ends[edge] - origin) @ axis
+        own = radius + np.tan(slant) * along
+        np.testing.assert_allclose(own, skeleton.edge_radii[edge], rtol=1e-12)
+
+
+def test_polygons_lie_within_the_circles_of_their_struts() -> None:
+    faces = mixed_brep(round_struts(CROSSING))
+    count = np.diff(faces.faces.loops)
+    rings = np.flatnonzero((faces.faces.kinds == Surface.PLANE) & (count == 2))
+    assert len(rings) == 4
+    for ring in rings.tolist():
+        outer, inner = range(faces.faces.loops[ring], faces.faces.loops[ring + 1])
+        uses = slice(faces.faces.uses[inner], faces.faces.uses[inner + 1])
+        points = faces.vertices[np.unique(faces.edges.ends[faces.faces.edge[uses]])]
+        middle, normal = faces.faces.axes.origin[ring], faces.faces.axes.z[ring]
+        np.testing.assert_allclose((points - middle) @ normal, 0.0, atol=1e-12)
+        away = np.linalg.norm(points - middle, axis=1)
+        assert (away < 0.99).all()
+        assert (away > 0.95).all()
+        assert faces.faces.uses[outer + 1] - faces.faces.uses[outer] == 1  # one whole circle
+
+
+def test_what_is_not_crowded_is_as_without_clusters() -> None:
+    struts = round_struts(BESIDE)
+    assert np.flatnonzero(struts.crowded).tolist() == [0]
+    found, alone = kinds(mixed_brep(struts)), kinds(brep_of_struts(round_struts(K4)))
+    # Three nodes of the four stay, with the struts between them.
+    assert found[Surface.SPLINE] == alone[Surface.SPLINE] * 3 / 4
+    assert found[Surface.CYLINDER] == alone[Surface.CYLINDER] + 2
+
+
+def test_faces_are_named_after_struts_and_clusters() -> None:
+    narrow = mixed_brep(round_struts(NARROW)).face_names
+    assert set(narrow) == {
+        "cluster of node 0",
+        *(f"strut {k}" for k in range(4)),
+        *(f"end {k}" for k in range(1, 5)),
+    }
+    crossing = mixed_brep(round_struts(CROSSING)).face_names
+    assert Counter(crossing)["strut 0"] == 2
+    assert "cluster of struts 0, 1" in crossing
+
+
+def test_clusters_are_logged(caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level(logging.INFO)
+    mixed_brep(round_struts(NARROW))
+    assert "plane facets, at cluster of node 0" in caplog.text
+
+
+def test_what_is_all_crowded_is_all_facets() -> None:
+    beside = Skeleton([[0, 0, 0], [9, 0, 0], [0, 1, 0], [9, 1, 0]], [[0, 1], [2, 3]], 1.0)
+    struts = round_struts(beside)
+    faces = mixed_brep(struts)
+    faces.check_closed()
+    assert kinds(faces) == {Surface.PLANE: len(faces.faces.kinds)}
+    shape = brep_of_faces(faces)
+    assert shape.is_valid
+    assert shape.volume == pytest.approx(round_mesh(struts).signed_volume, rel=0.01)
+
+
+def test_parts_that_do_not_touch_are_solids_of_their_own() -> None:
+    apart = CROSSING.moved(CROSSING.nodes + np.array([0, 0, 50]))
+    both = Skeleton(
+        np.vstack([CROSSING.nodes, apart.nodes, [[0, 0, 90], [9, 0, 90]]]),
+        np.vstack([CROSSING.edges, apart.edges + 4, [[8, 9]]]),
+        1.0,
+    )
+    shape = brep_of_faces(mixed_brep(round_struts(both)))
+    assert shape.is_valid
+    assert len(shape.solids()) == 3
+
+
+def test_where_nothing_is_crowded_all_faces_are_exact() -> None:
+    struts = round_struts(K4)
+    assert kinds(mixed_brep(struts)) == kinds(brep_of_struts(struts))
+
+
+def test_curves_and_tori_beside_clusters_stay() -> None:
+    angle = np.linspace(0, np.pi, 9)
+    arc = np.stack([10 * np.cos(angle) - 30, 10 * np.sin(angle), 0 * angle], axis=1)
+    nodes = np.vstack([NARROW.nodes, arc[::-1][1:] - [[0, -9, 0]], [[-15, 30, 0]]])
+    edges = [*FOUR, *([i, i + 1] for i in range(5, 12)), [3, 13]]
+    struts: RoundStruts = round_struts(Skeleton(nodes, edges, 1.0), bend="torus")
+    faces = mixed_brep(struts)
+    faces.check_closed()
+    found = kinds(faces)
+    assert found[Surface.TORUS] == 1
+    assert found[Surface.SPLINE] > 0
+    assert brep_of_faces(faces).is_valid
