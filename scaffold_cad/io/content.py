@@ -46,7 +46,7 @@ class Content:
     @property
     def kind(self) -> str:
         """The name of the type of `what`, for messages."""
-        return type(self.what).__name__
+        return "QuadMesh" if isinstance(self.what, QuadMesh) else type(self.what).__name__
 
     def skeleton(self, file: str) -> Skeleton:
         """Return `what` if it is a Skeleton; `file` says which file cannot hold others.

@@ -63,8 +63,9 @@ def test_round_struts_have_the_volume_of_their_cylinder(
         assert len(mesh.faces) == 4 * sides  # a band and two discs
         assert mesh.volume == pytest.approx(10 * np.pi, rel=1e-6)
     else:
-        assert mesh.volume == pytest.approx(10 * np.pi + 4 / 3 * np.pi, rel=0.01)
-        assert np.ptp(mesh.vertices[:, 0]) == pytest.approx(12.0, rel=1e-6)
+        assert mesh.volume == pytest.approx(10 * np.pi + 4 / 3 * np.pi, rel=1e-3)
+        # Facets of the volume of a ball reach a little beyond it.
+        assert np.ptp(mesh.vertices[:, 0]) == pytest.approx(12.0, abs=0.04)
 
 
 def test_a_wider_blend_adds_volume(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from scaffold_cad.printability import check_printability
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid.manifolds import manifold_triangles
 from tests.meshes import CUBE, OPEN_CUBE
-from tests.skeletons import K4, NAMED, TRIPOD
+from tests.skeletons import K4, NAMED
 from tests.validation.printability import (
     ADMESH,
     POWDER,
@@ -114,10 +114,12 @@ def test_the_filament_at_full_infill_has_the_volume_of_the_solid(
 
 
 @needs_slicer
-def test_a_part_that_stands_on_edges_is_refused_by_the_slicer_as_the_check_warns(
+def test_a_part_that_stands_on_an_edge_is_refused_by_the_slicer_as_the_check_warns(
     tmp_path: Path,
 ) -> None:
-    mesh = solid_of(TRIPOD.scaled(2.0))
+    y, z = 20.0 * CUBE.vertices[:, 1], 20.0 * CUBE.vertices[:, 2]
+    turned = np.stack([20.0 * CUBE.vertices[:, 0], y - z, y + z], axis=1)
+    mesh = TriangleMesh(turned, CUBE.triangles)
     assert check_printability(mesh, "fdm")["plate_contact"].verdict == "warning"
     write_stl(mesh, tmp_path / "part.stl")
     with pytest.raises(subprocess.CalledProcessError) as refused:
