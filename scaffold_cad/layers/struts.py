@@ -21,7 +21,7 @@ from scaffold_cad.layers.uniting import Solid
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
 from scaffold_cad.struts import RoundStruts
-from scaffold_cad.struts.bodies import NodeBodies, curve_bodies
+from scaffold_cad.struts.bodies import NodeBodies, beside_crowded, curve_bodies
 
 OVERLAP = 1e-3
 """How far struts reach into the bodies of their nodes, in their radii: where sections only touched
@@ -95,7 +95,8 @@ class StrutSections:
             first = self._bodies.mesh(equal[:1])
             at_zero = TriangleMesh(first.vertices - places[0], first.triangles)
             self._nodes.append(EqualNodeSections(at_zero, places))
-        curves = curve_bodies(struts, sides, nodes)
+        every = np.ones_like(struts.crowded) if own is None else own.nodes
+        curves = curve_bodies(struts, sides, every)
         self._curves = MeshSections(curves) if len(curves.triangles) else None
         self._fillets: FilletSections | None = None
         if struts.crowded.any() or struts.crowded_runs.any():
@@ -173,7 +174,8 @@ def cones_of(struts: RoundStruts, is_inside: bool, wanted: Own | None = None) ->
     begin = np.where(own, struts.collar - OVERLAP * radius, begin)
     ends = runs.nodes[runs.tails] + begin[:, None] * runs.directions
     radii = runs.radii_at(half_runs, begin).reshape(-1, 2)
-    straight = ~struts.curves.curved | struts.crowded_runs
+    crowded = struts.crowded_runs | struts.crowded[runs.edges].any(axis=1)
+    straight = ~struts.curves.curved | crowded
     if wanted is not None:
         straight = straight & wanted.runs
     cones = Cones(ends[0::2][straight], ends[1::2][straight], radii[straight])
@@ -196,10 +198,16 @@ def _with_bores(cones: Cones, struts: RoundStruts) -> Cones:
 
 
 def balls_of(struts: RoundStruts, wanted: Own | None = None) -> Balls:
-    """Return the balls at round ends, tangent to their strut, and those at crowded nodes."""
+    """Return the balls at round ends, tangent to their strut, and those at crowded nodes.
+
+    Where a curve is crowded beyond a joint there is one too.
+    """
     runs = struts.runs
     is_end = runs.valency[runs.tails] == 1
-    rounds, crowded = is_end & (struts.options.ends == "round"), struts.crowded
+    rounds, crowded = (
+        is_end & (struts.options.ends == "round"),
+        struts.crowded | beside_crowded(struts),
+    )
     if wanted is not None:
         rounds, crowded = rounds & np.repeat(wanted.runs, 2), crowded & wanted.nodes
     ends = np.flatnonzero(rounds)

@@ -6,6 +6,8 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Ints, Points, Triangles
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.struts.bands import enlargement
+from scaffold_cad.struts.curvecuts import CutCurves, cut_curves
 from scaffold_cad.struts.curverings import curve_rings
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.surface import (
@@ -118,28 +120,59 @@ def _kinds(numbers: Ints) -> Ints:
     return found
 
 
+def crowded_pieces(struts: RoundStruts) -> Bools:
+    """Return the pieces of curves that have no surface of their own, (p,)."""
+    curves = struts.curves
+    ends = np.stack([curves.nodes[curves.pieces], curves.nodes[curves.pieces + 1]], axis=1)
+    return np.asarray((struts.crowded[ends] & (ends >= 0)).any(axis=1))
+
+
+def beside_crowded(struts: RoundStruts) -> Bools:
+    """Return the joints at which curves end, as they are crowded beyond, (n,)."""
+    found = np.zeros_like(struts.crowded)
+    cut = cut_curves(struts.curves, crowded_pieces(struts), len(struts.runs.tails))
+    found[cut.nodes] = True
+    return found
+
+
 def curve_bodies(struts: RoundStruts, sides: int, chosen: Bools) -> TriangleMesh:
-    """Return the closed surfaces of curves, with discs at their ends.
+    """Return the closed surfaces of curves, with discs at their ends, but for crowded pieces.
 
     Parameters
     ----------
     sides : points of a ring, a multiple of 4
-    chosen : (n,) joints, none of them crowded; the curves are wanted whose first ones these are
+    chosen : (n,) joints; the curves are wanted whose first ones these are
     """
     first_joints = struts.curves.nodes[struts.curves.offsets[:-1] + 1]
-    curves = struts.curves.chosen(chosen[first_joints])
+    unwanted = ~chosen[first_joints][struts.curves.curve_of_piece]
+    count = len(struts.runs.tails)
+    cut = cut_curves(struts.curves, unwanted | crowded_pieces(struts), count)
+    curves = cut.curves
     ends = curves.half_runs[~curves.closed].reshape(-1)
-    rings = np.empty((len(struts.collar), sides), dtype=np.intp)
+    rings = np.empty((count + len(cut.nodes), sides), dtype=np.intp)
     rings[ends] = np.arange(len(ends) * sides).reshape(-1, sides)
-    own = own_rings(struts, ends, sized_rings(struts, sides), sides)  # (2 c', sides, 3)
+    circles = np.empty((len(rings), sides, 3))
+    real = ends[ends < count]
+    circles[real] = own_rings(struts, real, sized_rings(struts, sides), sides)
+    circles[count:] = _rings_at(cut, struts.runs.nodes[cut.nodes], sides)
+    own = circles[ends]  # (2 c', sides, 3)
     at_ends = own.reshape(-1, 2, sides, 3)
     made = curve_rings(curves, curves.turns, rings, at_ends, len(ends) * sides)
-    points = np.concatenate([own.reshape(-1, 3), made.points, ring_centers(struts, ends)])
+    points = np.concatenate([own.reshape(-1, 3), made.points, own.mean(axis=1)])
     middle = len(ends) * sides + len(made.points) + np.arange(len(ends))[:, None]
     middle = np.broadcast_to(middle, (len(ends), sides))
     discs = np.stack([middle, rings[ends], np.roll(rings[ends], -1, axis=1)], axis=-1)
     faces = [ring_triangles(points, made.low, made.high), discs.reshape(-1, 3)]
     return TriangleMesh(points, np.concatenate(faces))
+
+
+def _rings_at(cut: CutCurves, centers: Points, sides: int) -> Points:
+    """Return the rings at cuts, counter-clockwise about what is cut off, (v, sides, 3), mm."""
+    angle = 2 * np.pi / sides * np.arange(sides)
+    axes = np.stack([cut.x, np.cross(cut.outward, cut.x)], axis=1)
+    around = np.einsum("ks,vkx->vsx", np.stack([np.cos(angle), np.sin(angle)]), axes)
+    size = cut.radii * enlargement(np.zeros(1), sides)[0]
+    return np.asarray(centers[:, None] + size[:, None, None] * around)
 
 
 def _some_of(group: BlendedNodes, rows: Ints) -> BlendedNodes:

@@ -365,7 +365,6 @@ def _assembled(
     _crowd_curves(passed, crowded)
     crossing = crossings(runs, solved, passed, collar, options.ends, crowded)
     crowded |= crossing.nodes
-    _crowd_curves(passed, crowded)
     crowded_runs = no_room | crossing.struts | crowded[runs.edges].all(axis=1)
     return RoundStruts(
         skeleton, options, runs, solved, collar, passed, x, fillet, bends, crowded, crowded_runs
@@ -373,13 +372,10 @@ def _assembled(
 
 
 def _crowd_curves(passed: Curves, crowded: Bools) -> None:
-    """Mark all joints of curves of which a piece is not proved or a joint is crowded."""
-    of_joint = np.flatnonzero(passed.nodes >= 0)
-    of_circle = np.repeat(np.arange(len(passed.half_runs)), np.diff(passed.offsets))
-    bad = np.zeros(len(passed.half_runs), dtype=np.bool_)
-    bad[passed.curve_of_piece[~proved(passed)]] = True
-    bad[of_circle[of_joint[crowded[passed.nodes[of_joint]]]]] = True
-    crowded[passed.nodes[of_joint[bad[of_circle[of_joint]]]]] = True
+    """Mark the joints of pieces of curves that are not proved."""
+    folded = passed.pieces[~proved(passed)]
+    joints = passed.nodes[np.append(folded, folded + 1)]
+    crowded[joints[joints >= 0]] = True
 
 
 def _turn_ends(runs: Runs, x: UnitVectors) -> None:

@@ -42,7 +42,8 @@ ALONG = 3
 """Degree of pieces along the curve."""
 
 
-_NOT_OF_CIRCLES = ("offsets", "half_runs", "curved", "tori")
+NOT_OF_CIRCLES = ("offsets", "half_runs", "curved", "tori")
+"""Fields that have no row for each circle."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +109,7 @@ class Curves(Frozen):
         """Return some of the curves, for `keep` (c,)."""
         counts = np.diff(self.offsets)
         rows = np.repeat(keep, counts)
-        own = [each.name for each in fields(self) if each.name not in _NOT_OF_CIRCLES]
+        own = [each.name for each in fields(self) if each.name not in NOT_OF_CIRCLES]
         per_circle = {name: getattr(self, name)[rows] for name in own}
         offsets = np.concatenate([[0], np.cumsum(counts[keep])])
         half_runs, tori = self.half_runs[keep], self.tori[keep]

@@ -33,7 +33,7 @@ from scaffold_cad.layers import uniting
 from scaffold_cad.solid.manifolds import manifold_triangles
 from tests.meshes import CUBE, OPEN_CUBE
 from tests.skeletons import JACK, STRUT, TETRAPOD, TREFOIL, TRIPOD, ZIGZAG, star
-from tests.struts.chains import helix
+from tests.struts.chains import CROSSED_COIL, helix
 
 
 def volume(layers: Iterable[Layer]) -> float:
@@ -242,6 +242,13 @@ def test_layers_of_curves_have_their_volume(skeleton: Skeleton) -> None:
     assert struts.curves.curved.any()
     found = volume(slices(struts, thickness=0.05, sides=16))
     assert found == pytest.approx(to_solid(struts, sides=16).volume(), rel=2e-3)
+
+
+def test_layers_of_a_crossed_curve_have_its_volume() -> None:
+    struts = round_struts(CROSSED_COIL)
+    assert 0 < len(struts.overlapping) < 8
+    found = volume(slices(struts, thickness=0.05, sides=16))
+    assert found == pytest.approx(to_solid(struts, sides=16).volume(), rel=5e-3)
 
 
 def test_layers_of_sockets_have_their_volume() -> None:

@@ -35,3 +35,22 @@ HOOK = Skeleton(
     np.array(1.0),
 )
 """A long straight edge that passes into half a circle of radius 5."""
+
+
+def crossed(skeleton: Skeleton, place: int) -> Skeleton:
+    """Return a chain that a strut crosses at one of its nodes, a little beside it."""
+    here, count = skeleton.nodes[place], len(skeleton.nodes)
+    along = skeleton.nodes[(place + 1) % count] - skeleton.nodes[place - 1]
+    across = np.cross(along, here - skeleton.nodes.mean(axis=0))
+    across *= 4 / np.linalg.norm(across)
+    beside = here + 0.3 * along / np.linalg.norm(along)
+    return Skeleton(
+        np.vstack([skeleton.nodes, beside - across, beside + across]),
+        np.vstack([skeleton.edges, [[count, count + 1]]]),
+        np.append(skeleton.radii, [0.5, 0.5]),
+    )
+
+
+COIL = helix(60)
+CROSSED_COIL = crossed(COIL, 30)
+"""A helix that a strut crosses in the middle."""

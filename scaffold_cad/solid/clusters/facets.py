@@ -13,14 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
 from scaffold_cad.mesh.decimation import decimated
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
-from scaffold_cad.solid.clusters.growth import Clusters, clusters_of
+from scaffold_cad.solid.clusters.growth import Clusters, Core, clusters_of
 from scaffold_cad.solid.clusters.seams import seamed
-from scaffold_cad.solid.clusters.spans import Spans, no_spans
-from scaffold_cad.solid.clusters.surface import TRIES, field_of, filled, further
+from scaffold_cad.solid.clusters.spans import no_spans
+from scaffold_cad.solid.clusters.surface import TRIES, field_of, filled, grown
 from scaffold_cad.solid.field import FieldStruts
 from scaffold_cad.solid.field.solid import CELL_FRACTION, SWELL
 from scaffold_cad.struts.apart import Slack
@@ -60,17 +60,17 @@ class Faceted(Frozen):
     """Half-run that begins at each cut, among those left, shape (c,)."""
 
 
-def faceted(struts: RoundStruts, fillets: Floats, nodes: Bools) -> Faceted | None:
+def faceted(struts: RoundStruts, fillets: Floats, core: Core) -> Faceted | None:
     """Return the clusters of struts as facets, or None if there are none.
 
     Parameters
     ----------
     fillets : (n,) fillet radius wanted at each node, mm
-    nodes : (n,) nodes that are in clusters in any case
+    core : what is in clusters in any case
     """
     seeds = no_spans()
     for _ in range(TRIES):
-        clusters = clusters_of(struts, fillets, Slack(SLACK), nodes, seeds)
+        clusters = clusters_of(struts, fillets, Slack(SLACK), core, seeds)
         cuts, left = clusters.rest.cuts, clusters.rest.struts
         if len(clusters.spans) == 0:
             return None
@@ -86,8 +86,7 @@ def faceted(struts: RoundStruts, fillets: Floats, nodes: Bools) -> Faceted | Non
             mesh = _compacted(vertices, made.triangles, len(points))
             return Faceted(clusters, _coarser(mesh, fields, rings), rings, half_runs)
         _log.debug("%d of %d seams failed", len(made.failed), len(cuts.node))
-        seeds = Spans.joined([seeds, further(struts, clusters, made.failed)])
-        nodes = clusters.nodes
+        core, seeds = grown(struts, clusters, seeds, made.failed)
     none, fields = np.zeros((0, SIDES), dtype=np.intp), whole_struts(struts)
     mesh = _coarser(filled(field_of(fields, None, 1.0)), fields, none)
     return Faceted(None, mesh, none, none[:, 0])

@@ -9,15 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points
 from scaffold_cad.base.segments import nearest_on_segments
-from scaffold_cad.base.vectors import length
+from scaffold_cad.base.vectors import length, normalize
 from scaffold_cad.solid.clusters.remainder import Remainder, remainder
 from scaffold_cad.solid.clusters.spans import Spans, merged, no_spans, radii_at, tail_length
 from scaffold_cad.solid.clusters.stumps import GAP, Reaches, stumps
+from scaffold_cad.solid.clusters.zones import Lines, Zones, core_of, lines_to, zones_of
 from scaffold_cad.struts.apart import Slack, meeting
 from scaffold_cad.struts.curved import ALONG
 from scaffold_cad.struts.curveproof import proved
@@ -38,20 +40,39 @@ HALVINGS = 30
 SETTLED = 0.01
 """By how much spans may still grow where clusters have settled, in radii."""
 
+ALONG_CURVES = 6.0
+"""Length of curve, in radii, along which spans of it that come near each other are neighbors."""
+
 TAPERS = 4
 """Pieces that a span of a cone is cut into, so that its larger radius bounds little."""
 
 STRUT, NODE, SPAN, DUMMY = range(4)
 """What a piece is: of a strut left, of a node left, of a span, or of what is cut off a field."""
 
-FIELD = (SPAN, DUMMY, SPAN)
-"""What spans, what is cut off, and balls are."""
+FIELD = (SPAN, SPAN, DUMMY, SPAN)
+"""What spans, what leads to cuts of curves, what is cut off, and balls are."""
+
+
+@dataclass(frozen=True, eq=False)
+class Core(Frozen):
+    """What clusters hold in any case."""
+
+    nodes: Bools
+    """Shape (n,)."""
+    pieces: Bools
+    """Pieces of curves, shape (p,)."""
+
+    def with_nodes(self, nodes: Bools) -> Core:
+        """Return the same with more nodes (n,)."""
+        return Core(self.nodes | nodes, self.pieces)
 
 
 @dataclass(frozen=True, eq=False)
 class Clusters(Frozen):
     """Nodes and spans that are made as a field, and the struts that are left."""
 
+    core: Core
+    """What they began with, and what came near."""
     nodes: Bools
     """Shape (n,)."""
     spans: Spans
@@ -62,35 +83,42 @@ class Clusters(Frozen):
     """Fillet radius of each span, shape (q,), mm."""
     rest: Remainder
     """What is left."""
+    lines: Lines
+    """How the axes of the field lead to the cuts of curves."""
 
 
 def clusters_of(
-    struts: RoundStruts, fillets: Floats, slack: Slack, nodes: Bools, seeds: Spans
+    struts: RoundStruts, fillets: Floats, slack: Slack, core: Core, seeds: Spans
 ) -> Clusters:
-    """Return the least clusters that hold some nodes (n,) and spans.
+    """Return the least clusters that hold some nodes, pieces of curves and spans.
 
     Parameters
     ----------
     fillets : (n,) fillet radius wanted at each node, mm
     slack : how much thicker all are taken to be
     """
-    runs = struts.runs
-    bodies = joined([node_pieces(runs, struts.blended), curve_pieces(struts.curves)])
+    runs, curves = struts.runs, struts.curves
+    bodies = joined([node_pieces(runs, struts.blended), curve_pieces(curves)])
     reaches = Reaches(struts, fillets)
     while True:
-        nodes, spans, reached = _settled(reaches, nodes, seeds)
+        inside, zones, spans, reached = _settled(reaches, core, seeds)
         blend = _span_fillets(struts, spans, reached, fillets)
-        rest = remainder(struts, nodes, spans)
-        found = _Found(struts, bodies, rest, spans, reached, blend, nodes)
+        rest = remainder(struts, inside, spans, zones.pieces)
+        found = _Found(struts, bodies, rest, spans, reached, blend, inside, zones.pieces)
         joining, near = found.meeting(slack)
+        bent = curves.curved[near.run]
+        more = joining.pieces | np.isin(curves.run[curves.pieces], near.run[bent])
+        more &= curves.curved[curves.run[curves.pieces]] | joining.pieces
+        near = near.chosen(~bent)
         settled = spans.covers(near, SETTLED * runs.radii.min(axis=1)[near.run]).all()
-        if settled and not (joining & ~nodes).any():
-            return Clusters(nodes, spans, reached, blend, rest)
-        nodes, seeds = nodes | joining, Spans.joined([seeds, near])
+        if settled and not (joining.nodes & ~inside).any() and not (more & ~core.pieces).any():
+            return Clusters(core, inside, spans, reached, blend, rest, found.lines)
+        core = Core(core.nodes | joining.nodes, core.pieces | more)
+        seeds = Spans.joined([seeds, near])
 
 
-def unproved(struts: RoundStruts) -> Bools:
-    """Return the nodes whose blend is not proved, or whose struts have no room, shape (n,)."""
+def unproved(struts: RoundStruts) -> Core:
+    """Return the nodes whose blend is not proved, or whose struts have no room, and such pieces."""
     runs = struts.runs
     found = np.zeros(len(runs.nodes), dtype=np.bool_)
     for group in struts.blended:
@@ -98,48 +126,33 @@ def unproved(struts: RoundStruts) -> Bools:
         found[group.nodes[~good]] = True
     used = struts.collar.reshape(-1, 2).sum(axis=1)
     found[runs.edges[used > runs.lengths]] = True
-    curves = struts.curves
-    folded = curves.pieces[~proved(curves)]
-    at_joints = np.concatenate([curves.nodes[folded], curves.nodes[folded + 1]])
-    found[at_joints[at_joints >= 0]] = True
-    return with_curves(struts, found)
+    return Core(found, ~proved(struts.curves))
 
 
-def with_curves(struts: RoundStruts, nodes: Bools) -> Bools:
-    """Return nodes (n,), and all joints of curves that pass one of them."""
-    curves, found = struts.curves, nodes.copy()
-    circles = np.flatnonzero(curves.nodes >= 0)
-    of_circle = np.repeat(np.arange(len(curves.half_runs)), np.diff(curves.offsets))[circles]
-    inside = np.zeros(len(curves.half_runs), dtype=np.bool_)
-    inside[of_circle[nodes[curves.nodes[circles]]]] = True
-    found[curves.nodes[circles[inside[of_circle]]]] = True
-    return found
-
-
-def _settled(reaches: Reaches, nodes: Bools, seeds: Spans) -> tuple[Bools, Spans, Floats]:
-    """Return nodes, spans and the fillets of nodes, once all have room beside them."""
-    struts = reaches.struts
-    runs = struts.runs
+def _settled(reaches: Reaches, core: Core, seeds: Spans) -> tuple[Bools, Zones, Spans, Floats]:
+    """Return nodes, zones, spans and the fillets of nodes, once all have room beside them."""
+    struts, nodes = reaches.struts, core.nodes
+    runs, curves = struts.runs, struts.curves
     while True:
-        nodes = with_curves(struts, nodes)
-        made = stumps(reaches, nodes)
-        nodes = with_curves(struts, made.nodes)
+        zones = zones_of(curves, core.pieces | core_of(curves, nodes), len(nodes))
+        inside = nodes | zones.nodes
+        made = stumps(reaches, inside)
         collar = np.where(runs.valency[runs.tails] > 1, struts.collar, 0.0).reshape(-1, 2)
         free = np.stack([collar[:, 0], runs.lengths - collar[:, 1]], axis=1)
-        free = np.where(nodes[runs.edges], [-np.inf, np.inf], free)
-        half = np.flatnonzero(nodes[runs.tails])
+        free = np.where(made.nodes[runs.edges], [-np.inf, np.inf], free)
+        half = np.flatnonzero(made.nodes[runs.tails] & ~np.repeat(curves.curved, 2))
         run, reach = half >> 1, made.length[half]
         all_of = runs.lengths[run]
         first = half % 2 == 0
         low = np.where(first, 0.0, all_of - reach)
         high = np.where(first, reach, all_of)
-        whole = np.flatnonzero(made.whole)
+        whole = np.flatnonzero(made.whole | zones.runs(curves))
         every = Spans(whole, np.zeros(len(whole)), runs.lengths[whole])
         spans = merged(Spans.joined([Spans(run, low, high), every, seeds]), runs, free)
-        joined_nodes = nodes | spans.nodes(runs)
-        if np.array_equal(joined_nodes, nodes):
-            return nodes, spans, made.blend
-        nodes = joined_nodes
+        more = made.nodes | spans.chosen(~curves.curved[spans.run]).nodes(runs)
+        if not (more & ~inside).any():
+            return inside, zones, spans, made.blend
+        nodes = nodes | (more & ~inside)
 
 
 def _span_fillets(struts: RoundStruts, spans: Spans, reached: Floats, wanted: Floats) -> Floats:
@@ -162,16 +175,27 @@ class _Found:
     reached: Floats
     blend: Floats
     nodes: Bools
+    zone: Bools
 
-    def meeting(self, slack: Slack) -> tuple[Bools, Spans]:
-        """Return the nodes and the stretches of runs that have to join the clusters."""
+    @cached_property
+    def lines(self) -> Lines:
+        """How axes lead to the cuts of curves."""
+        cut = self.rest.cut_curves
+        first = len(self.rest.cuts.node) - len(cut.nodes)
+        return lines_to(self.struts.runs, self.struts.curves, cut, self.rest.cuts.base[first:])
+
+    def meeting(self, slack: Slack) -> tuple[Core, Spans]:
+        """Return what has to join the clusters, and the stretches of runs that do."""
         pieces, kind, radius, blend = self._pieces(slack.ratio)
         pairs = meeting(pieces, slack.of(pieces))
         kinds = kind[pairs]
         idle = (kinds == DUMMY).any(axis=1) & (kinds < SPAN).any(axis=1)
+        idle |= (kinds >= SPAN).all(axis=1) & self._along_one_curve(*pieces.run[pairs].T)
         pairs, kinds = pairs[~idle], kinds[~idle]
-        joining = np.zeros_like(self.nodes)
-        joining[pieces.nodes[pairs[kinds == NODE], 0]] = True
+        found = pairs[kinds == NODE]
+        at, folded = np.zeros_like(self.nodes), np.zeros_like(self.zone)
+        at[pieces.nodes[found[pieces.hull[found] >= 0], 0]] = True
+        folded[pieces.curve[found[pieces.curve[found] >= 0]]] = True
         both = pairs[(kinds != NODE).all(axis=1)]
         near = [no_spans()]
         for own, other in (both.T, both[:, ::-1].T):
@@ -179,14 +203,17 @@ class _Found:
             gap = np.maximum(gap, GAP * radius[own])
             inner = (kind[own] >= SPAN) & (kind[other] >= SPAN)
             near.append(_near(self.struts.runs, pieces, own, other, radius[other] + gap, inner))
-        return joining, Spans.joined(near)
+        return Core(at, folded), Spans.joined(near)
 
     def _pieces(self, slack: float) -> tuple[Pieces, Ints, Floats, Floats]:
         """Return all pieces, what they are, their radii without fillets, and their fillets."""
         rest, runs, cuts = self.rest, self.struts.runs, self.rest.cuts
         balls, sizes = balls_at(self.struts, self.nodes)
-        parts = [self._spans(), self._dummies(), _balls(runs, balls, sizes)]
-        blends = [self.blend[self._taper_of()], self.blend[cuts.span], self.reached[balls]]
+        parts = [self._spans(), self._leads(), self._dummies(), _balls(runs, balls, sizes)]
+        kept = self._taper_of()
+        kept = kept[~self.lines.passed[self.spans.run[kept]]]
+        lead = cuts.span[len(cuts.span) - len(self.lines.joints) :]
+        blends = [self.blend[row] for row in (kept, lead, cuts.span)] + [self.reached[balls]]
         kinds = [np.full(len(part.radius), kind) for part, kind in zip(parts, FIELD, strict=True)]
         radii = [part.radius for part in parts]
         pieces = [_padded(joined(parts), 0.5 * np.concatenate(blends))]
@@ -197,8 +224,9 @@ class _Found:
             left = strut_pieces(bands, curved, collar)
             of_run = rest.run[left.run]
             left = replace(left, nodes=runs.edges[of_run], run=of_run)
-            # Curves are in clusters as a whole.
             in_cluster = np.asarray(self.nodes[self.bodies.nodes].any(axis=1))
+            curve = np.flatnonzero(self.bodies.curve >= 0)
+            in_cluster[curve] = self.zone[self.bodies.curve[curve]]
             bodies = self.bodies.chosen(~in_cluster)
             pieces += [left, bodies]
             kinds += [np.full(len(left.run), STRUT), np.full(len(bodies.run), NODE)]
@@ -206,6 +234,23 @@ class _Found:
             blends.append(np.zeros(len(left.run) + len(bodies.run)))
         kind = np.concatenate(kinds)
         return joined(pieces), kind, np.concatenate(radii), np.concatenate(blends)
+
+    def _along_one_curve(self, one: Ints, other: Ints) -> Bools:
+        """Return whether pairs of runs (p,) follow each other nearly along a curve."""
+        curves = self.struts.curves
+        first = curves.pieces
+        way = length(curves.centers[first + 1] - curves.centers[first])
+        size = way / np.maximum(curves.radii[first], curves.radii[first + 1])
+        # A run that is curved from end to end is one piece, and balls have none.
+        of, place = (np.full(len(curves.curved) + 1, value) for value in (-1, 0.0))
+        bent = np.flatnonzero(curves.curved[curves.run[first]])
+        run = curves.run[first[bent]]
+        of[run], place[run] = curves.curve_of_piece[bent], (np.cumsum(size) - size / 2)[bent]
+        whole = np.bincount(curves.curve_of_piece, size, len(curves.closed))
+        apart = np.abs(place[one] - place[other])
+        closed = np.append(np.where(curves.closed, whole, np.inf), np.inf)[of[one]]
+        apart = np.minimum(apart, closed - apart)
+        return np.asarray((of[one] >= 0) & (of[one] == of[other]) & (apart < ALONG_CURVES))
 
     def _taper_of(self) -> Ints:
         """Return the span of each piece of a span."""
@@ -216,6 +261,7 @@ class _Found:
         """Return the pieces of spans; at nodes they end in balls."""
         runs, spans = self.struts.runs, self.spans
         which = self._taper_of()
+        which = which[~self.lines.passed[spans.run[which]]]
         count = np.bincount(which, minlength=len(spans))[which]
         piece = np.arange(len(which)) - np.searchsorted(which, which)
         run, low, high = spans.run[which], spans.low[which], spans.high[which]
@@ -224,6 +270,16 @@ class _Found:
         start = np.where(bounds[0] == 0, -radius, bounds[0])
         end = np.where(bounds[1] == runs.lengths[run], bounds[1] + radius, bounds[1])
         return _capsules(runs, run, start, end, radius, self._ends()[which])
+
+    def _leads(self) -> Pieces:
+        """Return what leads from joints to the cuts of curves."""
+        runs, cuts, joints = self.struts.runs, self.rest.cuts, self.lines.joints
+        first = len(cuts.node) - len(joints)
+        start, end = runs.nodes[joints], cuts.base[first:]
+        radius = np.maximum(cuts.radius[first:], radii_of(runs)[joints])
+        start = start - radius[:, None] * normalize(end - start)
+        nodes = np.stack([joints, self.rest.cut_curves.nodes], axis=1)
+        return _hull_less(start, end, radius, nodes, self.spans.run[cuts.span[first:]])
 
     def _dummies(self) -> Pieces:
         """Return what the struts of the field have past their cuts."""
@@ -241,6 +297,13 @@ class _Found:
         number = len(runs.nodes) + np.arange(2 * len(spans)).reshape(-1, 2)
         at_end = np.stack([spans.low == 0, spans.high == runs.lengths[spans.run]], axis=1)
         return np.where(at_end, runs.edges[spans.run], number)
+
+
+def radii_of(runs: Runs) -> Floats:
+    """Return the greatest radius of the runs at each node, mm, (n,)."""
+    found = np.zeros(len(runs.nodes))
+    np.maximum.at(found, runs.tails, runs.radii.reshape(-1))
+    return found
 
 
 def balls_at(struts: RoundStruts, nodes: Bools) -> tuple[Ints, Floats]:

@@ -8,7 +8,8 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.base.vectors import any_perpendicular
-from scaffold_cad.solid.clusters.spans import CUT, Spans, radii_at
+from scaffold_cad.solid.clusters.spans import BAND, CUT, Spans, radii_at
+from scaffold_cad.struts.curvecuts import CutCurves, cut_curves
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.runs import Runs
 
@@ -40,7 +41,9 @@ class Remainder(Frozen):
     run: Ints
     """Run of the whole that each run left is a part of, shape (b,)."""
     cuts: Cuts
-    """Two for each span but where it ends at nodes."""
+    """Two for each span but where it ends at nodes; then those of curves."""
+    cut_curves: CutCurves
+    """The curves left, and where they are cut."""
 
     @property
     def open_at(self) -> Bools:
@@ -50,30 +53,44 @@ class Remainder(Frozen):
         return found
 
 
-def remainder(struts: RoundStruts, nodes: Bools, spans: Spans) -> Remainder:
-    """Return the struts without `nodes` (n,) and `spans`, which leave room between them."""
+def remainder(struts: RoundStruts, nodes: Bools, spans: Spans, pieces: Bools) -> Remainder:
+    """Return the struts without `nodes` (n,) and `spans`, which leave room between them.
+
+    Parameters
+    ----------
+    pieces : (p,) of curves that are left out too
+    """
     runs = struts.runs
-    cuts, at_low, at_high = _cuts(runs, spans)
+    straight, at_low, at_high = _cuts(runs, spans)
     run, edges, half_run = _bands(runs, spans, at_low, at_high)
-    places = [runs.nodes, cuts.base + (CUT * cuts.radius)[:, None] * cuts.outward]
-    left = Runs.of(
-        np.concatenate(places),
-        edges,
-        _radii(runs, half_run, edges, cuts),
-        np.full_like(runs.run_of_edge, -1),  # an edge may be cut in several
-    )
+    cut = cut_curves(struts.curves, pieces, len(runs.tails), 2)
+    cuts = _with_curves(straight, struts, spans, cut)
     own = half_run >= 0
     collar = np.where(own, struts.collar[half_run], 0.0)
     x = np.where(own[:, None], struts.x[half_run], 0.0)
-    _turn_cuts(left, x, own)
     number = np.full(len(runs.tails), -1, dtype=np.intp)
     number[half_run[own]] = np.flatnonzero(own)
     blended = [_without(group, nodes, number) for group in struts.blended]
-    curves = struts.curves
-    kept = ~nodes[curves.nodes[curves.offsets[:-1] + 1]]
-    curved = curves.curved[run] & ~nodes[runs.edges[run]].any(axis=1)
-    curves = curves.chosen(kept)
+    # Beside the circles of cut curves stand short straight struts.
+    short = np.stack([cut.nodes, cuts.node[len(straight.node) :]], axis=1)
+    radii = [_radii(runs, half_run, edges, straight), np.repeat(cut.radii[:, None], 2, axis=1)]
+    places = [runs.nodes, cuts.base + (CUT * cuts.radius)[:, None] * cuts.outward]
+    left = Runs.of(
+        np.concatenate(places),
+        np.concatenate([edges, short]),
+        np.concatenate(radii),
+        np.full_like(runs.run_of_edge, -1),  # an edge may be cut in several
+    )
+    number = np.append(number, len(half_run) + np.arange(2 * len(cut.nodes)))
+    own = np.append(own, np.zeros(2 * len(cut.nodes), dtype=np.bool_))
+    x = np.concatenate([x, np.repeat(cut.x, 2, axis=0)])
+    own[len(half_run) :: 2] = True
+    _turn_cuts(left, x, own)
+    collar = np.append(collar, np.zeros(2 * len(cut.nodes)))
+    curves, curved = cut.curves, struts.curves.curved[run]
     ends = np.where(curves.half_runs < 0, -1, number[curves.half_runs])
+    run = np.append(run, spans.run[cuts.span[len(straight.node) :]])
+    curved = np.append(curved, np.zeros(len(cut.nodes), dtype=np.bool_))
     rest = replace(
         struts,
         curves=replace(curves, half_runs=ends, curved=curved),
@@ -85,7 +102,7 @@ def remainder(struts: RoundStruts, nodes: Bools, spans: Spans) -> Remainder:
         like=None,
         inner=None,
     )
-    return Remainder(rest, run, cuts)
+    return Remainder(rest, run, cuts, cut)
 
 
 def _cuts(runs: Runs, spans: Spans) -> tuple[Cuts, Ints, Ints]:
@@ -110,6 +127,20 @@ def _cuts(runs: Runs, spans: Spans) -> tuple[Cuts, Ints, Ints]:
         number,
     )
     return cuts, at_low, at_high
+
+
+def _with_curves(straight: Cuts, struts: RoundStruts, spans: Spans, cut: CutCurves) -> Cuts:
+    """Return cuts, and those of curves after them."""
+    curves, runs = struts.curves, struts.runs
+    room = (CUT + BAND) * cut.radii
+    return Cuts(
+        np.append(straight.span, np.searchsorted(spans.run, curves.run[curves.pieces[cut.beyond]])),
+        np.concatenate([straight.base, runs.nodes[cut.nodes] + room[:, None] * cut.outward]),
+        np.concatenate([straight.outward, -cut.outward]),
+        np.append(straight.radius, cut.radii),
+        np.append(straight.slope, np.zeros(len(room))),
+        np.append(straight.node, len(runs.nodes) + len(straight.node) + np.arange(len(room))),
+    )
 
 
 def _bands(runs: Runs, spans: Spans, at_low: Ints, at_high: Ints) -> tuple[Ints, Edges, Ints]:

@@ -43,6 +43,10 @@ class Spans(Frozen):
     def __len__(self) -> int:
         return len(self.run)
 
+    def chosen(self, keep: Bools) -> Spans:
+        """Return some of them."""
+        return Spans(self.run[keep], self.low[keep], self.high[keep])
+
     def nodes(self, runs: Runs) -> Bools:
         """Return the nodes that are part of spans, shape (n,)."""
         found = np.zeros(len(runs.nodes), dtype=np.bool_)

@@ -65,9 +65,12 @@ class Reaches:
 
 
 def stumps(reaches: Reaches, nodes: Bools) -> Stumps:
-    """Return the stumps at `nodes` (n,) and at those that have to join them."""
+    """Return the stumps at `nodes` (n,) and at those that have to join them.
+
+    Runs that are curved from end to end have none: see `zones`.
+    """
     struts, fillets = reaches.struts, reaches.fillets
-    runs = struts.runs
+    runs, curved = struts.runs, struts.curves.curved
     while True:
         wanted, least = reaches.of(nodes)
         here = nodes[runs.edges]  # (k, 2)
@@ -75,13 +78,13 @@ def stumps(reaches: Reaches, nodes: Bools) -> Stumps:
         facing = 2 * (FACING + np.abs(runs.slopes[0::2]))
         spare = (np.where(here.all(axis=1), facing, CUT * here.sum(axis=1)) + BAND) * radii
         allowed, no_room = allotted(wanted, least, np.maximum(runs.lengths - spare, 0.0))
-        whole = no_room & here.any(axis=1)
+        whole = no_room & here.any(axis=1) & ~curved
         joining = nodes.copy()
         joining[runs.edges[whole]] = True
         if np.array_equal(joining, nodes):
             break
         nodes = joining
-    fits = wanted.reshape(-1, 2).sum(axis=1) + spare <= runs.lengths
+    fits = (wanted.reshape(-1, 2).sum(axis=1) + spare <= runs.lengths) | curved
     most = np.where(np.repeat(fits | whole, 2), np.inf, allowed)
     length, blend = np.zeros(len(runs.tails)), fillets.copy()
     for row, half_runs, union in _unions(struts, nodes, fillets):

@@ -15,7 +15,7 @@ from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
-from scaffold_cad.solid.clusters.growth import Clusters, clusters_of, unproved
+from scaffold_cad.solid.clusters.growth import Clusters, Core, clusters_of, unproved
 from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.seams import seamed
 from scaffold_cad.solid.clusters.spans import Spans, no_spans
@@ -81,14 +81,14 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
     factor : what lengths are multiplied with in a file, in whose 32-bit numbers triangles are
         looked at
     """
-    fillets, nodes = wanted_fillets(struts), unproved(struts)
+    fillets, core = wanted_fillets(struts), unproved(struts)
     if struts.inner is None:
-        return _surface(struts, sides, fillets, nodes, factor).mesh
-    return _hollow(struts, sides, fillets, nodes, factor)
+        return _surface(struts, sides, fillets, core, factor).mesh
+    return _hollow(struts, sides, fillets, core, factor)
 
 
 def _hollow(
-    struts: RoundStruts, sides: int, fillets: Floats, nodes: Bools, factor: float
+    struts: RoundStruts, sides: int, fillets: Floats, core: Core, factor: float
 ) -> TriangleMesh:
     """Return the surface of hollow struts.
 
@@ -96,10 +96,11 @@ def _hollow(
     smaller.
     """
     inner = inside_of(struts)
-    nodes = nodes | unproved(inner)
+    more = unproved(inner)
+    core = Core(core.nodes | more.nodes, core.pieces | more.pieces)
     sags = Sags(float(struts.options.wall or 0.0) / 4.0)
     for _ in range(FINER):
-        outside, inside = _both(struts, inner, sides, fillets, nodes, factor, sags)
+        outside, inside = _both(struts, inner, sides, fillets, core, factor, sags)
         mesh = _walls(struts, outside, inside)
         written = TriangleMesh(in_single_precision(mesh.vertices, factor), mesh.triangles)
         crossing = np.unique(self_intersections(written))
@@ -108,8 +109,9 @@ def _hollow(
         places = mesh.vertices[mesh.triangles[crossing]].mean(axis=1)
         at_nodes = _nodes_of(crossing, outside, inside)
         _log.debug("walls cross in %d triangles", len(crossing))
-        nodes = nodes.copy()
-        nodes[at_nodes[at_nodes >= 0]] = True
+        crossed = np.zeros_like(core.nodes)
+        crossed[at_nodes[at_nodes >= 0]] = True
+        core = core.with_nodes(crossed)
         sags = sags.smaller_at(places)
     near = ", ".join(f"{value:.6g}" for value in places[0].tolist())
     raise MeshError(
@@ -134,7 +136,7 @@ def _both(
     inner: RoundStruts,
     sides: int,
     fillets: Floats,
-    nodes: Bools,
+    core: Core,
     factor: float,
     sags: Sags,
 ) -> tuple[_Surface, _Surface]:
@@ -142,14 +144,14 @@ def _both(
     wall = float(struts.options.wall or 0.0)
     is_end, is_open = struts.runs.valency == 1, struts.options.ends == "open"
     while True:
-        outside = _surface(struts, sides, fillets, nodes, factor, sags)
-        own = _shortened(inner, nodes & is_end, wall)
-        inside = _surface(own, sides, outside.fillets + wall, nodes, factor, sags)
-        more = (outside.nodes | inside.nodes) & is_end & ~nodes
+        outside = _surface(struts, sides, fillets, core, factor, sags)
+        own = _shortened(inner, core.nodes & is_end, wall)
+        inside = _surface(own, sides, outside.fillets + wall, core, factor, sags)
+        more = (outside.nodes | inside.nodes) & is_end & ~core.nodes
         if not is_open or not more.any():
             return outside, inside
         _log.info("%d open ends overlap other struts: closed", more.sum())
-        nodes = nodes | more
+        core = core.with_nodes(more)
 
 
 def _walls(struts: RoundStruts, outside: _Surface, inside: _Surface) -> TriangleMesh:
@@ -184,34 +186,33 @@ def _surface(
     struts: RoundStruts,
     sides: int,
     fillets: Floats,
-    nodes: Bools,
+    core: Core,
     factor: float,
     sags: Sags | None = None,
 ) -> _Surface:
-    """Return the surface of solid struts with `nodes` (n,) in clusters.
+    """Return the surface of solid struts with what is in `core` in clusters.
 
     Parameters
     ----------
     fillets : (n,) fillet radius wanted at each node, mm
     sags : how far the sides of triangles of fields may be inside of round surfaces
     """
-    slack = Slack(polygon_slack(sides), np.zeros(len(nodes)))
+    count = len(core.nodes)
+    slack = Slack(polygon_slack(sides), np.zeros(count))
     every, seeds = whole_struts(struts), no_spans()
     for _ in range(TRIES):
-        clusters = clusters_of(struts, fillets, slack, nodes, seeds)
-        nodes, rest = clusters.nodes, clusters.rest
+        clusters = clusters_of(struts, fillets, slack, core, seeds)
+        core, rest = clusters.core, clusters.rest
         fields = cluster_struts(struts, clusters) if len(clusters.spans) else None
         if fields is not None and fields.areas.sum() > MOST_FIELD * every.areas.sum():
             break
         left = struts if fields is None else rest.struts
         shell = shell_of(left, sides, None if fields is None else rest.open_at)
-        swell = shell.made.swell[: len(nodes)]
-        if (swell > slack.nodes).any():
+        swell = shell.made.swell[:count]
+        hidden = unseen(left, shell.made, factor)[:count]
+        if hidden.any() or (swell > slack.nodes).any():
+            core = core.with_nodes(hidden)
             slack = replace(slack, nodes=np.maximum(slack.nodes, swell))
-            continue
-        hidden = unseen(left, shell.made, factor)[: len(nodes)]
-        if hidden.any():
-            nodes = nodes | hidden
             continue
         ends = left.runs.tails[shell.ends]
         mesh, failed = shell.made.mesh, np.zeros(0, dtype=np.intp)
@@ -219,18 +220,19 @@ def _surface(
             field = field_of(fields, sags, factor)
             mesh, failed = _joined(clusters, shell, filled(field), factor)
         if len(failed) == 0:
-            own = ends < len(nodes)
+            own = ends < count
             around = shell.made.node
-            return _Surface(mesh, ends[own], shell.rings[own], nodes, clusters.reached, around)
+            inside = clusters.nodes
+            return _Surface(mesh, ends[own], shell.rings[own], inside, clusters.reached, around)
         _log.debug("%d of %d seams failed", len(failed), len(rest.cuts.node))
-        seeds = Spans.joined([seeds, further(struts, clusters, failed)])
-    count = len(struts.skeleton.edges)
-    _log.info("%d struts have too little room for rings of their own: made as a field", count)
+        core, seeds = grown(struts, clusters, seeds, failed)
+    _log.info(
+        "%d struts have too little room for rings of their own: made as a field",
+        len(struts.skeleton.edges),
+    )
     mesh = filled(field_of(every, sags, factor))
     none = np.zeros((0, sides), dtype=np.intp)
-    return _Surface(
-        mesh, none[:, 0], none, np.ones(len(nodes), dtype=np.bool_), fillets, none[:, 0]
-    )
+    return _Surface(mesh, none[:, 0], none, np.ones(count, dtype=np.bool_), fillets, none[:, 0])
 
 
 def field_of(fields: FieldStruts, sags: Sags | None, factor: float) -> TriangleMesh:
@@ -271,7 +273,24 @@ def _joined(
     return compacted(np.concatenate([points, made.vertices]), triangles), made.failed
 
 
-def further(struts: RoundStruts, clusters: Clusters, failed: Ints) -> Spans:
+def grown(
+    struts: RoundStruts, clusters: Clusters, seeds: Spans, failed: Ints
+) -> tuple[Core, Spans]:
+    """Return what clusters are to hold so that they grow where seams at cuts have failed.
+
+    Parameters
+    ----------
+    seeds : what they were made with
+    """
+    cut = clusters.rest.cut_curves
+    straight = len(clusters.rest.cuts.node) - len(cut.nodes)
+    at_joints = np.zeros_like(clusters.nodes)
+    at_joints[cut.nodes[failed[failed >= straight] - straight]] = True
+    more = _further(struts, clusters, failed[failed < straight])
+    return clusters.core.with_nodes(at_joints), Spans.joined([seeds, more])
+
+
+def _further(struts: RoundStruts, clusters: Clusters, failed: Ints) -> Spans:
     """Return the stretches by which spans grow whose seams failed."""
     cuts, runs = clusters.rest.cuts, struts.runs
     run = clusters.spans.run[cuts.span[failed]]
@@ -296,8 +315,9 @@ def unseen(struts: RoundStruts, made: Triangulated, factor: float = 1.0) -> Bool
         least = MARGIN * size[a] * size[b] * size[c]
         seen = _volumes(*(leading[:, corner] for corner in (a, b, c))) > least
         found[made.node[part][~seen]] = True
-    if not _in_order(made, written).all():
-        found[struts.curves.nodes[struts.curves.nodes >= 0]] = True
+    folded = struts.curves.pieces[made.curve_rings.piece[~_in_order(made, written)]]
+    joints = struts.curves.nodes[np.append(folded, folded + 1)]
+    found[joints[joints >= 0]] = True
     return found
 
 
