@@ -50,7 +50,7 @@ def test_what_was_interrupted_goes_on_where_it_was(tmp_path: Path) -> None:
     folder, out = tmp_path / "parts", tmp_path / "out.stl"
     words = [*BOX, "--round", "--tiles", str(folder), "--block", "1", "-o", str(out)]
     process = subprocess.Popen([sys.executable, "-m", "scaffold_cad", *words], env=os.environ)
-    for _ in range(600):
+    for _ in range(2400):
         if len(list(folder.glob("*.done"))) >= 2:
             break
         time.sleep(0.05)
