@@ -38,6 +38,35 @@ LEAST_SLOPE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
+class Planes(Frozen):
+    """The filleted union near some points: f and its gradient there."""
+
+    points: Floats
+    """Shape (3, M, S), mm."""
+    values: Floats
+    """f, shape (M, S), mm."""
+    slopes: Floats
+    """Its gradient, shape (3, M, S)."""
+
+    def reached(self, points: Floats, urge: float = 0.0) -> Floats:
+        """Return points (3, M, S), near those of the planes, moved to f = 0 along the gradient.
+
+        Points inside go further than Newton's step, by the part `urge` of it.
+        """
+        values = self.values
+        if points is not self.points:
+            values = values + _dot(points - self.points, self.slopes)
+        if urge:
+            values = np.where(values < 0, (1 + urge) * values, values)
+        found: Floats = points - values / self._squares * self.slopes
+        return found
+
+    @cached_property
+    def _squares(self) -> Floats:
+        return np.asarray(np.maximum(_square(self.slopes), LEAST_SLOPE))
+
+
+@dataclass(frozen=True, eq=False)
 class Union(Frozen):
     """Filleted unions of N struts, and of a ball, at M nodes."""
 
@@ -190,17 +219,14 @@ class Union(Frozen):
         cosines = np.pad(self.cosines, ((0, 0), (0, 1)), constant_values=1.0)
         return np.stack([cosines.reshape(-1), sines.reshape(-1)])
 
-    def projected(self, points: Floats, steps: int, urge: float = 0.0) -> Floats:
-        """Return `points` (3, M, S) moved towards f = 0 by Newton steps along the gradient.
+    def planes_at(self, points: Floats) -> Planes:
+        """Return f and its gradient at `points` (3, M, S)."""
+        return Planes(points, *self.value_and_slope(points))
 
-        Points inside go further than Newton's step, by the part `urge` of it.
-        """
+    def projected(self, points: Floats, steps: int) -> Floats:
+        """Return `points` (3, M, S) moved towards f = 0 by Newton steps along the gradient."""
         for _ in range(steps):
-            value, gradient = self.value_and_slope(points)
-            square = np.maximum(_square(gradient), LEAST_SLOPE)
-            if urge:
-                value = np.where(value < 0, (1 + urge) * value, value)
-            points = points - value / square * gradient
+            points = self.planes_at(points).reached(points)
         return points
 
     def reached(self, directions: Floats, steps: int = 8) -> Floats:

@@ -23,6 +23,8 @@ from scaffold_cad.struts.rows import Rings, given_rows, rings
 
 BEHIND = 0.3
 """How far a collar stands beyond the corners of its patches, in radii, where there is room."""
+PLANES_KEPT = 2
+"""Rounds for which the surface near a sample is the same plane: samples move little in one."""
 CHECKED = 6
 """Samples of each piece in either direction at which the fit is measured."""
 
@@ -189,7 +191,7 @@ def _fitted(union: Union, rows: Floats, on_arcs: Floats, turned: Turned, recipe:
     layout = recipe.layout
     fits = [TypeFit(twins, layout, rows[:, part]) for part, twins in turned.parts]
     wanted = _first_samples(union, rows[..., -1], on_arcs, layout)
-    before = None
+    before, planes, number = None, None, 0
     for stiffness, rounds in recipe.rounds:
         for fit in fits:
             fit.stiffen(stiffness)
@@ -203,7 +205,10 @@ def _fitted(union: Union, rows: Floats, on_arcs: Floats, turned: Turned, recipe:
             )
             ahead = samples if before is None else samples + recipe.momentum * (samples - before)
             before = samples
-            wanted = union.projected(ahead, 1, recipe.urge)
+            if planes is None or number % PLANES_KEPT == 0:
+                planes = union.planes_at(ahead)
+            wanted = planes.reached(ahead, recipe.urge)
+            number += 1
     return np.concatenate([fit.control() for fit in fits], axis=1)
 
 

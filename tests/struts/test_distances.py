@@ -99,3 +99,17 @@ def test_projected_points_lie_on_the_surface() -> None:
     points = normalize(RNG.normal(size=(200, 3))).T[:, None] * 2
     found = field.projected(points, 20)
     assert np.quantile(np.abs(field.value_and_slope(found)[0]), 0.95) < 1e-6
+
+
+def test_planes_stand_for_the_surface_near_their_points() -> None:
+    field = union(TRIPOD, 1.0, 0.0)
+    points = field.projected(normalize(RNG.normal(size=(200, 3))).T[:, None] * 2, 20)
+    planes = field.planes_at(points)
+    step = 1e-3 * RNG.normal(size=points.shape)
+    found = planes.reached(points + step)
+    # What a step of a thousandth along a plane leaves is of the order of its square.
+    assert np.quantile(np.abs(field.value_and_slope(found)[0]), 0.95) < 2e-5
+    inward = points - 0.05 * planes.slopes
+    further = planes.reached(inward, urge=0.5) - planes.reached(inward)
+    deep = planes.values - 0.05 * (planes.slopes**2).sum(axis=0) < 0
+    assert ((further * planes.slopes).sum(axis=0)[deep] > 0).all()
