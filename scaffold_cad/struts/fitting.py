@@ -23,8 +23,6 @@ from scaffold_cad.struts.rows import Rings, given_rows, rings
 
 BEHIND = 0.3
 """How far a collar stands beyond the corners of its patches, in radii, where there is room."""
-PLANES_KEPT = 2
-"""Rounds for which the surface near a sample is the same plane: samples move little in one."""
 CHECKED = 6
 """Samples of each piece in either direction at which the fit is measured."""
 
@@ -205,7 +203,7 @@ def _fitted(union: Union, rows: Floats, on_arcs: Floats, turned: Turned, recipe:
             )
             ahead = samples if before is None else samples + recipe.momentum * (samples - before)
             before = samples
-            if planes is None or number % PLANES_KEPT == 0:
+            if planes is None or number % recipe.kept == 0:
                 planes = union.planes_at(ahead)
             wanted = planes.reached(ahead, recipe.urge)
             number += 1

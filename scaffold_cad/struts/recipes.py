@@ -32,6 +32,8 @@ class Recipe:
     """Factor of ρ. More than 1 only where nothing else is proved: wide fillets fold less."""
     momentum: float = 0.7
     """Part of its last move that a sample goes on along the surface."""
+    kept: int = 1
+    """Rounds for which samples are held against the same planes: 2 where they move little."""
     urge: float = 0.5
     """How much further samples inside the union are moved than those outside; stable below 1."""
 
@@ -45,7 +47,7 @@ LONG = ((1e-4, 6), (1e-3, 4), (1e-4, 10), (1e-5, 8), (1e-6, 6))
 """For struts that part late: at first soft, or stiff patches pull the far side of the node in."""
 
 RECIPES = (
-    Recipe(WHOLE, SHORT, 0.3),
+    Recipe(WHOLE, SHORT, 0.3, kept=2),
     Recipe(WHOLE, STIFF, 0.15, pinch=1.0),
     Recipe(WHOLE, LONG, 0.0, pinch=1.0),
     Recipe(CUT, COARSE, 0.3),
