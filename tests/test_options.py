@@ -15,7 +15,7 @@ from scaffold_cad.partition.sphere import METHODS
 from scaffold_cad.products.overlaps import Overlaps
 from scaffold_cad.scaffold import ScaffoldOptions
 from scaffold_cad.scaffold.stars import Fit, Section
-from scaffold_cad.struts import Bend, Ends, Joints
+from scaffold_cad.struts import Bend, Ends, Joints, Nodes
 
 PAGE = Path(__file__).parents[1] / "docs" / "options.md"
 
@@ -27,6 +27,7 @@ VALUES: dict[str, tuple[Any, ...]] = {
     "kind": get_args(Kind),
     "ends": get_args(Ends),
     "joints": get_args(Joints),
+    "nodes": get_args(Nodes),
     "bend": get_args(get_args(Bend)[1]),
     "overlaps": get_args(Overlaps),
     "keep": get_args(Keep),

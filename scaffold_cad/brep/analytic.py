@@ -103,7 +103,7 @@ class SplinePatches(Frozen):
 
 @dataclass(frozen=True, eq=False)
 class BrepEdges(Frozen):
-    """Edges, by kind: first the lines, then the circles, then the splines."""
+    """Edges, by kind: first the lines, then circles and ellipses, then the splines."""
 
     ends: Edges
     """First and last vertex, shape (e, 2); the same twice for a full circle."""
@@ -115,6 +115,14 @@ class BrepEdges(Frozen):
     """First and last angle of the circles, the first in [0, 2π), ascending, shape (c, 2), rad."""
     curves: tuple[SplineCurves, ...]
     """The splines, table after table."""
+    lesser: Floats | None = None
+    """Lesser half-diameter of circles that are ellipses, along y; else their radius, shape (c,),
+    mm. All are circles by default."""
+
+    @property
+    def lesser_radii(self) -> Floats:
+        """The lesser half-diameter of each circle, shape (c,), mm."""
+        return self.radii if self.lesser is None else self.lesser
 
     @property
     def counts(self) -> tuple[int, int, int]:
@@ -126,6 +134,18 @@ class BrepEdges(Frozen):
     def kinds(self) -> Ints:
         """The `Curve` of each edge, shape (e,)."""
         return np.repeat(np.arange(3), self.counts)
+
+
+@dataclass(frozen=True, eq=False)
+class Traces(Frozen):
+    """Edges in the parameters of faces, as splines over their own parameter."""
+
+    use: Ints
+    """The use that each is of, shape (q,)."""
+    control: Floats
+    """Control points, shape (q, n, 2)."""
+    knots: Knots
+    """Their knots, from the first parameter of the edge, 0, to its last, 1."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,11 +175,13 @@ class BrepFaces(Frozen):
     parameters: Floats
     """Parameters on the surface at the start and at the end of the edge of each use, shape
     (u, 2, 2); nan on planes. Between them they change evenly with the edge's own parameter, but
-    for circles at the side of patches."""
+    for circles at the side of patches and uses with a trace."""
     shell: Ints
     """Shell of each face, shape (f,)."""
     name: Ints
     """Place of each face's name in `AnalyticBrep.names`, shape (f,)."""
+    traces: tuple[Traces, ...] = ()
+    """Of uses whose parameters do not change evenly, table after table."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,6 +198,13 @@ class AnalyticBrep(Frozen):
     """Solid that each shell bounds, the outer shell of a solid before its voids, shape (s,)."""
     names: tuple[str, ...]
     """Names of faces."""
+    slack: Floats | None = None
+    """How far from each vertex its edges end, shape (v,), mm; by default nowhere."""
+
+    @property
+    def slacks(self) -> Floats:
+        """How far from each vertex its edges end, shape (v,), mm."""
+        return np.zeros(len(self.vertices)) if self.slack is None else self.slack
 
     @property
     def face_names(self) -> list[str]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.base.topology import component_labels
-from scaffold_cad.brep.analytic import AnalyticBrep, Axes, BrepEdges, BrepFaces, Surface
+from scaffold_cad.brep.analytic import AnalyticBrep, Axes, BrepEdges, BrepFaces, Surface, Traces
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,6 +103,7 @@ def _joined(
         _joined_faces(parts, first.faces, second.faces, rings),
         solids,
         (*first.names, *second.names),
+        np.concatenate([first.slacks, second.slacks]),
     )
 
 
@@ -130,6 +131,7 @@ def _joined_edges(outer: BrepEdges, inner: BrepEdges, vertices: int) -> BrepEdge
         np.concatenate([outer.radii, inner.radii]),
         np.concatenate([outer.angles, inner.angles]),
         (*outer.curves, *inner.curves),
+        np.concatenate([outer.lesser_radii, inner.lesser_radii]),
     )
 
 
@@ -219,7 +221,17 @@ def _joined_faces(
         np.concatenate([part.parameters for part in parts])[uses],
         np.concatenate([part.shell for part in parts])[order],
         np.concatenate([part.name for part in parts])[order],
+        _joined_traces(outer, inner, uses),
     )
+
+
+def _joined_traces(outer: BrepFaces, inner: BrepFaces, uses: Ints) -> tuple[Traces, ...]:
+    """Return the traces of both parts, where `uses` has the old number of each use."""
+    number = np.empty(len(uses), dtype=np.intp)
+    number[uses] = np.arange(len(uses))
+    first = [(table, table.use) for table in outer.traces]
+    second = [(table, table.use + len(outer.edge)) for table in inner.traces]
+    return tuple(replace(table, use=number[own]) for table, own in first + second)
 
 
 def _rows_of(counts: Ints, order: Ints) -> Ints:

@@ -21,6 +21,7 @@ from OCP.Geom import (
     Geom_ConicalSurface,
     Geom_Curve,
     Geom_CylindricalSurface,
+    Geom_Ellipse,
     Geom_Line,
     Geom_Plane,
     Geom_SphericalSurface,
@@ -78,7 +79,7 @@ def _faces(brep: AnalyticBrep) -> list[TopoDS_Face]:
     builder, faces = BRep_Builder(), brep.faces
     vertices = _vertices(brep)
     edges = _edges(brep, vertices)
-    splines = dict(_arc_splines(brep))
+    splines = {**dict(_arc_splines(brep)), **dict(_traces(brep))}
     starts, loops = faces.uses.tolist(), faces.loops.tolist()
     made = []
     for number, surface in enumerate(_surfaces(faces)):
@@ -107,9 +108,9 @@ def _vertices(brep: AnalyticBrep) -> list[tuple[TopoDS_Vertex, TopoDS_Vertex]]:
     """Return each vertex as it begins an edge, and as it ends one."""
     builder = BRep_Builder()
     vertices = []
-    for x, y, z in brep.vertices.tolist():
+    for (x, y, z), slack in zip(brep.vertices.tolist(), brep.slacks.tolist(), strict=True):
         vertex = TopoDS_Vertex()
-        builder.MakeVertex(vertex, gp_Pnt(x, y, z), TOLERANCE)
+        builder.MakeVertex(vertex, gp_Pnt(x, y, z), TOLERANCE + slack)
         vertices.append((vertex, vertex.Reversed()))
     return vertices
 
@@ -144,16 +145,22 @@ def _curves(brep: AnalyticBrep) -> Iterator[tuple[Geom_Curve, float, float]]:
     ):
         yield Geom_Line(gp_Pnt(*start), gp_Dir(*span)), 0.0, last
     circles = edges.circles
-    for origin, z, x, radius, (first, last) in zip(
+    for origin, z, x, radius, lesser, (first, last) in zip(
         circles.origin.tolist(),
         circles.z.tolist(),
         circles.x.tolist(),
         edges.radii.tolist(),
+        edges.lesser_radii.tolist(),
         edges.angles.tolist(),
         strict=True,
     ):
         place = gp_Ax2(gp_Pnt(*origin), gp_Dir(*z), gp_Dir(*x))
-        yield Geom_Circle(place, radius), first, last
+        is_circle = lesser == radius
+        yield (
+            Geom_Circle(place, radius) if is_circle else Geom_Ellipse(place, radius, lesser),
+            first,
+            last,
+        )
     for table in edges.curves:
         row = PointRow(1, table.knots.count)
         knots = _knots(table.knots)
@@ -288,6 +295,24 @@ def _arc_splines(brep: AnalyticBrep) -> Iterator[tuple[int, Geom2d_Curve]]:
         ):
             yield use, _spline(poles, height, first, last)
         first_patch += len(table.control)
+
+
+def _traces(brep: AnalyticBrep) -> Iterator[tuple[int, Geom2d_Curve]]:
+    """Yield the uses that have a trace, and that curve over the parameter of their edge."""
+    faces, edges = brep.faces, brep.edges
+    first, last = np.zeros(len(edges.ends)), np.ones(len(edges.ends))
+    round_ones = slice(edges.counts[0], edges.counts[0] + edges.counts[1])
+    first[round_ones], last[round_ones] = edges.angles.T
+    for table in faces.traces:
+        count = table.knots.count
+        for use, control in zip(table.use.tolist(), table.control.tolist(), strict=True):
+            start, end = first[faces.edge[use]], last[faces.edge[use]]
+            values = start + (end - start) * table.knots.values
+            poles = PlanePointRow(1, count)
+            for i, (u, v) in enumerate(control, start=1):
+                poles.SetValue(i, gp_Pnt2d(u, v))
+            knots = _knots(Knots(values, table.knots.counts))
+            yield use, Geom2d_BSplineCurve(poles, *knots, table.knots.degree)
 
 
 def _spline(row: list[float], v: float, first: float, last: float) -> Geom2d_BSplineCurve:

@@ -22,7 +22,7 @@ from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.scaffold.stars import Fit, Section
 from scaffold_cad.solid import frame_skeleton
 from scaffold_cad.solid.rounds import SIDES
-from scaffold_cad.struts import Ends, Joints, round_struts
+from scaffold_cad.struts import Ends, Joints, Nodes, round_struts
 
 if TYPE_CHECKING:
     from scaffold_cad.skeleton import Skeleton
@@ -32,7 +32,7 @@ PRODUCTS = ("scaffold", "frame", "shell")
 SCAFFOLD_OPTIONS = ("strut_radius", "fit", "section", "collars")
 """What `add_scaffold_arguments` adds."""
 
-ROUND_OPTIONS = ("blend", "ends", "joints", "bend", "wall")
+ROUND_OPTIONS = ("blend", "ends", "joints", "bend", "wall", "nodes")
 """What `add_strut_arguments` adds, beside the sides."""
 
 FRAME_RADIUS = 0.15
@@ -106,6 +106,11 @@ def add_strut_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="HOW",
         help="how two cylinders meet at a bend: blend, torus, or the radius of the torus' "
         "centerline, mm (default: blend)",
+    )
+    parser.add_argument(
+        "--nodes",
+        choices=get_args(Nodes),
+        help="what is at nodes: a blend, or sharp edges in which the struts meet (default: blend)",
     )
     parser.add_argument(
         "--wall", type=float, metavar="T", help="thickness of hollow round struts, mm"

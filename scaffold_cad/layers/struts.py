@@ -21,7 +21,7 @@ from scaffold_cad.layers.uniting import Solid
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
 from scaffold_cad.struts import RoundStruts
-from scaffold_cad.struts.bodies import NodeBodies, beside_crowded, curve_bodies
+from scaffold_cad.struts.bodies import NodeBodies, beside_crowded, curve_bodies, sharp_bodies
 
 OVERLAP = 1e-3
 """How far struts reach into the bodies of their nodes, in their radii: where sections only touched
@@ -96,8 +96,8 @@ class StrutSections:
             at_zero = TriangleMesh(first.vertices - places[0], first.triangles)
             self._nodes.append(EqualNodeSections(at_zero, places))
         every = np.ones_like(struts.crowded) if own is None else own.nodes
-        curves = curve_bodies(struts, sides, every)
-        self._curves = MeshSections(curves) if len(curves.triangles) else None
+        bodies = [curve_bodies(struts, sides, every), sharp_bodies(struts, sides, nodes)]
+        self._meshes = [MeshSections(body) for body in bodies if len(body.triangles)]
         self._fillets: FilletSections | None = None
         if struts.crowded.any() or struts.crowded_runs.any():
             wanted = wanted_fillets(struts) if inside_fillets is None else inside_fillets
@@ -109,7 +109,7 @@ class StrutSections:
         parts.append((self._bodies.low[:, 2], self._bodies.high[:, 2]))
         low, high = (np.concatenate(column) for column in zip(*parts, strict=True))
         count = count_at(heights, low, high)
-        for others in (self._curves, self._fillets):
+        for others in (*self._meshes, self._fillets):
             if others is not None:
                 count = count + others.count(heights)
         return count
@@ -118,7 +118,7 @@ class StrutSections:
     def box(self) -> Floats:
         """Lowest and highest corner of a box that holds all polygons, shape (2, 2), mm."""
         low, high = self._straight_box()
-        for others in (self._curves, self._fillets):
+        for others in (*self._meshes, self._fillets):
             if others is not None:
                 low[:2] = np.minimum(low[:2], others.box[0])
                 high[:2] = np.maximum(high[:2], others.box[1])
@@ -139,8 +139,8 @@ class StrutSections:
     def bounds(self) -> tuple[float, float]:
         """Lowest and highest point, mm."""
         low, high = (float(corner[2]) for corner in self._straight_box())
-        if self._curves is not None:
-            low, high = min(low, self._curves.bounds[0]), max(high, self._curves.bounds[1])
+        for mesh in self._meshes:
+            low, high = min(low, mesh.bounds[0]), max(high, mesh.bounds[1])
         # What is known of the bodies is only a box around each.
         for bodies in (self._bodies.low[:, 2] < low, self._bodies.high[:, 2] > high):
             some = np.flatnonzero(bodies)
@@ -156,7 +156,7 @@ class StrutSections:
             self._cones[self._cone_sweep.between(*between)].loops(heights, self._sides),
             self._balls[self._ball_sweep.between(*between)].loops(heights, self._sides),
         ]
-        for made in (*self._nodes, self._curves, self._fillets):
+        for made in (*self._nodes, *self._meshes, self._fillets):
             if made is not None:
                 found += made.loops(heights)
         return found

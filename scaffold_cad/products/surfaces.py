@@ -21,6 +21,7 @@ from scaffold_cad.solid import Solidified, solidified
 from scaffold_cad.solid.manifolds import manifold_triangles
 from scaffold_cad.solid.rounds import SIDES, round_mesh
 from scaffold_cad.struts import RoundStruts
+from scaffold_cad.struts.sharp.nodes import check_made
 from scaffold_cad.struts.surface import triangulated
 
 
@@ -60,6 +61,8 @@ def surface_of(
     if isinstance(what, RoundStruts):
         if to_unite(overlaps, what.overlapping, what.skeleton) or overlaps != "allow":
             return round_mesh(what, sides, factor)
+        if what.options.nodes == "sharp":
+            check_made(what.runs, what.sharp)
         return triangulated(what, sides).mesh
     if isinstance(what, Assembly):
         return manifold_triangles(assembly_solid(what))

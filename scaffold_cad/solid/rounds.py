@@ -17,6 +17,7 @@ from scaffold_cad.solid.clusters import surface_of, unseen
 from scaffold_cad.struts.apart import Slack, crossings
 from scaffold_cad.struts.bands import polygon_slack
 from scaffold_cad.struts.model import RoundStruts
+from scaffold_cad.struts.sharp.surface import without_triangles
 from scaffold_cad.struts.surface import Triangulated
 
 SIDES = 16
@@ -49,6 +50,7 @@ def faulty_runs(struts: RoundStruts, made: Triangulated, sides: int) -> Bools:
     made : the triangles with so many `sides`
     """
     faulty = struts.crowded | unseen(struts, made)
+    faulty |= without_triangles(struts.sharp, sides, len(faulty))
     found = crossings(
         struts.runs,
         struts.blended,
@@ -57,6 +59,7 @@ def faulty_runs(struts: RoundStruts, made: Triangulated, sides: int) -> Bools:
         struts.options.ends,
         faulty,
         Slack(polygon_slack(sides), made.swell),
+        sharp=struts.sharp,
     )
     runs = struts.crowded_runs | faulty[struts.runs.edges].any(axis=1)
     runs[found.runs] = True

@@ -4,7 +4,7 @@ from scaffold_cad.struts.blend import Blends, Solved, Stars
 from scaffold_cad.struts.builder import round_struts
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.nodes import blends
-from scaffold_cad.struts.options import Bend, Ends, Joints, StrutOptions
+from scaffold_cad.struts.options import Bend, Ends, Joints, Nodes, StrutOptions
 from scaffold_cad.struts.sampling import Samples, sampled
 
 __all__ = [
@@ -12,6 +12,7 @@ __all__ = [
     "Blends",
     "Ends",
     "Joints",
+    "Nodes",
     "RoundStruts",
     "Samples",
     "Solved",

@@ -25,10 +25,12 @@ from scaffold_cad.struts.pieces import (
     curve_pieces,
     joined,
     node_pieces,
+    sharp_pieces,
     strut_pieces,
     with_domes,
 )
 from scaffold_cad.struts.runs import Runs
+from scaffold_cad.struts.sharp.nodes import SharpNodes
 
 ROUNDS = 40
 """Steps in which a direction is looked for that parts two pieces."""
@@ -83,6 +85,8 @@ def crossings(
     ends: Ends,
     crowded: Bools,
     slack: Slack = EXACT,
+    *,
+    sharp: tuple[SharpNodes, ...] = (),
 ) -> Crossings:
     """Return what is not known to keep apart.
 
@@ -97,13 +101,17 @@ def crossings(
     reach = np.where(crowded[runs.tails] & straight, 0.0, collar)
     reach = with_domes(runs, reach, ends, len(runs.nodes), slack.ratio)
     curved = curves.curved & ~crowded[runs.edges].any(axis=1)
-    bodies = joined([node_pieces(runs, blended), curve_pieces(curves)])
+    bodies = joined(
+        [node_pieces(runs, blended), curve_pieces(curves), sharp_pieces(runs, sharp, collar)]
+    )
     own: Bools = ~np.asarray(crowded[bodies.nodes].any(axis=1))
     bodies = bodies.chosen(own)
-    pieces = joined([strut_pieces(runs, curved, reach), bodies])
+    straights = strut_pieces(runs, curved, reach)
+    struts_count = len(straights.run)
+    pieces = joined([straights, bodies])
     pairs = meeting(pieces, slack.of(pieces))
     found = pairs.reshape(-1)
-    is_strut = (pieces.hull[found] < 0) & (pieces.curve[found] < 0)
+    is_strut = found < struts_count
     nodes, struts = np.zeros(len(runs.nodes), np.bool_), np.zeros(len(runs.edges), np.bool_)
     nodes[pieces.nodes[found[~is_strut]]] = True
     struts[pieces.run[found[is_strut]]] = True

@@ -1,4 +1,4 @@
-"""Bodies of blended nodes and of curves: their patches, closed by the discs of their collars."""
+"""Bodies of nodes and of curves: their surfaces, closed by the discs of their collars."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from scaffold_cad.struts.bands import enlargement
 from scaffold_cad.struts.curvecuts import CutCurves, cut_curves
 from scaffold_cad.struts.curverings import curve_rings
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
+from scaffold_cad.struts.sharp.surface import node_triangles
 from scaffold_cad.struts.surface import (
     Sized,
     node_surface,
@@ -173,6 +174,38 @@ def _rings_at(cut: CutCurves, centers: Points, sides: int) -> Points:
     around = np.einsum("ks,vkx->vsx", np.stack([np.cos(angle), np.sin(angle)]), axes)
     size = cut.radii * enlargement(np.zeros(1), sides)[0]
     return np.asarray(centers[:, None] + size[:, None, None] * around)
+
+
+def sharp_bodies(struts: RoundStruts, sides: int, chosen: Bools) -> TriangleMesh:
+    """Return the closed surfaces of sharp nodes, with discs at their collars.
+
+    Parameters
+    ----------
+    sides : points of a ring, a multiple of 4
+    chosen : (n,) which nodes are wanted; none of them crowded
+    """
+    sized = sized_rings(struts, sides)
+    points: list[Points] = [np.zeros((0, 3))]
+    faces: list[Triangles] = [np.zeros((0, 3), dtype=np.intp)]
+    count = 0
+    for part in node_triangles(struts, sides):
+        rows = np.flatnonzero(chosen[part.nodes])
+        half_runs = part.half_runs[rows]
+        rings = own_rings(struts, half_runs.reshape(-1), sized, sides).reshape(len(rows), -1, 3)
+        centers = ring_centers(struts, half_runs.reshape(-1)).reshape(len(rows), -1, 3)
+        placed = np.concatenate([part.points[rows], rings, centers], axis=1)  # (m, ..., 3)
+        first, valency = part.points.shape[1], half_runs.shape[1]
+        ring = first + np.arange(valency * sides).reshape(valency, sides)
+        middle = first + valency * sides + np.arange(valency)[:, None]
+        discs = np.stack(
+            [np.broadcast_to(middle, ring.shape), ring, np.roll(ring, -1, axis=1)], axis=-1
+        )
+        own = np.concatenate([part.triangles, discs.reshape(-1, 3)])
+        start = count + placed.shape[1] * np.arange(len(rows))[:, None, None]
+        points.append(placed.reshape(-1, 3))
+        faces.append((start + own).reshape(-1, 3))
+        count += placed.size // 3
+    return TriangleMesh(np.concatenate(points), np.concatenate(faces))
 
 
 def _some_of(group: BlendedNodes, rows: Ints) -> BlendedNodes:

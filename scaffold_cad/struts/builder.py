@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scaffold_cad.base.arguments import check_kind, checks_keywords
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors
 from scaffold_cad.base.vectors import any_perpendicular
 from scaffold_cad.errors import OptionError
@@ -21,11 +21,13 @@ from scaffold_cad.struts.curvedjoints import CurvedJoints, curved_joints, possib
 from scaffold_cad.struts.curveproof import proved
 from scaffold_cad.struts.elbows import Elbows, elbow_curves, elbows_of
 from scaffold_cad.struts.insides import hollow_nodes, limits_beside
+from scaffold_cad.struts.likes import check_like
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.nodes import blends, nearest_collars
-from scaffold_cad.struts.options import Bend, Blend, Ends, Joints, StrutOptions, as_blend
+from scaffold_cad.struts.options import Bend, Blend, Ends, Joints, Nodes, StrutOptions, as_blend
 from scaffold_cad.struts.room import allotted
 from scaffold_cad.struts.runs import Runs, balls_of, straight_runs
+from scaffold_cad.struts.sharp.builder import sharp_struts
 from scaffold_cad.struts.sockets import sockets_of
 from scaffold_cad.struts.walls import without_wall
 
@@ -40,6 +42,7 @@ def round_struts(
     joints: Joints = "auto",
     bend: Bend = "blend",
     sockets: Mapping[int, tuple[float, float]] | None = None,
+    nodes: Nodes = "blend",
     like: RoundStruts | None = None,
 ) -> RoundStruts:
     """Return the struts of `skeleton` as exact cylinders and cones, blended at its nodes.
@@ -65,6 +68,10 @@ def round_struts(
         why
     sockets : inner radius and depth, mm, of open ends of hollow struts that take tubes, by node:
         `{3: (14.375, 25)}`
+    nodes : what is at nodes: a "blend", or "sharp" edges in which the struts meet: the union of
+        their cylinders, cones and balls, without a fillet. Bends of two equal struts of at most 90°
+        meet in the plane between them, as mitred pipes do; behind the struts of other nodes there
+        is the ball that touches the thickest. `blend`, `joints`, `bend` and `like` are for blends
     like : struts of the same skeleton with its nodes elsewhere: partitions and triangles stay, for
         animation and optimization
 
@@ -87,9 +94,15 @@ def round_struts(
     ([True, True, True], 0.4)
     """
     check_skeleton(skeleton)
-    options = StrutOptions(as_blend(blend, skeleton.nodes), ends, wall, joints, bend, sockets)
+    if like is not None and nodes == "sharp":
+        raise OptionError(
+            "like with nodes='sharp', whose edges move; need like or sharp nodes left out"
+        )
+    options = StrutOptions(
+        as_blend(blend, skeleton.nodes), ends, wall, joints, bend, sockets, nodes
+    )
     if like is not None:
-        _check_like(skeleton, options, like)
+        check_like(skeleton, options, like)
     outer = _built(skeleton, options, like)
     if wall is None:
         return outer
@@ -100,25 +113,6 @@ def round_struts(
     bare = replace(options, wall=None, ends="flat", sockets=None)
     inner = _built(inside, bare, None if like is None else like.inner, outer)
     return replace(outer, sockets=bored, inner=replace(inner, options=options))
-
-
-def _check_like(skeleton: Skeleton, options: StrutOptions, like: RoundStruts) -> None:
-    """Raise unless struts of a skeleton can have the triangles of others."""
-    check_kind(like, RoundStruts)
-    if not np.array_equal(skeleton.edges, like.skeleton.edges):
-        raise OptionError(
-            f"like has {len(like.skeleton.edges)} edges, which are not the skeleton's "
-            f"{len(skeleton.edges)}; need the same graph, moved"
-        )
-    own = (options.ends, options.wall is None)
-    others = (like.options.ends, like.options.wall is None)
-    if own != others:
-        raise OptionError(
-            f"like has ends={like.options.ends!r} and wall={like.options.wall}; need the same"
-        )
-    nodes = [sorted(each.sockets or {}) for each in (options, like.options)]
-    if nodes[0] != nodes[1]:
-        raise OptionError(f"like has sockets at nodes {nodes[1]}, not {nodes[0]}; need the same")
 
 
 def _built(
@@ -135,6 +129,8 @@ def _built(
     outer : what they are the inside of, whose fillets and curves theirs follow
     blended : (n,) bends that are blends in any case
     """
+    if options.nodes == "sharp":
+        return sharp_struts(skeleton, options)
     runs = straight_runs(skeleton) if like is None else like.runs.moved(skeleton)
     plan = _planned(skeleton, runs, options, like, outer, blended)
     wall = None if outer is None else outer.options.wall

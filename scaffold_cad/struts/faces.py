@@ -44,6 +44,7 @@ from scaffold_cad.struts.faceuses import (
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.runs import Runs
 from scaffold_cad.struts.seams import QUARTER
+from scaffold_cad.struts.sharp.faces import sharp_brep
 from scaffold_cad.struts.sockets import bores
 from scaffold_cad.struts.splines import Spline
 
@@ -55,16 +56,14 @@ def brep_of_struts(struts: RoundStruts) -> AnalyticBrep:
     """
     struts = struts if struts.inner is None else replace(struts, inner=struts.inner.straight)
     struts = struts.straight
-    plan = FacePlan.of(struts)
-    outer = shells_of(plan)
+    outer, ends, rings_outside = _surface(struts)
     if struts.inner is None:
         return outer
     is_open = np.zeros(len(outer.solid), dtype=np.bool_)
-    inside = FacePlan.of(struts.inner)
-    void = shells_of(inside)
+    void, _, inner_rings = _surface(struts.inner)
     if struts.options.ends != "open":
         return hollow(outer, void, PlaneRings.none(), is_open)
-    runs, ends, inner_rings = struts.runs, plan.ends, inside.end_rings + np.arange(len(plan.ends))
+    runs = struts.runs
     shell = _shell_of_nodes(struts)[runs.tails[ends]]
     is_open[shell] = True
     if len(struts.sockets.nodes):
@@ -73,13 +72,22 @@ def brep_of_struts(struts: RoundStruts) -> AnalyticBrep:
         runs.nodes[runs.tails[ends]],
         -runs.directions[ends],
         struts.x[ends],
-        np.stack([plan.end_rings + np.arange(len(ends)), inner_rings], axis=1),
+        np.stack([rings_outside, inner_rings], axis=1),
         np.tile([False, True], (len(ends), 1)),
         np.zeros(len(ends), dtype=np.bool_),
         shell,
         len(runs.edges) + runs.tails[ends],
     )
     return hollow(outer, void, rings, is_open)
+
+
+def _surface(struts: RoundStruts) -> tuple[AnalyticBrep, Ints, Ints]:
+    """Return the shells of solid struts, and the half-runs (e,) at ends with their circles (e,)."""
+    if struts.options.nodes == "sharp":
+        made = sharp_brep(struts)
+        return made.brep, made.ends, made.rings
+    plan = FacePlan.of(struts)
+    return shells_of(plan), plan.ends, plan.end_rings + np.arange(len(plan.ends))
 
 
 def _bored(

@@ -15,6 +15,7 @@ from scaffold_cad.struts.blend import Solved
 from scaffold_cad.struts.curved import Curves
 from scaffold_cad.struts.options import StrutOptions
 from scaffold_cad.struts.runs import Runs
+from scaffold_cad.struts.sharp.nodes import SharpNodes
 from scaffold_cad.struts.sockets import NO_SOCKETS, Sockets
 
 
@@ -76,6 +77,8 @@ class RoundStruts(Frozen, Shown):
     """Struts of the same skeleton, moved, whose partitions and triangles these have."""
     sockets: Sockets = NO_SOCKETS
     """Sockets at open ends of hollow struts."""
+    sharp: tuple[SharpNodes, ...] = ()
+    """Branch points and bends that are the sharp union of their struts, by valency."""
     inner: RoundStruts | None = None
     """The inside of hollow struts, thinner by their wall; None for solid ones."""
 

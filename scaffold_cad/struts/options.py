@@ -20,6 +20,10 @@ Joints: TypeAlias = Literal["auto", "curve", "blend"]
 """How struts pass joints: on a curve through their nodes, or as a bend with a fillet between two
 exact cylinders; by default as `scaffold_cad.struts.curvedjoints` tells one from the other."""
 
+Nodes: TypeAlias = Literal["blend", "sharp"]
+"""What is at nodes: patches that blend the struts' surfaces, or these themselves up to the edges
+in which they meet."""
+
 Bend: TypeAlias = float | Literal["blend", "torus"]
 """How two cylinders of one radius meet: with a blend, or as an exact torus; a number is the radius
 of its centerline, mm."""
@@ -27,6 +31,8 @@ of its centerline, mm."""
 BLEND = 0.5
 """Fillet radius when none is given, in radii of the thinnest strut of the node."""
 
+SHARP = 0.1
+"""Fillet radius of sharp nodes without a surface of their own, in radii of the thinnest strut."""
 
 Blend: TypeAlias = float | ArrayLike | Callable[[Points], ArrayLike]
 """Fillet radius, mm: one number, one for each node (n,), or a function of positions (n, 3)."""
@@ -49,6 +55,8 @@ class StrutOptions:
     """How bends are made that are not of a curve."""
     sockets: Mapping[int, tuple[float, float]] | None = None
     """Inner radius and depth of sockets, mm, by the extremity at which they are."""
+    nodes: Nodes = "blend"
+    """What is at nodes."""
 
     def __post_init__(self) -> None:
         if self.blend is not None and np.ndim(self.blend) == 0:
@@ -59,12 +67,25 @@ class StrutOptions:
             check_choice(self.bend, "bend", ("blend", "torus"))
         else:
             as_number(self.bend, "bend")
+        check_choice(self.nodes, "nodes", get_args(Nodes))
+        if self.nodes == "sharp":
+            self._check_sharp()
         if self.wall is not None:
             as_number(self.wall, "wall")
         elif self.ends == "open":
             raise OptionError("ends is 'open' without a wall; need wall=, mm, or ends='flat'")
         if self.sockets and self.ends != "open":
             raise OptionError(f"sockets with ends={self.ends!r}; need ends='open', and a wall")
+
+    def _check_sharp(self) -> None:
+        """Raise if something is asked for that sharp nodes do not have."""
+        asked = {"blend": self.blend, "joints": self.joints, "bend": self.bend}
+        usual = {"blend": None, "joints": "auto", "bend": "blend"}
+        for name, value in asked.items():
+            if value is not usual[name] and not (isinstance(value, str) and value == usual[name]):
+                raise OptionError(
+                    f"{name} with nodes='sharp', whose struts meet in edges; need {name} left out"
+                )
 
     def blends(self, nodes: Ints, thin: Floats) -> Floats:
         """Return the fillet radius asked for at nodes, of any one shape, mm.
@@ -73,6 +94,8 @@ class StrutOptions:
         ----------
         thin : radius of the thinnest strut of each
         """
+        if self.nodes == "sharp":
+            return SHARP * thin
         if self.blend is None:
             return BLEND * thin
         given = np.asarray(self.blend, dtype=np.float64)

@@ -18,6 +18,7 @@ from scaffold_cad.struts.model import BlendedNodes
 from scaffold_cad.struts.options import Ends
 from scaffold_cad.struts.quarter import DEGREE
 from scaffold_cad.struts.runs import Runs
+from scaffold_cad.struts.sharp.nodes import CORNER, SLIVER, SharpNodes
 from scaffold_cad.struts.splines import Spline
 
 PIECES = 4
@@ -228,6 +229,48 @@ def _node_parts(runs: Runs, group: BlendedNodes) -> Pieces:
         np.full(len(node), -1, dtype=np.intp),
         _NO_DISCS,
     )
+
+
+def sharp_pieces(runs: Runs, sharp: tuple[SharpNodes, ...], collar: Floats) -> Pieces:
+    """Return what lies between sharp nodes and collars: cylinders around the struts and the ball.
+
+    The first thickest strut's reaches beyond the node, and is as wide as the ball there; struts
+    that end in planes reach as far as the corner in which they meet.
+
+    Parameters
+    ----------
+    collar : (2 k,) distance of each half-run's collar from its node, mm
+    """
+    parts = [node_pieces(runs, ())]
+    for group in sharp:
+        half_runs = group.half_runs.reshape(-1)
+        radii = runs.radii.reshape(-1)[group.half_runs]
+        wide = np.maximum(radii, radii + runs.slopes[group.half_runs] * collar[group.half_runs])
+        row, main = np.arange(len(radii)), radii.argmax(axis=1)
+        wide[row, main] = np.maximum(wide[row, main], group.size)
+        back = np.zeros_like(radii)
+        back[row, main] = -group.size
+        mitred = np.array([shape.curves.stars.mitred[0] for shape in group.shapes])
+        rows = np.flatnonzero(mitred[group.shape_of])
+        reach = CORNER if radii.shape[1] == 2 else SLIVER
+        back[rows] = np.minimum(back[rows], -reach * radii[rows])
+        node, ahead = runs.nodes[runs.tails[half_runs]], runs.directions[half_runs]
+        none = np.full(len(node), -1, dtype=np.intp)
+        parts.append(
+            Pieces(
+                node + back.reshape(-1)[:, None] * ahead,
+                node + collar[half_runs, None] * ahead,
+                wide.reshape(-1),
+                np.repeat(runs.tails[half_runs][:, None], 2, axis=1),
+                half_runs >> 1,
+                none,
+                np.empty((0, 1, 3)),
+                np.zeros_like(node),
+                none,
+                _NO_DISCS,
+            )
+        )
+    return joined(parts)
 
 
 def joined(parts: list[Pieces]) -> Pieces:

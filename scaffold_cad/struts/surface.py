@@ -20,6 +20,7 @@ from scaffold_cad.struts.curverings import CurveRings, curve_rings
 from scaffold_cad.struts.ends import flat_ends, round_ends
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.rings import block_size, stacks
+from scaffold_cad.struts.sharp.surface import node_triangles
 from scaffold_cad.struts.sockets import socket_triangles
 
 LEVELS = 4
@@ -177,7 +178,7 @@ def shell_of(struts: RoundStruts, sides: int, open_at: Bools | None = None) -> S
     sized = sized_rings(struts, sides, None if model is None else model.shift)
     own = own_rings(struts, np.arange(len(struts.collar)), sized, sides)  # (2 k, sides, 3)
     starts, count = _blocks(struts, sides)
-    rings = np.empty((len(struts.collar), sides), dtype=np.intp)
+    rings = np.zeros((len(struts.collar), sides), dtype=np.intp)
     at_nodes, swell = np.empty((count, 3)), np.zeros(len(struts.runs.nodes))
     nodes: list[Ints] = []
     run_of = number[::2] >> 1  # of the runs left
@@ -193,10 +194,21 @@ def shell_of(struts: RoundStruts, sides: int, open_at: Bools | None = None) -> S
         nodes.append(np.repeat(group.nodes, len(made.triangles) // len(group.nodes)))
         rings[half_runs] = place[made.rings]
         swell[group.nodes] = made.swell
+    points = [at_nodes]
+    for part in node_triangles(struts, sides):
+        placed = np.concatenate(
+            [part.points, own[part.half_runs].reshape(len(part.nodes), -1, 3)], 1
+        )
+        vertex = count + np.arange(placed.size // 3).reshape(placed.shape[:2])
+        rings[part.half_runs] = vertex[:, part.points.shape[1] :].reshape(*part.half_runs.shape, -1)
+        faces.append(vertex[:, part.triangles].reshape(-1, 3))
+        nodes.append(np.repeat(part.nodes, len(part.triangles)))
+        points.append(placed.reshape(-1, 3))
+        count += vertex.size
     ends = np.flatnonzero(struts.runs.valency[struts.runs.tails] == 1)
     rings[ends] = count + np.arange(len(ends) * sides).reshape(-1, sides)
     count += len(ends) * sides
-    points = [at_nodes, own[ends].reshape(-1, 3)]
+    points.append(own[ends].reshape(-1, 3))
     at_curves = struts.curves.half_runs[~struts.curves.closed].reshape(-1)
     rings[at_curves] = count + np.arange(len(at_curves) * sides).reshape(-1, sides)
     count += len(at_curves) * sides

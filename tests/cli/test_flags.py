@@ -32,6 +32,7 @@ LINES = {
         f"tripod.json {ROUND} --overlaps unite --socket 1:1.8:5 --socket 2:1.7:4 -o c.stl",
         "tripod.json --as frame --strut-radius 0.3 -o d.stl",
         "tripod.json --tiles tiles --block 20 --jobs 1 -o e.stl",
+        "tripod.json --round --nodes sharp -o f.step",
     ],
     "lattice": [
         f"--quiet --cell bcc --size 8 --radius 0.6 --box 8x8x8 {ROUND} --overlaps unite -o a.stl",
@@ -46,6 +47,7 @@ LINES = {
         ),
         "--cell bcc --size 8 --radius 0.6 --box 8x8x8 --layer 0.5 --pixel 0.2 -o g.zip",
         "--cell bcc --size 8 --radius 0.6 --box 8x8x8 --layer 0.5 --text -o h.cli",
+        "--cell bcc --size 8 --radius 0.6 --box 8x8x8 --round --nodes sharp -o i.stl",
     ],
     "cells": ["--quiet --output cells.html", "--stiffness 0.05"],
     "check": [
@@ -75,6 +77,7 @@ LINES = {
         "tripod.json --layer 1 --joints blend --bend 5 -o d.cli",
         "tripod.json --layer 1 --tiles layers --block 9 --jobs 1 -o e.cli",
         "tripod.json --layer 1 --inside box.step --skin 1 --output c.cli",
+        "tripod.json --layer 1 --nodes sharp -o f.cli",
     ],
     "formats": ["--quiet"],
     "info": ["bare.obj --quiet --units cm --scale 0.5 --max-nodes 9"],

@@ -1,6 +1,6 @@
 """STEP files of analytic B-reps, written straight from their arrays.
 
-Planes, cylinders, cones, spheres and tori are what they are, circles are circles, and
+Planes, cylinders, cones, spheres and tori are what they are, circles and ellipses are these, and
 spline patches share the control points of their edges.
 """
 
@@ -167,11 +167,19 @@ def _write_edges(
     curves = [tables.add("LINE('',#%d,#%d)", vertices[edges.ends[:count, 0]], vectors)]
     # The arcs of a ring lie on one circle.
     rows, which = np.unique(
-        np.stack([circle_axes.astype(np.float64), edges.radii], axis=1),
+        np.stack([circle_axes.astype(np.float64), edges.radii, edges.lesser_radii], axis=1),
         axis=0,
         return_inverse=True,
     )
-    circles = tables.add("CIRCLE('',#%d,%s)", rows[:, 0].astype(np.intp), rows[:, 1])
+    is_circle = rows[:, 1] == rows[:, 2]
+    circles = np.empty(len(rows), dtype=np.intp)
+    for chosen, template in (
+        (is_circle, "CIRCLE('',#%d,%s)"),
+        (~is_circle, "ELLIPSE('',#%d,%s,%s)"),
+    ):
+        axes, *sizes = rows[chosen].T
+        sizes = sizes[: template.count("%s")]
+        circles[chosen] = tables.add(template, axes.astype(np.intp), *sizes)
     curves.append(circles[which.reshape(-1)])
     for table, numbers in zip(edges.curves, poles, strict=True):
         knots = table.knots

@@ -29,6 +29,7 @@ from scaffold_cad.struts.pieces import (
     curve_pieces,
     joined,
     node_pieces,
+    sharp_pieces,
     strut_pieces,
     with_domes,
 )
@@ -98,7 +99,13 @@ def clusters_of(
     slack : how much thicker all are taken to be
     """
     runs, curves = struts.runs, struts.curves
-    bodies = joined([node_pieces(runs, struts.blended), curve_pieces(curves)])
+    bodies = joined(
+        [
+            node_pieces(runs, struts.blended),
+            curve_pieces(curves),
+            sharp_pieces(runs, struts.sharp, struts.collar),
+        ]
+    )
     reaches = Reaches(struts, fillets)
     while True:
         inside, zones, spans, reached = _settled(reaches, core, seeds)
@@ -124,6 +131,10 @@ def unproved(struts: RoundStruts) -> Core:
     for group in struts.blended:
         good = group.shapes.sound[group.shape_of]
         found[group.nodes[~good]] = True
+    if struts.options.nodes == "sharp":
+        found = runs.valency > 1
+        for own in struts.sharp:
+            found[own.nodes] = False
     used = struts.collar.reshape(-1, 2).sum(axis=1)
     found[runs.edges[used > runs.lengths]] = True
     return Core(found, ~proved(struts.curves))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from scaffold_cad.solid.clusters.spans import BAND, CUT, Spans, radii_at
 from scaffold_cad.struts.curvecuts import CutCurves, cut_curves
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.runs import Runs
+from scaffold_cad.struts.sharp.nodes import SharpNodes
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +73,7 @@ def remainder(struts: RoundStruts, nodes: Bools, spans: Spans, pieces: Bools) ->
     number = np.full(len(runs.tails), -1, dtype=np.intp)
     number[half_run[own]] = np.flatnonzero(own)
     blended = [_without(group, nodes, number) for group in struts.blended]
+    sharp = [_without(group, nodes, number) for group in struts.sharp]
     # Beside the circles of cut curves stand short straight struts.
     short = np.stack([cut.nodes, cuts.node[len(straight.node) :]], axis=1)
     radii = [_radii(runs, half_run, edges, straight), np.repeat(cut.radii[:, None], 2, axis=1)]
@@ -97,6 +100,7 @@ def remainder(struts: RoundStruts, nodes: Bools, spans: Spans, pieces: Bools) ->
         crowded_runs=np.zeros(len(run), dtype=np.bool_),
         runs=left,
         blended=tuple(group for group in blended if len(group.nodes)),
+        sharp=tuple(group for group in sharp if len(group.nodes)),
         collar=collar,
         x=x,
         like=None,
@@ -185,12 +189,17 @@ def _turn_cuts(runs: Runs, x: UnitVectors, own: Bools) -> None:
     x[first + 1] = x[first]
 
 
-def _without(group: BlendedNodes, nodes: Bools, number: Ints) -> BlendedNodes:
-    """Return blended nodes that are in no cluster, with the numbers of half-runs that are left."""
+_Nodes = TypeVar("_Nodes", BlendedNodes, SharpNodes)
+
+
+def _without(group: _Nodes, nodes: Bools, number: Ints) -> _Nodes:
+    """Return nodes that are in no cluster, with the numbers of half-runs that are left."""
     kept = ~nodes[group.nodes]
-    return replace(
-        group,
-        nodes=group.nodes[kept],
-        half_runs=number[group.half_runs[kept]],
-        shape_of=group.shape_of[kept],
-    )
+    changed: dict[str, Ints | Floats] = {
+        "nodes": group.nodes[kept],
+        "half_runs": number[group.half_runs[kept]],
+        "shape_of": group.shape_of[kept],
+    }
+    if isinstance(group, SharpNodes):
+        changed["size"] = group.size[kept]
+    return replace(group, **changed)  # type: ignore[arg-type]

@@ -27,6 +27,7 @@ from scaffold_cad.struts.bands import polygon_slack
 from scaffold_cad.struts.curverings import rings_hold
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.runs import Runs
+from scaffold_cad.struts.sharp.surface import without_triangles
 from scaffold_cad.struts.surface import Shell, Triangulated, inside_of, open_ends, shell_of
 
 MARGIN = 1e-9
@@ -81,10 +82,17 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
     factor : what lengths are multiplied with in a file, in whose 32-bit numbers triangles are
         looked at
     """
-    fillets, core = wanted_fillets(struts), unproved(struts)
+    fillets, core = wanted_fillets(struts), _unmade(struts, sides)
     if struts.inner is None:
         return _surface(struts, sides, fillets, core, factor).mesh
     return _hollow(struts, sides, fillets, core, factor)
+
+
+def _unmade(struts: RoundStruts, sides: int) -> Core:
+    """Return the nodes and pieces that have no triangles of their own."""
+    core = unproved(struts)
+    nodes = core.nodes | without_triangles(struts.sharp, sides, len(core.nodes))
+    return Core(nodes, core.pieces)
 
 
 def _hollow(
@@ -96,7 +104,7 @@ def _hollow(
     smaller.
     """
     inner = inside_of(struts)
-    more = unproved(inner)
+    more = _unmade(inner, sides)
     core = Core(core.nodes | more.nodes, core.pieces | more.pieces)
     sags = Sags(float(struts.options.wall or 0.0) / 4.0)
     for _ in range(FINER):

@@ -1,0 +1,38 @@
+"""Struts made like others: whether they can have the triangles of these."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.errors import OptionError
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.struts.model import RoundStruts
+from scaffold_cad.struts.options import StrutOptions
+
+
+def check_like(skeleton: Skeleton, options: StrutOptions, like: RoundStruts) -> None:
+    """Raise unless struts of a skeleton can have the triangles of others.
+
+    Raises
+    ------
+    OptionError
+        If the graph, the ends or the walls are others, or nodes are sharp.
+    """
+    check_kind(like, RoundStruts)
+    if "sharp" in (options.nodes, like.options.nodes):
+        raise OptionError("like with nodes='sharp', whose edges move; need either left out")
+    if not np.array_equal(skeleton.edges, like.skeleton.edges):
+        raise OptionError(
+            f"like has {len(like.skeleton.edges)} edges, which are not the skeleton's "
+            f"{len(skeleton.edges)}; need the same graph, moved"
+        )
+    own = (options.ends, options.wall is None)
+    others = (like.options.ends, like.options.wall is None)
+    if own != others:
+        raise OptionError(
+            f"like has ends={like.options.ends!r} and wall={like.options.wall}; need the same"
+        )
+    nodes = [sorted(each.sockets or {}) for each in (options, like.options)]
+    if nodes[0] != nodes[1]:
+        raise OptionError(f"like has sockets at nodes {nodes[1]}, not {nodes[0]}; need the same")

@@ -1,0 +1,1 @@
+"""Sharp nodes: the union of a node's cylinders, cones and ball, without fillets and booleans."""
