@@ -443,6 +443,19 @@ def draw_round_star() -> None:
     stage.save("round_star")
 
 
+def draw_sharp_nodes() -> None:
+    """Draw pipes whose nodes are sharp: braces on a chord, a cross of one radius and a miter."""
+    nodes = [[0, 0, 0], [-9, 0, 0], [12, 0, 0], [-7, 0, 9], [7, 0, 9], [12, 0, 12], [12, 8, 0]]
+    nodes += [[21, 0, 0], [21, 0, 10]]
+    edges = [[0, 1], [0, 2], [0, 3], [0, 4], [2, 5], [2, 6], [2, 7], [7, 8]]
+    radii = np.array([2, 2, 1.2, 1.2, 2, 2, 2, 2])
+    pipes = Skeleton(nodes, edges, 1.0, edge_radii=np.stack([radii, radii], axis=1))
+    stage = Stage((0.35, -1.0, 0.4), 900, 640)
+    solid = to_solid(round_struts(pipes, nodes="sharp"), sides=64)
+    stage.add(_faceted(solid), GRAY)
+    stage.save("sharp_nodes")
+
+
 def draw_convolution() -> None:
     """Draw the dog's scaffold, and beside it its convolution surface with its quads."""
     scaffold = build_scaffold(skeleton("dog"), collars=True)
@@ -499,6 +512,7 @@ PICTURES: dict[str, Callable[[], None]] = {
     "round_stick_woman": draw_round_stick_woman,
     "round_octet": draw_round_octet,
     "round_star": draw_round_star,
+    "sharp_nodes": draw_sharp_nodes,
     "cells": draw_cells,
     "options": draw_options,
     "layers": draw_layers,
