@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.base.topology import component_labels
@@ -54,9 +55,9 @@ def hollow(
     """
     shells = len(outer.solid)
     own = np.where(open_, np.arange(shells), shells + np.cumsum(~open_) - 1)
-    names = tuple(f"{name} inside" for name in inner.names)
     solids = np.concatenate([outer.solid, np.flatnonzero(~open_)])
-    return _joined(outer, replace(inner, names=names), rings, ~inner.faces.outward, own, solids)
+    inside = turned(inner)
+    return _joined(outer, inside, rings, inside.faces.outward, own, solids)
 
 
 def extended(body: AnalyticBrep, parts: AnalyticBrep, rings: PlaneRings) -> AnalyticBrep:
@@ -70,6 +71,12 @@ def extended(body: AnalyticBrep, parts: AnalyticBrep, rings: PlaneRings) -> Anal
     """
     own = np.arange(len(body.solid))
     return _joined(body, parts, rings, parts.faces.outward, own, body.solid)
+
+
+def turned(brep: AnalyticBrep) -> AnalyticBrep:
+    """Return the same seen from inside, as its names say too."""
+    names = tuple(f"{name} inside" for name in brep.names)
+    return replace(brep, faces=replace(brep.faces, outward=~brep.faces.outward), names=names)
 
 
 def _joined(
@@ -257,7 +264,7 @@ def by_edges(brep: AnalyticBrep) -> AnalyticBrep:
 def with_voids(brep: AnalyticBrep, void: Bools) -> AnalyticBrep:
     """Return the same with some of its shells (s,) as voids in the others, each a solid.
 
-    A void is in the solid of the smallest box that holds its own.
+    A void is in that of the solids whose box holds its own that has the nearest vertex.
     """
     order = np.argsort(void, kind="stable")
     rank = np.empty_like(order)
@@ -270,9 +277,10 @@ def with_voids(brep: AnalyticBrep, void: Bools) -> AnalyticBrep:
     ends = brep.vertices[brep.edges.ends[faces.edge]]  # (u, 2, 3)
     np.minimum.at(low, of_use, ends.min(axis=1))
     np.minimum.at(high, of_use, -ends.max(axis=1))
-    size = -(low + high).prod(axis=1)[:bodies]
     solid = np.arange(len(void))
     for each in range(bodies, len(void)):
         holds = (low[:bodies] <= low[each]).all(axis=1) & (high[:bodies] <= high[each]).all(axis=1)
-        solid[each] = np.where(holds, size, np.inf).argmin()
+        around = np.isin(of_use, np.flatnonzero(holds) if holds.any() else np.arange(bodies))
+        distance, nearest = map(np.asarray, cKDTree(ends[around, 0]).query(ends[of_use == each, 0]))
+        solid[each] = of_use[around][nearest[distance.argmin()]]
     return replace(brep, faces=replace(faces, shell=shell), solid=solid)

@@ -3,55 +3,203 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import replace
+from collections import Counter
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from scaffold_cad.base.arrays import Ints
-from scaffold_cad.brep.analytic import AnalyticBrep, Surface
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints
+from scaffold_cad.base.summaries import counted
+from scaffold_cad.brep.analytic import AnalyticBrep
 from scaffold_cad.brep.facets import brep_of_triangles, edges_between
-from scaffold_cad.brep.joining import PlaneRings, by_edges, extended, with_voids
+from scaffold_cad.brep.joining import (
+    PlaneRings,
+    by_edges,
+    edge_numbers,
+    extended,
+    turned,
+    with_voids,
+)
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.solid.clusters.facets import Faceted, faceted
-from scaffold_cad.solid.clusters.growth import unproved
+from scaffold_cad.solid.clusters.facets import SIDES, Faceted, faceted
+from scaffold_cad.solid.clusters.growth import Core, unproved
+from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
+from scaffold_cad.solid.clusters.surface import hollow
 from scaffold_cad.solid.field.pieces import Pieces, pieces_of
-from scaffold_cad.struts.faceplan import FacePlan
-from scaffold_cad.struts.faces import brep_of_struts, run_names, shells_of
+from scaffold_cad.struts.faces import bored, end_rings, faces_of, run_names
 from scaffold_cad.struts.model import RoundStruts
+from scaffold_cad.struts.surface import annuli, shell_of
+
+CLUSTER = "cluster"
+"""What names of facets begin with."""
 
 NAMED = 5
 """Nodes or struts that the name of a cluster has at most."""
 
+BODY, VOID, EITHER = range(3)
+"""What a face says of its shell: that it bounds a body or a void in one, or nothing."""
+
 _log = logging.getLogger(__name__)
 
 
+@dataclass(frozen=True, eq=False)
+class _Part(Frozen):
+    """The surface of solid struts."""
+
+    faces: AnalyticBrep
+    """Its faces; as their shells they have what they say of these."""
+    circles: Ints
+    """Edge at each node where a strut ends, else -1, shape (n,)."""
+    first_name: int
+    """Place of the name of node 0."""
+    mesh: TriangleMesh
+    """Triangles near it."""
+    node: Ints
+    """Nodes that the first of these are around."""
+    nodes: Bools
+    """Nodes in clusters, (n,)."""
+    fillets: Floats
+    """Fillet radius of each node, mm, (n,)."""
+
+
 def mixed_brep(struts: RoundStruts) -> AnalyticBrep:
-    """Return the B-rep of solid round struts some of which are crowded.
+    """Return the B-rep of round struts some of which are crowded.
 
     Faces are exact but at clusters, which are plane triangles, see `faceted`. Where a strut begins
-    beside a cluster a plane ring lies between its circle and a polygon.
+    beside a cluster a plane ring lies between its circle and a polygon. Open ends that come to lie
+    in clusters are closed.
+
+    Raises
+    ------
+    MeshError
+        If the walls of hollow struts cross.
     """
-    made = faceted(struts, wanted_fillets(struts), unproved(struts))
+    if struts.inner is None:
+        return _told(_solids(_part(struts, wanted_fillets(struts), unproved(struts)).faces))
+    outside, inside = hollow(struts, unproved, _part, _together)
+    own = inside.faces.faces
+    kind = np.where(own.shell == VOID, BODY, VOID)  # what a solid is inside is a void
+    void = replace(inside.faces, faces=replace(own, shell=kind))
+    runs = struts.runs
+    ends = np.flatnonzero(runs.valency[runs.tails] == 1)
+    circles = np.stack([outside.circles, inside.circles], axis=1)[runs.tails[ends]]
+    is_open = (circles >= 0).all(axis=1) & (struts.options.ends == "open")
+    ends, circles = ends[is_open], circles[is_open]
+    either = np.full(len(ends), EITHER)
+    if len(struts.sockets.nodes):
+        void, circles[:, 1] = bored(struts, void, ends, circles[:, 1], either, inside.first_name)
+    rings = end_rings(struts, ends, circles, either, outside.first_name)
+    return _told(_solids(extended(outside.faces, turned(void), rings)))
+
+
+def _told(faces: AnalyticBrep) -> AnalyticBrep:
+    """Log how many facets there are, and at which clusters; return the faces."""
+    found = Counter(name for name in faces.face_names if name.startswith(CLUSTER))
+    named = "; ".join(list(found)[:NAMED]) + ("; ..." if len(found) > NAMED else "")
+    facets, clusters = found.total(), counted(len(found), "cluster")
+    if found:
+        _log.info("%d plane facets at %s (%s); all else is exact", facets, clusters, named)
+    return faces
+
+
+def _together(outside: _Part, inside: _Part) -> TriangleMesh:
+    """Return the triangles near both surfaces of walls."""
+    first, second = outside.mesh, inside.mesh
+    return TriangleMesh(
+        np.concatenate([first.vertices, second.vertices]),
+        np.concatenate([first.triangles, second.triangles[:, ::-1] + len(first.vertices)]),
+    )
+
+
+def _part(struts: RoundStruts, fillets: Floats, core: Core, sags: Sags | None = None) -> _Part:
+    """Return the surface of solid struts, see `faceted`."""
+    made, count = faceted(struts, fillets, core, sags), len(core.nodes)
     if made is None:
-        return brep_of_struts(struts)
+        part, _ = _exact(struts, np.zeros(len(struts.runs.nodes), dtype=np.bool_))
+        return replace(part, nodes=core.nodes, fillets=fillets)
     pieces = _pieces(made)
     piece = pieces.piece_of[made.mesh.triangles[:, 0]]
     names = _cluster_names(struts, made, pieces)
-    _log.info("%d plane facets, at %s", len(piece), "; ".join(names[:NAMED]))
-    facets, first = brep_of_triangles(made.mesh, piece, names), 0
-    if made.clusters is not None:
-        rest = made.clusters.rest
-        plan = FacePlan.of(rest.struts.straight, rest.open_at)
-        exact = _named(shells_of(plan), struts, made)
-        rings = _rings(plan, made, facets, len(exact.names) + piece[_at_rings(made)])
-        first = int((exact.faces.kinds == Surface.PLANE).sum())
-        whole = replace(facets, faces=replace(facets.faces, shell=np.zeros_like(piece)))
-        facets = by_edges(extended(exact, whole, rings))
-    void = np.zeros(len(facets.solid), dtype=np.bool_)
-    void[facets.faces.shell[first : first + len(piece)][pieces.volumes[piece] < 0]] = True
-    return with_voids(facets, void)
+    facets = brep_of_triangles(made.mesh, piece, names)
+    facets = _saying(facets, np.where(pieces.volumes[piece] < 0, VOID, BODY))
+    if made.clusters is None:
+        none, every = np.zeros(0, dtype=np.intp), np.ones_like(core.nodes)
+        return _Part(facets, np.full(count, -1), 0, made.mesh, none, every, fillets)
+    rest = made.clusters.rest
+    beside, corners = _exact(rest.struts, rest.open_at)
+    exact = _named(beside.faces, struts, made)
+    rings = _rings(beside.circles, made, len(exact.names) + piece[_at_rings(made)], facets)
+    numbers = np.append(edge_numbers(exact, facets)[0], -1)
+    return _Part(
+        extended(exact, facets, rings),
+        numbers[beside.circles[:count]],
+        beside.first_name,
+        _near(made, beside.mesh, corners),
+        beside.node,
+        made.clusters.nodes,
+        made.clusters.reached,
+    )
+
+
+def _exact(struts: RoundStruts, open_at: Bools) -> tuple[_Part, Ints]:
+    """Return the surface of struts that are all exact, and the vertices of rings where they end.
+
+    Parameters
+    ----------
+    open_at : (n,) nodes where they end without a face
+
+    Returns
+    -------
+    the surface, and vertices (n, SIDES) of its triangles
+    """
+    straight = struts.straight
+    faces, ends, rings = faces_of(straight, open_at)
+    circles = np.full(len(open_at), -1)
+    circles[straight.runs.tails[ends]] = rings
+    shell = shell_of(struts, SIDES, open_at)
+    corners = np.full((len(open_at), SIDES), -1)
+    corners[struts.runs.tails[shell.ends]] = shell.rings
+    part = _Part(
+        _saying(faces, np.full(len(faces.faces.kinds), EITHER)),
+        circles,
+        len(straight.runs.edges),
+        shell.made.mesh,
+        shell.made.node,
+        np.zeros_like(open_at),
+        np.zeros(len(open_at)),
+    )
+    return part, corners
+
+
+def _near(made: Faceted, mesh: TriangleMesh, corners: Ints) -> TriangleMesh:
+    """Return triangles near the whole surface, those of exact struts first.
+
+    Parameters
+    ----------
+    corners : (n, SIDES) vertices of the ring at each node where an exact strut ends
+    """
+    assert made.clusters is not None
+    count, cuts = len(mesh.vertices), made.clusters.rest.cuts
+    between = annuli(corners[cuts.node], made.rings + count)
+    return TriangleMesh(
+        np.concatenate([mesh.vertices, made.mesh.vertices]),
+        np.concatenate([mesh.triangles, between, made.mesh.triangles + count]),
+    )
+
+
+def _saying(faces: AnalyticBrep, what: Ints) -> AnalyticBrep:
+    """Return faces (f,) that say something of their shells."""
+    return replace(faces, faces=replace(faces.faces, shell=what), solid=np.arange(EITHER + 1))
+
+
+def _solids(faces: AnalyticBrep) -> AnalyticBrep:
+    """Return the solids of faces that say something of their shells."""
+    whole = by_edges(faces)
+    said = np.full(len(whole.solid), EITHER)
+    np.minimum.at(said, whole.faces.shell, faces.faces.shell)
+    return with_voids(whole, said == VOID)
 
 
 def _pieces(made: Faceted) -> Pieces:
@@ -66,25 +214,25 @@ def _at_rings(made: Faceted) -> Ints:
     """Return a triangle at each polygon, (c,)."""
     triangle = np.empty(len(made.mesh.vertices), dtype=np.intp)
     triangle[made.mesh.triangles] = np.arange(len(made.mesh.triangles))[:, None]
-    return triangle[made.rings[:, 0]]
+    found: Ints = triangle[made.rings[:, 0]]
+    return found
 
 
-def _rings(plan: FacePlan, made: Faceted, facets: AnalyticBrep, name: Ints) -> PlaneRings:
+def _rings(circles: Ints, made: Faceted, name: Ints, facets: AnalyticBrep) -> PlaneRings:
     """Return the plane rings between the circles of struts and the polygons of clusters."""
     assert made.clusters is not None
-    cuts, runs = made.clusters.rest.cuts, plan.struts.runs
-    circle = np.empty(len(runs.nodes), dtype=np.intp)
-    circle[runs.tails[plan.ends]] = plan.end_rings + np.arange(len(plan.ends))
+    rest = made.clusters.rest
+    cuts, count = rest.cuts, len(rest.cuts.node)
     side, ahead = edges_between(facets, made.rings, np.roll(made.rings, -1, axis=1))
-    none = np.zeros(len(cuts.node), dtype=np.bool_)
+    none = np.zeros(count, dtype=np.bool_)
     return PlaneRings(
-        runs.nodes[cuts.node],
+        rest.struts.runs.nodes[cuts.node],
         -cuts.outward,
-        made.clusters.rest.struts.x[made.half_runs],
-        np.hstack([circle[cuts.node][:, None], side]),
+        rest.struts.x[made.half_runs],
+        np.hstack([circles[cuts.node][:, None], side]),
         np.hstack([none[:, None], ahead]),
         none,
-        none.astype(np.intp),
+        np.full(count, EITHER),
         name,
     )
 
@@ -118,5 +266,5 @@ def _cluster_names(struts: RoundStruts, made: Faceted, pieces: Pieces) -> list[s
         what = "node" if own else "strut"
         own = own or [run_of[run].split()[-1] for run in np.flatnonzero(of_run == piece).tolist()]
         more = ", ..." if len(own) > NAMED else ""
-        found.append(f"cluster of {what}{'s' * (len(own) != 1)} {', '.join(own[:NAMED])}{more}")
+        found.append(f"{CLUSTER} of {what}{'s' * (len(own) != 1)} {', '.join(own[:NAMED])}{more}")
     return found

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Ints, Points
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.brep.analytic import (
     AnalyticBrep,
@@ -56,57 +56,81 @@ def brep_of_struts(struts: RoundStruts) -> AnalyticBrep:
     """
     struts = struts if struts.inner is None else replace(struts, inner=struts.inner.straight)
     struts = struts.straight
-    outer, ends, rings_outside = _surface(struts)
+    outer, ends, rings_outside = faces_of(struts)
     if struts.inner is None:
         return outer
     is_open = np.zeros(len(outer.solid), dtype=np.bool_)
-    void, _, inner_rings = _surface(struts.inner)
+    void, _, inner_rings = faces_of(struts.inner)
     if struts.options.ends != "open":
         return hollow(outer, void, PlaneRings.none(), is_open)
     runs = struts.runs
     shell = _shell_of_nodes(struts)[runs.tails[ends]]
     is_open[shell] = True
     if len(struts.sockets.nodes):
-        void, inner_rings = _bored(struts, struts.inner, void, ends, inner_rings)
-    rings = PlaneRings(
+        void, inner_rings = bored(struts, void, ends, inner_rings, shell, len(runs.edges))
+    circles = np.stack([rings_outside, inner_rings], axis=1)
+    return hollow(outer, void, end_rings(struts, ends, circles, shell, len(runs.edges)), is_open)
+
+
+def end_rings(
+    struts: RoundStruts, ends: Ints, circles: Ints, shell: Ints, first_name: int
+) -> PlaneRings:
+    """Return the plane rings at open ends of hollow struts.
+
+    Parameters
+    ----------
+    ends : (e,) half-runs at extremities
+    circles : (e, 2) edges there, of the outside and of the inside
+    shell : (e,) of each
+    first_name : place of the name of node 0
+    """
+    runs = struts.runs
+    return PlaneRings(
         runs.nodes[runs.tails[ends]],
         -runs.directions[ends],
         struts.x[ends],
-        np.stack([rings_outside, inner_rings], axis=1),
+        circles,
         np.tile([False, True], (len(ends), 1)),
         np.zeros(len(ends), dtype=np.bool_),
         shell,
-        len(runs.edges) + runs.tails[ends],
+        first_name + runs.tails[ends],
     )
-    return hollow(outer, void, rings, is_open)
 
 
-def _surface(struts: RoundStruts) -> tuple[AnalyticBrep, Ints, Ints]:
-    """Return the shells of solid struts, and the half-runs (e,) at ends with their circles (e,)."""
+def faces_of(struts: RoundStruts, open_at: Bools | None = None) -> tuple[AnalyticBrep, Ints, Ints]:
+    """Return the shells of solid straight struts, and half-runs (e,) at ends, their circles (e,).
+
+    Parameters
+    ----------
+    open_at : (n,) nodes where struts end without a face; none by default
+    """
     if struts.options.nodes == "sharp":
-        made = sharp_brep(struts)
+        made = sharp_brep(struts, open_at)
         return made.brep, made.ends, made.rings
-    plan = FacePlan.of(struts)
-    return shells_of(plan), plan.ends, plan.end_rings + np.arange(len(plan.ends))
+    plan = FacePlan.of(struts, open_at)
+    return _shells_of(plan), plan.ends, plan.end_rings + np.arange(len(plan.ends))
 
 
-def _bored(
-    struts: RoundStruts, inner: RoundStruts, void: AnalyticBrep, ends: Ints, rings: Ints
+def bored(
+    struts: RoundStruts, void: AnalyticBrep, ends: Ints, rings: Ints, shell: Ints, first_name: int
 ) -> tuple[AnalyticBrep, Ints]:
-    """Return the inside of struts with sockets, and its circles at all ends, (e,).
+    """Return the inside of struts with their sockets, and its circles at all open ends, (e,).
 
     Parameters
     ----------
     void : the inside without sockets
-    ends : (e,) half-runs at extremities
+    ends : (e,) half-runs at open ends
     rings : (e,) circles of `void` there
+    shell : (e,) of each
+    first_name : place of the name of node 0 among those of `void`
     """
-    runs, sockets = struts.runs, struts.sockets
+    assert struts.inner is not None
+    runs, inner = struts.runs, struts.inner
+    sockets = struts.sockets.chosen(np.isin(struts.sockets.nodes, runs.tails[ends]))
     place = np.flatnonzero(np.isin(runs.tails[ends], sockets.nodes))
     place = place[np.argsort(runs.tails[ends[place]])]
     half_run, count = ends[place], len(place)
-    inward, x = runs.directions[half_run], struts.x[half_run]
-    shell = _shell_of_nodes(struts)[sockets.nodes]
+    inward, x, shell = runs.directions[half_run], struts.x[half_run], shell[place]
     parts = bores(runs.nodes[sockets.nodes], inward, x, sockets, shell, len(void.solid))
     circles = count + np.arange(2 * count).reshape(-1, 2)  # at the shoulder and at the end
     wide = sockets.radii > inner.runs.radii.reshape(-1)[half_run]
@@ -118,7 +142,7 @@ def _bored(
         np.stack([np.zeros_like(wide), np.ones_like(wide)], axis=1),
         wide,
         shell,
-        len(runs.edges) + sockets.nodes,
+        first_name + sockets.nodes,
     )
     numbers = edge_numbers(void, parts)
     rings = numbers[0][rings]
@@ -126,7 +150,7 @@ def _bored(
     return extended(void, parts, shoulders), rings
 
 
-def shells_of(plan: FacePlan) -> AnalyticBrep:
+def _shells_of(plan: FacePlan) -> AnalyticBrep:
     """Return the outer faces of struts, but for the ends of open ones."""
     uses = [patch_uses(plan), strut_uses(plan), curve_uses(plan), torus_uses(plan)]
     uses += [cap_uses(plan), dome_uses(plan)]

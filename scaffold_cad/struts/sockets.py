@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, Triangles, UnitVectors
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Triangles, UnitVectors
 from scaffold_cad.brep.analytic import AnalyticBrep, Axes, BrepEdges, BrepFaces, Surface
 from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton
@@ -28,6 +28,10 @@ class Sockets(Frozen):
     """Inner radius, shape (q,), mm."""
     depths: Floats
     """Length from the end to the shoulder, shape (q,), mm."""
+
+    def chosen(self, keep: Bools) -> Sockets:
+        """Return some of the sockets."""
+        return Sockets(self.nodes[keep], self.radii[keep], self.depths[keep])
 
 
 NO_SOCKETS = Sockets(np.empty(0, dtype=np.intp), np.empty(0), np.empty(0))

@@ -125,7 +125,8 @@ def test_faces_are_named_after_struts_and_clusters() -> None:
 def test_clusters_are_logged(caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level(logging.INFO)
     mixed_brep(round_struts(NARROW))
-    assert "plane facets, at cluster of node 0" in caplog.text
+    assert len(caplog.records) == 1
+    assert "plane facets at 1 cluster (cluster of node 0); all else is exact" in caplog.text
 
 
 def test_what_is_all_crowded_is_all_facets() -> None:
@@ -168,3 +169,45 @@ def test_curves_and_tori_beside_clusters_stay() -> None:
     assert found[Surface.TORUS] == 1
     assert found[Surface.SPLINE] > 0
     assert brep_of_faces(faces).is_valid
+
+
+# --- hollow struts ---
+
+OUTSIDE_ONLY = CROSSING.moved(CROSSING.nodes * [1, 1, 3])
+"""Two struts that cross, with walls of 0.4 by their outsides only."""
+
+
+@pytest.mark.parametrize("ends", ["flat", "open", "round"])
+@pytest.mark.parametrize(
+    ("skeleton", "voids"),
+    [(NARROW, 1), (CROSSING, 1), (OUTSIDE_ONLY, 2)],
+    ids=["narrow", "cross", "outside"],
+)
+def test_hollow_struts_are_hollow_in_clusters_too(
+    skeleton: Skeleton, voids: int, ends: str
+) -> None:
+    struts = round_struts(skeleton, wall=0.4, ends=ends)  # type: ignore[arg-type]
+    faces = mixed_brep(struts)
+    faces.check_closed()
+    assert len(faces.solid) == 1 + (voids if ends != "open" else 0)
+    shape = brep_of_faces(faces)
+    assert shape.is_valid
+    assert len(shape.solids()) == 1
+    assert shape.volume == pytest.approx(round_mesh(struts).signed_volume, rel=0.005)
+    analytic = faces.faces.kinds[faces.faces.kinds < Surface.SPLINE]
+    sizes = faces.faces.sizes[analytic == Surface.CYLINDER, 0]
+    assert sorted(set(sizes.round(12).tolist())) == [0.6, 1.0]
+
+
+def test_sockets_beside_clusters_stay_and_ends_in_clusters_are_closed() -> None:
+    bored = round_struts(NARROW, wall=0.3, ends="open", sockets={3: (0.6, 2.0)})
+    names = Counter(mixed_brep(bored).face_names)
+    assert names["socket 3 inside"] == 1
+    assert sum(count for name, count in names.items() if name.startswith("end")) == 5
+    short = Skeleton([[0, 0, 0], [2.6, 0, 0], [2.6, 0.7, 0], *TIPS[2:]], FOUR, 1.0)
+    struts = round_struts(short, wall=0.3, ends="open")
+    faces = mixed_brep(struts)
+    assert {name for name in faces.face_names if "end" in name} == {"end 3", "end 4"}
+    shape = brep_of_faces(faces)
+    assert shape.is_valid
+    assert shape.volume == pytest.approx(round_mesh(struts).signed_volume, rel=0.005)

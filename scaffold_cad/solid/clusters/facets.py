@@ -18,6 +18,7 @@ from scaffold_cad.mesh.decimation import decimated
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
 from scaffold_cad.solid.clusters.growth import Clusters, Core, clusters_of
+from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.seams import seamed
 from scaffold_cad.solid.clusters.spans import no_spans
 from scaffold_cad.solid.clusters.surface import TRIES, field_of, filled, grown
@@ -36,6 +37,9 @@ take for one place."""
 FLAT = 0.02
 """How far facets are off the field's surface, in radii of the struts there, by the root of the
 mean square."""
+
+PART_OF_SAG = 0.25
+"""How far facets are off at most where walls have sides with less room, in this room."""
 
 MANY = 50_000
 """Facets of a part from which on they become coarser."""
@@ -60,13 +64,16 @@ class Faceted(Frozen):
     """Half-run that begins at each cut, among those left, shape (c,)."""
 
 
-def faceted(struts: RoundStruts, fillets: Floats, core: Core) -> Faceted | None:
+def faceted(
+    struts: RoundStruts, fillets: Floats, core: Core, sags: Sags | None = None
+) -> Faceted | None:
     """Return the clusters of struts as facets, or None if there are none.
 
     Parameters
     ----------
     fillets : (n,) fillet radius wanted at each node, mm
     core : what is in clusters in any case
+    sags : how far the sides of triangles of fields may be inside of round surfaces
     """
     seeds = no_spans()
     for _ in range(TRIES):
@@ -80,19 +87,21 @@ def faceted(struts: RoundStruts, fillets: Floats, core: Core) -> Faceted | None:
         points, starts = _polygons(left, half_runs), left.x[half_runs]
         rings = np.arange(len(points)).reshape(-1, SIDES)
         fields = cluster_struts(struts, clusters)
-        made = seamed(filled(field_of(fields, None, 1.0)), cuts, points, rings, starts)
+        made = seamed(filled(field_of(fields, sags, 1.0)), cuts, points, rings, starts)
         if len(made.failed) == 0:
             vertices = np.concatenate([points, made.vertices])
             mesh = _compacted(vertices, made.triangles, len(points))
-            return Faceted(clusters, _coarser(mesh, fields, rings), rings, half_runs)
+            return Faceted(clusters, _coarser(mesh, fields, rings, sags), rings, half_runs)
         _log.debug("%d of %d seams failed", len(made.failed), len(cuts.node))
         core, seeds = grown(struts, clusters, seeds, made.failed)
     none, fields = np.zeros((0, SIDES), dtype=np.intp), whole_struts(struts)
-    mesh = _coarser(filled(field_of(fields, None, 1.0)), fields, none)
+    mesh = _coarser(filled(field_of(fields, sags, 1.0)), fields, none, sags)
     return Faceted(None, mesh, none, none[:, 0])
 
 
-def _coarser(mesh: TriangleMesh, fields: FieldStruts, rings: Ints) -> TriangleMesh:
+def _coarser(
+    mesh: TriangleMesh, fields: FieldStruts, rings: Ints, sags: Sags | None
+) -> TriangleMesh:
     """Return the mesh of a field with fewer triangles."""
     count = 1 + np.ceil(fields.lengths / fields.radii.min(axis=1)).astype(np.intp)
     which = np.repeat(np.arange(len(count)), count)
@@ -101,7 +110,10 @@ def _coarser(mesh: TriangleMesh, fields: FieldStruts, rings: Ints) -> TriangleMe
     start, end = np.moveaxis(fields.ends[which], 1, 0)
     radii = (1.0 - share[:, 0]) * fields.radii[which, 0] + share[:, 0] * fields.radii[which, 1]
     near = cKDTree(start + share * (end - start)).query(mesh.vertices)[1]
-    return decimated(mesh, FLAT * radii[near], rings.reshape(-1), MANY)
+    tolerance = FLAT * radii[near]
+    if sags is not None:
+        tolerance = np.minimum(tolerance, PART_OF_SAG * sags.of(fields)[which][near])
+    return decimated(mesh, tolerance, rings.reshape(-1), MANY)
 
 
 def _half_runs(left: RoundStruts, nodes: Ints) -> Ints:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Protocol, TypeVar
 
 import numpy as np
 
@@ -53,6 +55,29 @@ TRIANGLE_BYTES = 256
 _log = logging.getLogger(__name__)
 
 
+class _Made(Protocol):
+    """A surface of solid struts, some of which are in fields."""
+
+    @property
+    def mesh(self) -> TriangleMesh:
+        """Its triangles."""
+
+    @property
+    def nodes(self) -> Bools:
+        """Nodes that are in fields, shape (n,)."""
+
+    @property
+    def fillets(self) -> Floats:
+        """Fillet radius of each node, mm, shape (n,)."""
+
+    @property
+    def node(self) -> Ints:
+        """Nodes that the first triangles are around, shape (t',)."""
+
+
+Surface = TypeVar("Surface", bound=_Made)
+
+
 @dataclass(frozen=True, eq=False)
 class _Surface:
     """One closed surface, but for rings at open ends."""
@@ -82,10 +107,20 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
     factor : what lengths are multiplied with in a file, in whose 32-bit numbers triangles are
         looked at
     """
-    fillets, core = wanted_fillets(struts), _unmade(struts, sides)
     if struts.inner is None:
+        fillets, core = wanted_fillets(struts), _unmade(struts, sides)
         return _surface(struts, sides, fillets, core, factor).mesh
-    return _hollow(struts, sides, fillets, core, factor)
+
+    def unmade(own: RoundStruts) -> Core:
+        return _unmade(own, sides)
+
+    def make(own: RoundStruts, fillets: Floats, core: Core, sags: Sags) -> _Surface:
+        return _surface(own, sides, fillets, core, factor, sags)
+
+    def joined(outside: _Surface, inside: _Surface) -> TriangleMesh:
+        return _walls(struts, outside, inside)
+
+    return joined(*hollow(struts, unmade, make, joined, factor))
 
 
 def _unmade(struts: RoundStruts, sides: int) -> Core:
@@ -95,25 +130,35 @@ def _unmade(struts: RoundStruts, sides: int) -> Core:
     return Core(nodes, core.pieces)
 
 
-def _hollow(
-    struts: RoundStruts, sides: int, fillets: Floats, core: Core, factor: float
-) -> TriangleMesh:
-    """Return the surface of hollow struts.
+def hollow(
+    struts: RoundStruts,
+    core_of: Callable[[RoundStruts], Core],
+    make: Callable[[RoundStruts, Floats, Core, Sags], Surface],
+    joined: Callable[[Surface, Surface], TriangleMesh],
+    factor: float = 1.0,
+) -> tuple[Surface, Surface]:
+    """Return the surfaces outside and inside of hollow struts.
 
     Where their outside and their inside cross, nodes become fields, and the cells of fields
     smaller.
+
+    Parameters
+    ----------
+    core_of : what has no surface of its own of solid struts, and is in clusters
+    make : the surface of solid struts, from their fillets (n,), what is in clusters, and sags
+    joined : both surfaces as triangles, those of the outside first, then those of the inside
     """
     inner = inside_of(struts)
-    more = _unmade(inner, sides)
+    core, more = core_of(struts), core_of(inner)
     core = Core(core.nodes | more.nodes, core.pieces | more.pieces)
     sags = Sags(float(struts.options.wall or 0.0) / 4.0)
     for _ in range(FINER):
-        outside, inside = _both(struts, inner, sides, fillets, core, factor, sags)
-        mesh = _walls(struts, outside, inside)
+        outside, inside = _both(struts, inner, make, core, sags)
+        mesh = joined(outside, inside)
         written = TriangleMesh(in_single_precision(mesh.vertices, factor), mesh.triangles)
         crossing = np.unique(self_intersections(written))
         if len(crossing) == 0:
-            return mesh
+            return outside, inside
         places = mesh.vertices[mesh.triangles[crossing]].mean(axis=1)
         at_nodes = _nodes_of(crossing, outside, inside)
         _log.debug("walls cross in %d triangles", len(crossing))
@@ -129,7 +174,7 @@ def _hollow(
     )
 
 
-def _nodes_of(triangles: Ints, outside: _Surface, inside: _Surface) -> Ints:
+def _nodes_of(triangles: Ints, outside: _Made, inside: _Made) -> Ints:
     """Return the nodes that triangles of walls are around, -1 where they are around none."""
     node = np.full(len(triangles), -1)
     for surface, first in ((outside, 0), (inside, len(outside.mesh.triangles))):
@@ -142,19 +187,17 @@ def _nodes_of(triangles: Ints, outside: _Surface, inside: _Surface) -> Ints:
 def _both(
     struts: RoundStruts,
     inner: RoundStruts,
-    sides: int,
-    fillets: Floats,
+    make: Callable[[RoundStruts, Floats, Core, Sags], Surface],
     core: Core,
-    factor: float,
     sags: Sags,
-) -> tuple[_Surface, _Surface]:
+) -> tuple[Surface, Surface]:
     """Return the surfaces outside and inside of hollow struts."""
-    wall = float(struts.options.wall or 0.0)
+    wall, fillets = float(struts.options.wall or 0.0), wanted_fillets(struts)
     is_end, is_open = struts.runs.valency == 1, struts.options.ends == "open"
     while True:
-        outside = _surface(struts, sides, fillets, core, factor, sags)
+        outside = make(struts, fillets, core, sags)
         own = _shortened(inner, core.nodes & is_end, wall)
-        inside = _surface(own, sides, outside.fillets + wall, core, factor, sags)
+        inside = make(own, outside.fillets + wall, core, sags)
         more = (outside.nodes | inside.nodes) & is_end & ~core.nodes
         if not is_open or not more.any():
             return outside, inside

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Ints, Points
+from scaffold_cad.base.arrays import Bools, Ints, Points
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.brep.analytic import (
     AnalyticBrep,
@@ -39,8 +39,12 @@ class SharpBrep:
     """The edge around each, shape (e,)."""
 
 
-def sharp_brep(struts: RoundStruts) -> SharpBrep:
+def sharp_brep(struts: RoundStruts, open_at: Bools | None = None) -> SharpBrep:
     """Return the B-rep of solid struts with sharp nodes, open where `ends` is "open".
+
+    Parameters
+    ----------
+    open_at : (n,) nodes where struts end without a face; none by default
 
     Raises
     ------
@@ -70,7 +74,7 @@ def sharp_brep(struts: RoundStruts) -> SharpBrep:
                 known[key] = _seamed(group.shapes[which], own, runs.nodes[node])
             made = known[key]
             _add_node(parts, made, group.shapes[which], struts, node, half_runs, size, loops, holes)
-    rings = add_ends(parts, struts, seams, loops)
+    rings = add_ends(parts, struts, seams, loops, open_at)
     add_struts(parts, struts, seams, loops, holes)
     brep, number = _assembled(parts, struts)
     ends = np.flatnonzero(runs.valency[runs.tails] == 1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Ints
+from scaffold_cad.base.arrays import Bools, Floats, Ints
 from scaffold_cad.brep.analytic import Surface
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.sharp.faceparts import Around, Face, Parts, Use
@@ -41,7 +41,11 @@ def add_island(
 
 
 def add_ends(
-    parts: Parts, struts: RoundStruts, seams: Ints, loops: dict[int, Around]
+    parts: Parts,
+    struts: RoundStruts,
+    seams: Ints,
+    loops: dict[int, Around],
+    open_at: Bools | None,
 ) -> dict[int, int]:
     """Add the circles at extremities and what closes them; return the circle of each half-run."""
     runs, rings = struts.runs, {}
@@ -57,6 +61,8 @@ def add_ends(
         trace = Trace(np.array([[0.0, 0.0], [TURN, 0.0]]), 0)
         loops[half_run] = Around([Use(ring, True, trace)], vertex, 0.0)
         name = len(runs.edges) + node
+        if open_at is not None and open_at[node]:
+            continue
         if struts.options.ends == "flat":
             nothing = Trace(np.full((2, 2), np.nan), 0)
             uses = [Use(ring, False, nothing)]
