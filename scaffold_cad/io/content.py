@@ -15,7 +15,7 @@ from scaffold_cad.errors import FormatError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.subdivision import Subdivision
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.products.breps import faces_of_struts, to_brep
+from scaffold_cad.products.breps import faces_of_struts, to_brep, union_of_scaffold
 from scaffold_cad.products.overlaps import Overlaps, to_unite
 from scaffold_cad.products.surfaces import surface_of
 from scaffold_cad.scaffold import Scaffold
@@ -101,7 +101,9 @@ class Content:
         return BezierMesh.bilinear(what) if isinstance(what, QuadMesh) else None
 
     def faces(self) -> AnalyticBrep | None:
-        """Return the analytic faces of round struts in mm, or None where there are none to write.
+        """Return the analytic faces of struts in mm, or None where there are none to write.
+
+        These are those of round struts, and the facets of square ones that are united.
 
         Raises
         ------
@@ -109,9 +111,13 @@ class Content:
             If struts overlap and are refused.
         """
         what = self.what
-        if self.factor != 1.0 or not isinstance(what, RoundStruts):
+        if self.factor != 1.0 or not isinstance(what, Scaffold | RoundStruts):
             return None
-        return faces_of_struts(what, self.overlaps or "refuse")
+        if isinstance(what, RoundStruts):
+            return faces_of_struts(what, self.overlaps or "refuse")
+        if self.overlaps != "unite" or not self._unites(what.embedding().left_out, what.skeleton):
+            return None
+        return union_of_scaffold(what)
 
     def _unites(self, edges: Ints, skeleton: Skeleton) -> bool:
         """Return whether struts that overlap are united, in a B-rep, or refuse them."""

@@ -57,7 +57,8 @@ def write(
     write_pcurves : whether a STEP file also holds each edge in the parameters of its faces, for
         programs that ask for it: twice the size, and OCCT takes longer to write and to read it
     overlaps : what becomes of the struts of a Scaffold or of RoundStruts that overlap: "unite"
-        them, which is the default of mesh formats and gives plane triangles in STEP and BREP files;
+        them, which is the default of mesh formats and gives plane triangles in STEP and BREP files,
+        where round struts overlap and instead of all square ones;
         "refuse" them, the default of STEP and BREP; or "allow" faces that cross
     sides : of the polygon that stands for the circle of a round strut in mesh formats, a multiple
         of 4; 16 by default

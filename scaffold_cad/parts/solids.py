@@ -60,7 +60,7 @@ class ScaffoldSolid(SkeletonPart):
         SkeletonError
             If the skeleton cannot be scaffolded.
         BrepError
-            If struts overlap and are refused, or their union has too many triangles.
+            If struts overlap and are refused, or their union has too many facets.
         """
         part = _part_options(options)
         scaffold = _made(skeleton, Scaffold, build_scaffold, options)
@@ -99,7 +99,7 @@ class RoundStrutsSolid(SkeletonPart):
         SkeletonError
             If the skeleton cannot be built on.
         BrepError
-            If struts overlap and are refused, or their union has too many triangles.
+            If struts overlap and are refused, or their union has too many facets.
         """
         part = _part_options(options)
         struts = _made(skeleton, RoundStruts, round_struts, options)
@@ -143,7 +143,7 @@ class StrutFrame(SkeletonPart):
         OptionError
             If the radius is not a finite number > 0.
         BrepError
-            If struts overlap and are refused, or their union has too many triangles.
+            If struts overlap and are refused, or their union has too many facets.
         """
         frame = model_of(frame_skeleton(what, radius), section)
         super().__init__(frame, what if isinstance(what, Scaffold) else frame, **options)

@@ -42,8 +42,9 @@ def to_brep(
         and four patches a strut at each node. For solids meshes are closed and outward; for shells
         neighboring quads must agree in direction
     kind : "solid" or "shell"
-    overlaps : what becomes of struts that overlap: "refuse" them, "unite" them, whose faces are
-        then plane triangles, or "allow" faces that cross
+    overlaps : what becomes of struts that overlap: "refuse" them, "unite" them, with plane
+        triangles as faces where round struts overlap and instead of all square ones, or "allow"
+        faces that cross
     smooth : whether the faces of a quad mesh are patches that join with one tangent plane, see
         `smooth_patches`, instead of planes and bilinear patches
     split : of `smooth_patches`, with `smooth` only
@@ -59,7 +60,7 @@ def to_brep(
         If the mesh is not closed (solids), not oriented, or inside out (solids).
     BrepError
         If struts overlap and are refused, or an edge or a quad is smaller than the tolerance of CAD
-        systems, or a union has too many triangles.
+        systems, or a union has too many facets.
     OptionError
         If `what` is of another kind, or an option does not fit it.
     MissingBackendError
@@ -83,12 +84,22 @@ def to_brep(
         return brep.brep_of_faces(faces_of_struts(what, overlaps), kind)
     if isinstance(what, Scaffold):
         if to_unite(overlaps, what.embedding().left_out, what.skeleton):
-            faces = facets_of(manifold_triangles(to_solid(what)))
-            return brep.brep_of_faces(faces, kind)
+            return brep.brep_of_faces(union_of_scaffold(what), kind)
         what = what.mesh
     if smooth and isinstance(what, QuadMesh):
         what = smooth_patches(what, split=split)
     return brep.brep_of_patches(what.bezier if isinstance(what, Patches) else what, kind)
+
+
+def union_of_scaffold(scaffold: Scaffold) -> AnalyticBrep:
+    """Return the union of square struts, each triangle a plane face.
+
+    Raises
+    ------
+    BrepError
+        If it has too many triangles, or one without area.
+    """
+    return facets_of(manifold_triangles(to_solid(scaffold)))
 
 
 def faces_of_struts(struts: RoundStruts, overlaps: Overlaps) -> AnalyticBrep:
