@@ -238,11 +238,16 @@ def _rings(circles: Ints, made: Faceted, name: Ints, facets: AnalyticBrep) -> Pl
 
 
 def _named(exact: AnalyticBrep, struts: RoundStruts, made: Faceted) -> AnalyticBrep:
-    """Return the faces of what is left with the names of the struts that it is a part of."""
+    """Return the faces of what is left with the names of the struts that it is a part of.
+
+    Short cylinders beside cut curves are on no strut's axis: they have the name of a curve.
+    """
     assert made.clusters is not None
     rest = made.clusters.rest
     names = run_names(struts.runs)
     own = [names[run] for run in rest.run[~rest.struts.curves.curved].tolist()]
+    short = [f"curve {node}" for node in rest.cut_curves.nodes.tolist()]
+    own[len(own) - len(short) :] = short
     return replace(exact, names=(*own, *exact.names[len(own) :]))
 
 
