@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import logging
 from collections import Counter
+from typing import Any
 
 import numpy as np
 import pytest
 
+from scaffold_cad import to_brep, to_solid
 from scaffold_cad.brep import brep_of_faces
 from scaffold_cad.brep.analytic import AnalyticBrep, Surface
 from scaffold_cad.skeleton import Skeleton
@@ -211,3 +213,17 @@ def test_sockets_beside_clusters_stay_and_ends_in_clusters_are_closed() -> None:
     shape = brep_of_faces(faces)
     assert shape.is_valid
     assert shape.volume == pytest.approx(round_mesh(struts).signed_volume, rel=0.005)
+
+
+@pytest.mark.parametrize("options", [{}, {"wall": 0.6, "ends": "open"}])
+def test_sharp_nodes_stay_exact_beside_a_crowded_one(options: dict[str, Any]) -> None:
+    nodes = [[0, 0, 0], [20, 0, 0], [20, 3, 0.5], [0, 20, 0], [0, 0, 20]]
+    nodes += [[-30, 0, 0], [-30, 20, 0], [-50, 0, 0], [-30, 0, 25]]
+    edges = [[0, 1], [0, 2], [0, 3], [0, 4], [0, 5], [5, 6], [5, 7], [5, 8]]
+    struts = round_struts(Skeleton(nodes, edges, 2.0), nodes="sharp", **options)
+    assert np.flatnonzero(struts.crowded).tolist() == [0]
+    solid = to_brep(struts, overlaps="unite")
+    assert solid.is_valid
+    assert solid.volume == pytest.approx(to_solid(struts).volume(), rel=3e-3)
+    cylinders = [face for face in solid.faces() if face.geom_type.name == "CYLINDER"]
+    assert len(cylinders) == (12 if options else 6)
