@@ -17,7 +17,7 @@ def ears(corners: Floats) -> list[tuple[int, int, int]] | None:
     --------
     >>> import numpy as np
     >>> ears(np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]))
-    [(0, 1, 2), (2, 3, 0)]
+    [(3, 0, 1), (1, 2, 3)]
     """
     points: list[Corner] = [(x, y) for x, y in corners.tolist()]
     left = list(range(len(points)))
