@@ -236,7 +236,7 @@ def _sound(mesh: TriangleMesh) -> tuple[TriangleMesh, Manifold]:
     ]
     if any(one.signed_volume < 0 for one in bodies):
         check_uncrossed(surface)  # a cavity that crosses another shell
-    united = manifolds.union(bodies, [])
+    united = manifolds.union([manifolds.to_manifold(one) for one in bodies], [])
     _log.info("%d parts of the body overlap; they are united", len(bodies))
     return manifolds.manifold_triangles(united), united
 

@@ -64,14 +64,15 @@ def clean_surface(manifold: Manifold) -> TriangleMesh:
     extent = float(np.abs([low, high]).max())
     least = SINGLE_PRECISION * extent
     mesh = manifolds.manifold_triangles(manifold.simplify(least))
-    written = without_short_edges(mesh, least).single_precision()
+    mesh = without_short_edges(mesh, least)
+    written = mesh.single_precision()
     try:
         written.check_closed()
     except MeshError as error:
         places = written.vertices[np.concatenate(written.faulty_sides())[:, 0]]
         message = f"does not stay closed in 32-bit coordinates: {error}"
         raise FaultySurfaceError(message, places) from None
-    if len(written.triangles) < len(mesh.triangles):  # vertices may have become one
+    if len(written.triangles) < len(mesh.triangles):  # vertices have become one
         written = with_fans_apart(written)
     crossings = self_intersections(written)
     if len(crossings):

@@ -63,6 +63,17 @@ def to_manifold(mesh: QuadMesh | TriangleMesh) -> Manifold:
                 "(are they clockwise seen from outside?)"
             )
     need("manifold3d", "a manifold3d solid")
+    solid = of_closed(mesh)
+    if not solid.volume() > 0:
+        raise MeshError(
+            f"the solid has a volume of {solid.volume():g} mm³; need > 0 "
+            "(is it too small for its distance from the origin?)"
+        )
+    return solid
+
+
+def of_closed(mesh: QuadMesh | TriangleMesh) -> Manifold:
+    """Return a mesh that is known to be closed as a solid."""
     import manifold3d
 
     # Copies: manifold3d takes no read-only arrays.
@@ -71,11 +82,6 @@ def to_manifold(mesh: QuadMesh | TriangleMesh) -> Manifold:
     )
     if solid.status() != manifold3d.Error.NoError:
         raise MeshError(f"manifold3d refuses the mesh: {solid.status().name}; need NoError")
-    if not solid.volume() > 0:
-        raise MeshError(
-            f"the solid has a volume of {solid.volume():g} mm³; need > 0 "
-            "(is it too small for its distance from the origin?)"
-        )
     return solid
 
 
@@ -124,21 +130,18 @@ def to_trimesh(what: QuadMesh | TriangleMesh | Manifold) -> Trimesh:
     return trimesh.Trimesh(what.vertices, what.triangles, process=False)
 
 
-def union(surfaces: Sequence[TriangleMesh], hulls: Sequence[Points]) -> Manifold:
-    """Return the union of closed surfaces and of the convex hulls of point sets (p, 3).
+def union(solids: Sequence[Manifold], hulls: Sequence[Points]) -> Manifold:
+    """Return the union of solids and of the convex hulls of point sets (p, 3).
 
     Raises
     ------
-    MeshError
-        If manifold3d refuses a surface.
     MissingBackendError
         If manifold3d is not installed.
     """
     need("manifold3d", "a union")
     import manifold3d
 
-    parts = [to_manifold(surface) for surface in surfaces]
-    parts += [manifold3d.Manifold.hull_points(points) for points in hulls]
+    parts = [*solids, *(manifold3d.Manifold.hull_points(points) for points in hulls)]
     return manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add)
 
 

@@ -182,8 +182,11 @@ def _thinned_runs(skeleton: Skeleton, kept: Bools, wobble: Floats) -> tuple[Edge
     starts_chain = np.isin(steps, walk.offsets)
     follows = np.diff(steps, prepend=-2) == 1
     runs = np.split(walk.half_edges[steps], np.flatnonzero(~follows | starts_chain)[1:])
-    struts, wobbles = [np.zeros((0, 3), dtype=np.intp)], [np.zeros(0)]
-    for run in runs if len(steps) else []:
+    single = np.array([run[0] for run in runs if len(run) == 1], dtype=np.intp)
+    ends = np.stack([tails[single], tails[single ^ 1]], axis=1)
+    struts = [np.column_stack([ends, single >> 1])]
+    wobbles = [_largest_of(wobble[ends[:, 0]], wobble[ends[:, 1]])]
+    for run in (run for run in runs if len(run) > 1):
         stops = np.append(tails[run], tails[run[-1] ^ 1])
         points, radii = skeleton.nodes[stops], skeleton.radii[stops]
         mask = kept_samples(points, radii, THINNING * radii.min(), THINNED_SPACING)
@@ -201,6 +204,12 @@ def _largest_between(values: Floats, stops: Ints) -> Floats:
     before = stops[:-1]
     above = np.maximum(np.maximum.reduceat(values, before), values[stops[1:]])
     below = np.minimum(np.minimum.reduceat(values, before), values[stops[1:]])
+    return _largest_of(below, above)
+
+
+def _largest_of(first: Floats, second: Floats) -> Floats:
+    """Return the value of larger size of each two, the greater one at a tie, (k,)."""
+    below, above = np.minimum(first, second), np.maximum(first, second)
     largest: Floats = np.where(above >= -below, above, below)
     return largest
 
