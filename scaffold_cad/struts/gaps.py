@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors
-from scaffold_cad.base.vectors import dot, normalize
+from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.struts.blend import Solved
 
 LEVELS = 17
@@ -61,7 +61,34 @@ class Gaps:
     def least(self, inside: Solved) -> Floats:
         """Return the least distance of samples of the surfaces inside, (U,), mm."""
         points, _ = surface_samples(inside, INSIDE)
-        return np.array([self._least(row, each) for row, each in enumerate(points)])
+        below, walls = self._below_struts(points)
+        least = np.where(below, walls, np.inf).min(axis=1)
+        rest = [self._least(row, each[~below[row]]) for row, each in enumerate(points)]
+        nearest: Floats = np.minimum(least, rest)
+        return nearest
+
+    def _below_struts(self, points: Floats) -> tuple[Bools, Floats]:
+        """Return which points are past the collar of their strut, and how far below its surface.
+
+        Parameters
+        ----------
+        points : (U, p, 3) samples inside, patch by patch, mm
+
+        Returns
+        -------
+        (U, p) bool, and (U, p) float64, mm
+        """
+        shapes, valency = self._shapes, self._shapes.collar_distances.shape[1]
+        rim = shapes.control[:, ::4, 0, -2:]  # (U, N, 2, 3): along a generator
+        x, y = shapes.collar_corners[:, :, 0], shapes.collar_corners[:, :, 1]
+        axes = np.cross(x, y)[:, :, None]  # (U, N, 1, 3)
+        heights, radii = _along_and_across(rim, axes)
+        slopes = np.diff(radii, axis=2) / np.diff(heights, axis=2)  # (U, N, 1)
+        high, wide = _along_and_across(points.reshape(len(points), valency, -1, 3), axes)
+        past = high - shapes.collar_distances[..., None]
+        walls = shapes.collar_radii[..., None] + slopes * past - wide
+        walls /= np.hypot(1.0, slopes)
+        return (past > 0).reshape(len(points), -1), walls.reshape(len(points), -1)
 
     def _least(self, row: int, points: Floats) -> float:
         """Return the least distance of points (q, 3) inside of a surface, mm; < 0 outside.
@@ -135,6 +162,12 @@ class Gaps:
         points = np.einsum("qi,qix->qx", values[0], rows)
         slopes = np.einsum("qi,qix->qx", by_u, rows), np.einsum("qi,qix->qx", values[0], across)
         return points, np.stack(slopes, axis=1)
+
+
+def _along_and_across(points: Floats, axes: UnitVectors) -> tuple[Floats, Floats]:
+    """Return how far points (U, N, q, 3) are along axes (U, N, 1, 3) and from them, (U, N, q)."""
+    along = dot(points, np.broadcast_to(axes, points.shape))
+    return along, length(points - along[..., None] * axes)
 
 
 def surface_samples(shapes: Solved, levels: int) -> tuple[Floats, UnitVectors]:

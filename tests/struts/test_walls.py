@@ -14,6 +14,7 @@ from scaffold_cad import Skeleton, round_struts, to_brep, write
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.struts.gaps import Gaps
 from scaffold_cad.struts.options import Ends
 from scaffold_cad.struts.surface import triangulated
 from scaffold_cad.struts.walls import least_wall, walls
@@ -135,3 +136,13 @@ def test_open_ends_need_a_wall() -> None:
 def test_solid_struts_have_no_wall_to_measure() -> None:
     with pytest.raises(OptionError, match="the struts are solid; need wall="):
         least_wall(round_struts(TUBE))
+
+
+def test_what_is_past_the_collars_is_measured_to_the_struts() -> None:
+    tips = np.concatenate([np.zeros((1, 3)), 40.0 * np.eye(3)])
+    star = Skeleton(tips, [[0, 1], [0, 2], [0, 3]], 3.0)
+    outer, inner = round_struts(star, blend=0.3), round_struts(star.with_radii(1.0), blend=4.0)
+    (wide,), (narrow,) = outer.blended, inner.blended
+    assert (narrow.shapes.collar_distances > wide.shapes.collar_distances + 1.0).all()
+    (least,) = Gaps(wide.shapes).least(narrow.shapes)
+    assert 1.0 < least <= 2.0 + 1e-6
