@@ -15,9 +15,10 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
+from scaffold_cad.base.kept import kept
 from scaffold_cad.base.products import row_products
 from scaffold_cad.struts.layouts import Layout
-from scaffold_cad.struts.system import KEPT_SYSTEMS, system_of
+from scaffold_cad.struts.system import KEPT_BYTES, system_of
 
 
 class TypeFit:
@@ -141,7 +142,7 @@ def free_of_pulls(twins: Ints, layout: Layout, stiffness: float) -> Floats:
     return _free_of_pulls(tuple(twins.tolist()), layout, stiffness)
 
 
-@lru_cache(maxsize=4 * KEPT_SYSTEMS)
+@kept(KEPT_BYTES)
 def _free_of_pulls(key: tuple[int, ...], layout: Layout, stiffness: float) -> Floats:
     system = system_of(np.array(key, dtype=np.intp), layout)
     rims = system.rim_of_free[:, system.rims]  # (k, 4 N, rim)

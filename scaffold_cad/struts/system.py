@@ -15,19 +15,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from scipy.linalg import qr, solve_triangular
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
+from scaffold_cad.base.kept import kept
 from scaffold_cad.base.vectors import sums_by_row
 from scaffold_cad.struts.curves import RANK, Curve, Kind, curve_of
 from scaffold_cad.struts.joins import shared_numbers, valences
 from scaffold_cad.struts.layouts import Layout
 
-KEPT_SYSTEMS = 16
-"""Types whose matrices are kept: those of valency 12 take some 20 MB each."""
+KEPT_BYTES = 2**28
+"""Memory for the matrices of types: those of valency 12 take some 20 MB each."""
 AT_ENDS = np.array([0, 1, -2, -1])
 """Numbers of a curve that belong to its ends."""
 
@@ -132,7 +132,7 @@ def system_of(twins: Ints, layout: Layout) -> System:
     return _system(tuple(twins.tolist()), Layout(layout.along_arc, layout.along_strut, 1))
 
 
-@lru_cache(maxsize=KEPT_SYSTEMS)
+@kept(KEPT_BYTES)
 def _system(key: tuple[int, ...], layout: Layout) -> System:
     twins = np.array(key, dtype=np.intp)
     net = net_of(twins, layout)
