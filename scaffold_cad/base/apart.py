@@ -18,7 +18,7 @@ from scaffold_cad.errors import FormatError, ScaffoldCadError
 Arrays: TypeAlias = dict[str, NDArray[Any]]
 """What such a function returns."""
 
-LONGEST, LONGEST_BYTE = 20.0, 2e-5
+LONGEST, LONGEST_BYTE = 60.0, 2e-5
 """Time that a file may take, s, and what each of its bytes adds: a library may never end."""
 
 PROGRAM = "import sys; from scaffold_cad.base.apart import main; sys.exit(main())"

@@ -93,7 +93,7 @@ def chains_left(curves: Curves, left_out: Bools) -> tuple[Ints, Ints]:
 
 
 def neighbors(curves: Curves) -> tuple[Ints, Ints]:
-    """Return the pieces before and after each piece, -1 where there are none, (p,) each."""
+    """Return the pieces before and after each piece, -1 at the ends of curves, (p,) each."""
     number = np.arange(len(curves.curve_of_piece))
     counts = np.diff(curves.offsets) - 1
     end = np.cumsum(counts)

@@ -116,7 +116,7 @@ def _radii_at_ends(skeleton: Skeleton, runs: Runs) -> Floats:
 
 
 def balls_of(skeleton: Skeleton, runs: Runs) -> Floats:
-    """Return the radius of the ball at each node, mm, (n,); 0 where there is none."""
+    """Return the radius of the ball at each node, mm, (n,); 0 at nodes without one."""
     across, touched = np.zeros(len(runs.nodes)), np.zeros(len(runs.nodes))
     radii = runs.radii.reshape(-1)
     np.maximum.at(across, runs.tails, radii)

@@ -67,7 +67,7 @@ class Faceted(Frozen):
 def faceted(
     struts: RoundStruts, fillets: Floats, core: Core, sags: Sags | None = None
 ) -> Faceted | None:
-    """Return the clusters of struts as facets, or None if there are none.
+    """Return the clusters of struts as facets, or None if no strut is crowded.
 
     Parameters
     ----------

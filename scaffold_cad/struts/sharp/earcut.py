@@ -5,7 +5,7 @@ from __future__ import annotations
 from scaffold_cad.base.arrays import Floats
 
 LEAST = 1e-7
-"""Least area of an ear, as a part of the squares of its sides: three points on a line are none."""
+"""Least area of an ear, as a part of its sides' squares: three points on a line make none."""
 
 Corner = tuple[float, float]
 

@@ -109,7 +109,7 @@ def sharp_nodes(skeleton: Skeleton, runs: Runs, x: UnitVectors) -> tuple[SharpNo
 
 
 def seams_of(runs: Runs, sharp: tuple[SharpNodes, ...], x: UnitVectors) -> Ints:
-    """Return the generator on which the seam of each run lies, -1 where there is none, (k,).
+    """Return the generator on which the seam of each run lies, -1 for runs without one, (k,).
 
     It is counted about the first half-run; about the other one it is `SEAMS` - 1 less it.
 

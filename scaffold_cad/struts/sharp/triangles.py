@@ -269,7 +269,7 @@ def _island(
 
 
 def _outline(shape: SharpShape, edges: SampledEdges) -> set[tuple[int, int]]:
-    """Return the sides of the ball's faces, the ball to their left; cuts are none."""
+    """Return the sides of the ball's faces, the ball to their left; cuts are not among them."""
     found = set()
     for (left, right), path in zip(shape.sides.tolist(), edges.edges, strict=True):
         if (left >= shape.valency) == (right >= shape.valency):
