@@ -15,9 +15,16 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points
 from scaffold_cad.base.segments import nearest_on_segments
-from scaffold_cad.base.vectors import length, normalize
+from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.solid.clusters.remainder import Remainder, remainder
-from scaffold_cad.solid.clusters.spans import Spans, merged, no_spans, radii_at, tail_length
+from scaffold_cad.solid.clusters.spans import (
+    Spans,
+    merged,
+    no_spans,
+    radii_at,
+    tail_length,
+    whole_runs,
+)
 from scaffold_cad.solid.clusters.stumps import GAP, Reaches, stumps
 from scaffold_cad.solid.clusters.zones import Lines, Zones, core_of, lines_to, zones_of
 from scaffold_cad.struts.apart import Slack, meeting
@@ -35,8 +42,8 @@ from scaffold_cad.struts.pieces import (
 )
 from scaffold_cad.struts.runs import Runs, balls_of
 
-HALVINGS = 30
-"""Halvings of the stretch in which the end of what is near is looked for."""
+STEPS = 8
+"""Newton's steps towards the end of what is near."""
 
 SETTLED = 0.01
 """By how much spans may still grow where clusters have settled, in radii."""
@@ -89,26 +96,32 @@ class Clusters(Frozen):
 
 
 def clusters_of(
-    struts: RoundStruts, fillets: Floats, slack: Slack, core: Core, seeds: Spans
-) -> Clusters:
+    struts: RoundStruts,
+    fillets: Floats,
+    slack: Slack,
+    core: Core,
+    seeds: Spans,
+    most: float = np.inf,
+) -> Clusters | None:
     """Return the least clusters that hold some nodes, pieces of curves and spans.
+
+    None are returned once they have more than a part of the struts' area.
 
     Parameters
     ----------
     fillets : (n,) fillet radius wanted at each node, mm
     slack : how much thicker all are taken to be
+    most : that part
     """
     runs, curves = struts.runs, struts.curves
-    bodies = joined(
-        [
-            node_pieces(runs, struts.blended),
-            curve_pieces(curves),
-            sharp_pieces(runs, struts.sharp, struts.collar),
-        ]
-    )
+    most_area = most * whole_runs(runs).areas(runs).sum()
+    bodies: Pieces | None = None
     reaches = Reaches(struts, fillets)
     while True:
         inside, zones, spans, reached = _settled(reaches, core, seeds)
+        if spans.areas(runs).sum() > most_area:
+            return None
+        bodies = _bodies(struts) if bodies is None else bodies
         blend = _span_fillets(struts, spans, reached, fillets)
         rest = remainder(struts, inside, spans, zones.pieces)
         found = _Found(struts, bodies, rest, spans, reached, blend, inside, zones.pieces)
@@ -122,6 +135,17 @@ def clusters_of(
             return Clusters(core, inside, spans, reached, blend, rest, found.lines)
         core = Core(core.nodes | joining.nodes, core.pieces | more)
         seeds = Spans.joined([seeds, near])
+
+
+def _bodies(struts: RoundStruts) -> Pieces:
+    """Return the pieces of nodes and curves."""
+    return joined(
+        [
+            node_pieces(struts.runs, struts.blended),
+            curve_pieces(struts.curves),
+            sharp_pieces(struts.runs, struts.sharp, struts.collar),
+        ]
+    )
 
 
 def unproved(struts: RoundStruts) -> Core:
@@ -347,28 +371,43 @@ def _near(runs: Runs, pieces: Pieces, own: Ints, other: Ints, reach: Floats, inn
     whole = runs.lengths[run]
     middle = np.clip(((nearest - tail) * ahead).sum(axis=1), 0.0, whole)
 
-    def beyond(place: Floats) -> Bools:
-        point = tail + place[:, None] * ahead
-        _, foot = nearest_on_segments(point, point, start, end)
-        return length(point - foot) >= reach + radii_at(runs, run, place)
+    slope, along = runs.slopes[2 * run], end - start
+    size = np.maximum(dot(along, along), 1e-300)
 
-    apart = beyond(middle)
+    def beyond(place: Floats) -> tuple[Floats, Floats]:
+        """Return how far others are beyond the reach at places, mm, and how fast that grows."""
+        way = tail + place[:, None] * ahead - start
+        way -= np.clip(dot(way, along) / size, 0.0, 1.0)[:, None] * along
+        far = length(way)
+        growth = dot(way, ahead) / np.maximum(far, 1e-300) - slope
+        return far - reach - radii_at(runs, run, place), growth
+
+    apart = beyond(middle)[0] >= 0
     radius = radii_at(runs, run, middle)
-    low = np.where(apart, middle - radius, _edge(beyond, middle, np.zeros(len(run))))
-    high = np.where(apart, middle + radius, _edge(beyond, middle, whole))
+    low = np.where(apart, middle - radius, _edge(beyond, middle, np.zeros(len(run)), apart))
+    high = np.where(apart, middle + radius, _edge(beyond, middle, whole, apart))
     kept = ~(apart & inner)
     return Spans(run[kept], np.maximum(low[kept], 0.0), np.minimum(high[kept], whole[kept]))
 
 
-def _edge(beyond: Callable[[Floats], Bools], near: Floats, far: Floats) -> Floats:
-    """Return where what is near ends between places that are near and places far off."""
-    inside = ~beyond(far)
-    low, high = near, far
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        out = beyond(middle)
-        low, high = np.where(out, low, middle), np.where(out, middle, high)
-    return np.where(inside, far, high)
+def _edge(
+    beyond: Callable[[Floats], tuple[Floats, Floats]], near: Floats, far: Floats, idle: Bools
+) -> Floats:
+    """Return where what is near ends between places that are near and places far off.
+
+    What lies beyond a reach is convex along a line: Newton's steps from far off never come nearer
+    than the end. `idle` places (p,) stay far off.
+    """
+    place = far
+    low, high = np.minimum(near, far), np.maximum(near, far)
+    for _ in range(STEPS):
+        gap, growth = beyond(place)
+        moving = (gap > 0) & (growth != 0) & ~idle
+        if not moving.any():
+            break
+        step = np.divide(gap, growth, out=np.zeros_like(gap), where=moving)
+        place = np.clip(place - step, low, high)
+    return place
 
 
 def _padded(pieces: Pieces, more: Floats) -> Pieces:

@@ -47,6 +47,11 @@ class Spans(Frozen):
         """Return some of them."""
         return Spans(self.run[keep], self.low[keep], self.high[keep])
 
+    def areas(self, runs: Runs) -> Floats:
+        """Return the area of each strut's round side and half of a ball at each end, (q,), mm²."""
+        both = radii_at(runs, self.run, self.low) + radii_at(runs, self.run, self.high)
+        return np.asarray(np.pi * both * (self.high - self.low + both))
+
     def nodes(self, runs: Runs) -> Bools:
         """Return the nodes that are part of spans, shape (n,)."""
         found = np.zeros(len(runs.nodes), dtype=np.bool_)
@@ -81,6 +86,11 @@ class Spans(Frozen):
 def no_spans() -> Spans:
     """Return no span at all."""
     return Spans(np.zeros(0, dtype=np.intp), np.zeros(0), np.zeros(0))
+
+
+def whole_runs(runs: Runs) -> Spans:
+    """Return all runs from end to end."""
+    return Spans(np.arange(len(runs.lengths)), np.zeros(len(runs.lengths)), runs.lengths)
 
 
 def merged(spans: Spans, runs: Runs, free: Floats) -> Spans:

@@ -250,13 +250,13 @@ def _surface(
     """
     count = len(core.nodes)
     slack = Slack(polygon_slack(sides), np.zeros(count))
-    every, seeds = whole_struts(struts), no_spans()
+    seeds = no_spans()
     for _ in range(TRIES):
-        clusters = clusters_of(struts, fillets, slack, core, seeds)
+        clusters = clusters_of(struts, fillets, slack, core, seeds, MOST_FIELD)
+        if clusters is None:
+            break
         core, rest = clusters.core, clusters.rest
         fields = cluster_struts(struts, clusters) if len(clusters.spans) else None
-        if fields is not None and fields.areas.sum() > MOST_FIELD * every.areas.sum():
-            break
         left = struts if fields is None else rest.struts
         shell = shell_of(left, sides, None if fields is None else rest.open_at)
         swell = shell.made.swell[:count]
@@ -281,7 +281,7 @@ def _surface(
         "%d struts have too little room for rings of their own: made as a field",
         len(struts.skeleton.edges),
     )
-    mesh = filled(field_of(every, sags, factor))
+    mesh = filled(field_of(whole_struts(struts), sags, factor))
     none = np.zeros((0, sides), dtype=np.intp)
     return _Surface(mesh, none[:, 0], none, np.ones(count, dtype=np.bool_), fillets, none[:, 0])
 

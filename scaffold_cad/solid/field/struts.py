@@ -36,12 +36,6 @@ class FieldStruts(Frozen):
         """Length of each axis, shape (m,), mm."""
         return length(self.ends[:, 1] - self.ends[:, 0])
 
-    @property
-    def areas(self) -> Floats:
-        """Area of each strut's round side and half of a ball at each end, shape (m,), mm²."""
-        both: Floats = self.radii.sum(axis=1)
-        return np.pi * both * (self.lengths + both)
-
     def scaled(self, factor: float) -> FieldStruts:
         """Return the struts with all lengths multiplied."""
         return FieldStruts(factor * self.ends, factor * self.radii, self.flat, factor * self.blend)
