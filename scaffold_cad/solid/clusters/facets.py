@@ -78,11 +78,11 @@ def faceted(
     seeds = no_spans()
     for _ in range(TRIES):
         clusters = clusters_of(struts, fillets, Slack(SLACK), core, seeds)
-        cuts, left = clusters.rest.cuts, clusters.rest.struts
+        if clusters is None or len(clusters.rest.run) == 0:
+            break
         if len(clusters.spans) == 0:
             return None
-        if len(clusters.rest.run) == 0:
-            break
+        cuts, left = clusters.rest.cuts, clusters.rest.struts
         half_runs = _half_runs(left, cuts.node)
         points, starts = _polygons(left, half_runs), left.x[half_runs]
         rings = np.arange(len(points)).reshape(-1, SIDES)

@@ -101,7 +101,7 @@ def clusters_of(
     slack: Slack,
     core: Core,
     seeds: Spans,
-    most: float = np.inf,
+    most: float = 1.0,
 ) -> Clusters | None:
     """Return the least clusters that hold some nodes, pieces of curves and spans.
 

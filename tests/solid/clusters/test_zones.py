@@ -87,6 +87,7 @@ def test_what_is_left_is_cut_at_two_joints() -> None:
     assert not core.nodes.any()
     assert not core.pieces.any()
     found = clusters_of(struts, wanted_fillets(struts), EXACT, core, no_spans())
+    assert found is not None
     cut = found.rest.cut_curves
     assert len(cut.nodes) == 2
     assert (cut.nodes < 30).tolist() != (cut.nodes > 30).tolist()
