@@ -29,7 +29,7 @@ from scaffold_cad.solid.field.struts import FieldStruts
 NO_LENGTH = 1e-12
 """A strut shorter than this part of its radius is a ball."""
 
-NO_PLANE = 1e150
+NO_PLANE = 1e100
 """How far the plane of a round end is away, mm: a number to reckon with."""
 
 ALONG = 1.0 - 1e-9
