@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Edges, Triangles
+from scaffold_cad.base.arrays import Bools, Edges, Triangles
 from scaffold_cad.base.vectors import length
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted, have_distinct_corners
 
 
 def without_short_edges(
-    mesh: TriangleMesh, shortest: float, *, is_open: bool = False
+    mesh: TriangleMesh, shortest: float, *, is_open: bool = False, near: Bools | None = None
 ) -> TriangleMesh:
     """Return a closed mesh with its edges shorter than `shortest` (mm) drawn together.
 
@@ -20,9 +20,12 @@ def without_short_edges(
     Parameters
     ----------
     is_open : whether the mesh has a border, whose vertices keep their places
+    near : (v,) bool; only edges between two of these vertices are drawn together
     """
     while True:
         edges = _short_edges(mesh, shortest)
+        if near is not None:
+            edges = edges[near[edges].all(axis=1)]
         if is_open:
             edges = _beside_border(mesh, edges)
         chosen = _independent(mesh.triangles, edges)
@@ -31,7 +34,10 @@ def without_short_edges(
         target = np.arange(len(mesh.vertices))
         target[chosen[:, 1]] = chosen[:, 0]
         triangles = target[mesh.triangles]
-        mesh = compacted(mesh.vertices, triangles[have_distinct_corners(triangles)])
+        triangles = triangles[have_distinct_corners(triangles)]
+        if near is not None:
+            near = near[np.unique(triangles)]
+        mesh = compacted(mesh.vertices, triangles)
 
 
 def _short_edges(mesh: TriangleMesh, shortest: float) -> Edges:

@@ -28,6 +28,10 @@ if TYPE_CHECKING:
 SINGLE_PRECISION = 2.0**-20
 """Least length of an edge after a union, in greatest coordinates: some roundings to 32 bits."""
 
+MENDINGS = (8.0, 64.0)
+"""Lengths of edges that are drawn together where a union crosses itself, in least lengths, in
+turn."""
+
 PARTINGS = (1e-5, 1e-6)
 """How far vertices are moved where a surface touches itself, in greatest coordinates, in turn: the
 first that leaves no crossing is taken."""
@@ -74,11 +78,34 @@ def clean_surface(manifold: Manifold) -> TriangleMesh:
         raise FaultySurfaceError(message, places) from None
     if len(written.triangles) < len(mesh.triangles):  # vertices have become one
         written = with_fans_apart(written)
-    crossings = self_intersections(written)
-    if len(crossings):
-        places = written.vertices[written.triangles[crossings[:, 0]]].mean(axis=1)
-        raise FaultySurfaceError(f"crosses itself in {len(crossings)} places", places)
-    return parted(written, extent)
+    return parted(_uncrossed(written, least), extent)
+
+
+def _uncrossed(mesh: TriangleMesh, least: float) -> TriangleMesh:
+    """Return a closed mesh without crossings: edges where it crosses itself are drawn together.
+
+    What crosses once it is rounded are slivers, whose short sides are a few roundings long.
+
+    Parameters
+    ----------
+    least : shortest of the edges, mm
+
+    Raises
+    ------
+    FaultySurfaceError
+        If it crosses itself where no edges are short.
+    """
+    for longer in (*MENDINGS, None):
+        crossings = self_intersections(mesh)
+        if len(crossings) == 0:
+            return mesh
+        if longer is not None:
+            near = np.zeros(len(mesh.vertices), dtype=np.bool_)
+            near[mesh.triangles[crossings]] = True
+            near[mesh.triangles[near[mesh.triangles].any(axis=1)]] = True
+            mesh = without_short_edges(mesh, longer * least, near=near)
+    places = mesh.vertices[mesh.triangles[crossings[:, 0]]].mean(axis=1)
+    raise FaultySurfaceError(f"crosses itself in {len(crossings)} places", places)
 
 
 def parted(mesh: TriangleMesh, extent: float) -> TriangleMesh:
