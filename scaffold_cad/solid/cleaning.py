@@ -12,13 +12,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Points
+from scaffold_cad.base.arrays import Bools, Edges, Points
 from scaffold_cad.base.positions import equal_positions, in_single_precision
+from scaffold_cad.base.topology import component_labels
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.collapse import without_short_edges
 from scaffold_cad.mesh.intersections import self_intersections
-from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.intersections.faces import boxes_of
+from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.mesh.welding import with_fans_apart
 from scaffold_cad.solid import manifolds
 
@@ -31,6 +33,9 @@ SINGLE_PRECISION = 2.0**-20
 MENDINGS = (8.0, 64.0)
 """Lengths of edges that are drawn together where a union crosses itself, in least lengths, in
 turn."""
+
+MOST_BOXES = 100
+"""With more places that were changed all triangles are looked at again."""
 
 PARTINGS = (1e-5, 1e-6)
 """How far vertices are moved where a surface touches itself, in greatest coordinates, in turn: the
@@ -95,17 +100,54 @@ def _uncrossed(mesh: TriangleMesh, least: float) -> TriangleMesh:
     FaultySurfaceError
         If it crosses itself where no edges are short.
     """
-    for longer in (*MENDINGS, None):
-        crossings = self_intersections(mesh)
+    crossings = self_intersections(mesh)
+    for longer in MENDINGS:
         if len(crossings) == 0:
             return mesh
-        if longer is not None:
-            near = np.zeros(len(mesh.vertices), dtype=np.bool_)
-            near[mesh.triangles[crossings]] = True
-            near[mesh.triangles[near[mesh.triangles].any(axis=1)]] = True
-            mesh = without_short_edges(mesh, longer * least, near=near)
+        near = np.zeros(len(mesh.vertices), dtype=np.bool_)
+        near[mesh.triangles[crossings]] = True
+        near[mesh.triangles[near[mesh.triangles].any(axis=1)]] = True
+        low, high = _boxes_around(mesh, near)
+        mesh = without_short_edges(mesh, longer * least, near=near)
+        crossings = _crossings_within(mesh, low, high)
+    if len(crossings) == 0:
+        return mesh
     places = mesh.vertices[mesh.triangles[crossings[:, 0]]].mean(axis=1)
     raise FaultySurfaceError(f"crosses itself in {len(crossings)} places", places)
+
+
+def _boxes_around(mesh: TriangleMesh, near: Bools) -> tuple[Points, Points]:
+    """Return boxes around the triangles at the vertices `near` (v,), one for all that hang together.
+
+    Returns
+    -------
+    (b, 3) float64, mm; (b, 3) float64, mm, the lowest and highest corners
+    """
+    touched = mesh.triangles[near[mesh.triangles].any(axis=1)]
+    label = component_labels(touched[:, [0, 1, 1, 2]].reshape(-1, 2), len(mesh.vertices))
+    place, box = np.unique(label[touched], return_inverse=True)
+    low, high = np.full((2, len(place), 3), np.inf)
+    np.minimum.at(low, box.reshape(-1), mesh.vertices[touched].reshape(-1, 3))
+    np.minimum.at(high, box.reshape(-1), -mesh.vertices[touched].reshape(-1, 3))
+    return low, -high
+
+
+def _crossings_within(mesh: TriangleMesh, low: Points, high: Points) -> Edges:
+    """Return the pairs of triangles that meet where they may not, of those that reach into boxes.
+
+    Parameters
+    ----------
+    low, high : (b, 3) float64, mm; what changed since the last test is in one of these boxes
+    """
+    if len(low) > MOST_BOXES:
+        return self_intersections(mesh)
+    lowest, highest = boxes_of(mesh.vertices[mesh.triangles])
+    inside = np.zeros(len(lowest), dtype=np.bool_)
+    for least, most in zip(low, high, strict=True):
+        inside |= ((lowest <= most) & (highest >= least)).all(axis=1)
+    rows = np.flatnonzero(inside)
+    found: Edges = rows[self_intersections(compacted(mesh.vertices, mesh.triangles[rows]))]
+    return found
 
 
 def parted(mesh: TriangleMesh, extent: float) -> TriangleMesh:
