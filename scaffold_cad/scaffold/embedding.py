@@ -130,7 +130,7 @@ def embedding(scaffold: Sleeved) -> Embedding:
     uncrossed[scaffold.refinement.edge_of_edge[~_uncrossed(scaffold)]] = False
     kept = within_cone.all(axis=1) & uncrossed
 
-    tubes = _tubes(scaffold)
+    tubes = tubes_of(scaffold)
     candidates = tubes.only(kept[tubes.owner])
     conflicts = np.unique(candidates.owner[conflicting(candidates)], axis=0)
     kept[conflicts] = False
@@ -138,7 +138,7 @@ def embedding(scaffold: Sleeved) -> Embedding:
     kept_nodes = np.ones(len(scaffold.skeleton.nodes), dtype=np.bool_)
     while True:
         left_out = np.flatnonzero(~kept)
-        bodies = _with_stubs(scaffold, tubes.only(kept[tubes.owner]), left_out, kept_nodes)
+        bodies = with_stubs(scaffold, tubes.only(kept[tubes.owner]), left_out, kept_nodes)
         dropped = np.unique(bodies.node[conflicting(bodies, among=bodies.node >= 0)])
         dropped = dropped[dropped >= 0]
         if len(dropped) == 0:
@@ -239,7 +239,7 @@ def _closed_sleeves(scaffold: Sleeved, sleeves: Ints, sides: Ints) -> Points:
     return np.concatenate(triangles, axis=1)
 
 
-def _tubes(scaffold: Sleeved) -> Bodies:
+def tubes_of(scaffold: Sleeved) -> Bodies:
     """Return each sleeve with its ends closed as a body, one an edge of the refined skeleton."""
     refined, vertices = scaffold.refined, scaffold.mesh.vertices
     edge = scaffold.refinement.edge_of_edge
@@ -259,7 +259,7 @@ def _tubes(scaffold: Sleeved) -> Bodies:
     )
 
 
-def _with_stubs(scaffold: Sleeved, tubes: Bodies, left_out: Ints, kept_nodes: Bools) -> Bodies:
+def with_stubs(scaffold: Sleeved, tubes: Bodies, left_out: Ints, kept_nodes: Bools) -> Bodies:
     """Return `tubes` and the stubs of the edges left out, at the branch points that are kept."""
     skeleton = scaffold.skeleton
     half_edges = np.stack([2 * left_out, 2 * left_out + 1], axis=1).reshape(-1)

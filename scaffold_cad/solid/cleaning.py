@@ -100,7 +100,7 @@ def _uncrossed(mesh: TriangleMesh, least: float) -> TriangleMesh:
     FaultySurfaceError
         If it crosses itself where no edges are short.
     """
-    crossings = self_intersections(mesh)
+    mesh, crossings = _without_twins(mesh, self_intersections(mesh))
     for longer in MENDINGS:
         if len(crossings) == 0:
             return mesh
@@ -114,6 +114,21 @@ def _uncrossed(mesh: TriangleMesh, least: float) -> TriangleMesh:
         return mesh
     places = mesh.vertices[mesh.triangles[crossings[:, 0]]].mean(axis=1)
     raise FaultySurfaceError(f"crosses itself in {len(crossings)} places", places)
+
+
+def _without_twins(mesh: TriangleMesh, crossings: Edges) -> tuple[TriangleMesh, Edges]:
+    """Return a mesh and its crossings without two triangles that are each other's back.
+
+    They are all that is left of a small piece whose edges were drawn together.
+    """
+    first, second = (np.sort(mesh.triangles[crossings[:, side]], axis=1) for side in (0, 1))
+    twins = (first == second).all(axis=1)
+    if not twins.any():
+        return mesh, crossings
+    kept = np.ones(len(mesh.triangles), dtype=np.bool_)
+    kept[crossings[twins]] = False
+    crossings = crossings[kept[crossings].all(axis=1)]
+    return compacted(mesh.vertices, mesh.triangles[kept]), (np.cumsum(kept) - 1)[crossings]
 
 
 def _boxes_around(mesh: TriangleMesh, near: Bools) -> tuple[Points, Points]:

@@ -1,9 +1,10 @@
 """What a solid is put together from where a scaffold is not embedded.
 
-The struts and nodes that keep to their own room stay one closed surface; each strut left out
-becomes a prism along its axis, each branch point left out its own closed sphere of quads, and each
-joint at a strut left out the convex hull of the sections that meet there. All are closed, and all
-but the first two are convex. Arrays only: the union is made elsewhere.
+The struts and nodes that keep apart make a closed surface, those that meet one of these another
+one, and so on: their shares. Each strut in no share becomes a prism along its axis, each branch
+point in none its own closed sphere of quads, and each joint at such a strut the convex hull of the
+sections that meet there. All are closed, and all but the first two are convex. Arrays only: the
+union is made elsewhere.
 """
 
 from __future__ import annotations
@@ -17,12 +18,20 @@ from scaffold_cad.base.vectors import any_perpendicular, dot, four_around, lengt
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.scaffold.embedding import Embedding, stub_apexes
+from scaffold_cad.scaffold.shares import Share, covered, shared_out
 from scaffold_cad.scaffold.sleeves import fitted_angle
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.skeleton.thinning import kept_samples
 
 PLASTIC = 1.32471795724474602596
 """The plastic number, the root of x³ = x + 1."""
+
+PLUG = 0.5
+"""How far out the plug of a strut begins within a sphere of another share, in heights of stubs."""
+
+PLUG_WIDTH = 0.9
+"""Width of the ring that a plug begins with where its strut does not keep to its cone, in widths of
+its section."""
 
 HUB_WIDTH = 1.002
 """Width of the hull at a joint, in widths of the sections that meet there: their corners must
@@ -45,10 +54,10 @@ HUB_LENGTH = 0.25
 class Pieces:
     """Closed surfaces whose union is the solid around a skeleton."""
 
-    surface: TriangleMesh
-    """What is embedded, possibly empty."""
+    surfaces: list[TriangleMesh]
+    """One of each share."""
     spheres: list[TriangleMesh]
-    """The quads of each branch point left out."""
+    """The quads of each branch point in no share."""
     hulls: list[Points]
     """Points whose convex hulls are the struts left out and what joins them, each (p, 3), mm."""
 
@@ -62,11 +71,21 @@ def solid_pieces(scaffold: Scaffold, embedded: Embedding, wobble: Floats) -> Pie
         is at their nodes, as a fraction of their radius: faces that lie in one plane, or
         edges in one line, are hard to unite
     """
-    struts = _struts_left_out(scaffold, embedded.kept, wobble)
+    calm = wobble == 0
+    shares = shared_out(scaffold, embedded, calm)
+    held = np.zeros(len(scaffold.skeleton.edges), dtype=np.bool_)
+    lost = scaffold.skeleton.valency > 2
+    for share in shares:
+        held |= share.struts
+        lost &= ~share.nodes
+    hidden = held.copy()
+    rest = np.flatnonzero(~embedded.uncrossed & ~held & calm[scaffold.skeleton.edges].all(axis=1))
+    hidden[rest[covered(scaffold, rest)]] = True
+    struts = _struts_left_out(scaffold, hidden, wobble)
     return Pieces(
-        _kept_surface(scaffold, embedded),
-        _spheres(scaffold, np.flatnonzero(~embedded.kept_nodes), wobble),
-        [*_prisms(scaffold, struts), *_hubs(scaffold, struts, embedded.kept)],
+        [surface_of(scaffold, share, embedded.within_cone) for share in shares],
+        _spheres(scaffold, np.flatnonzero(lost), wobble),
+        [*_prisms(scaffold, struts), *_hubs(scaffold, struts, held)],
     )
 
 
@@ -79,25 +98,51 @@ def spread(count: int, axis: int) -> Floats:
     return spread
 
 
-def _kept_surface(scaffold: Scaffold, embedded: Embedding) -> TriangleMesh:
-    """Return the closed surface of the struts and nodes that are kept."""
-    refined = scaffold.refined
-    kept_sleeve = embedded.kept[scaffold.refinement.edge_of_edge]
-    quads = scaffold.mesh.triangles.reshape(-1, 2, 3)
-    kept_quad = embedded.kept[scaffold.edge_of_quad]
-    tails = scaffold.skeleton.edges.reshape(-1)
+def surface_of(scaffold: Scaffold, share: Share, within_cone: Bools) -> TriangleMesh:
+    """Return the closed surface of a share.
 
-    half_edges = np.flatnonzero(scaffold.stars.corners[:, 0] >= 0)
-    open_quad = ~embedded.kept[half_edges >> 1] & embedded.kept_nodes[tails[half_edges]]
-    half_edges = half_edges[open_quad]
-    apexes = stub_apexes(scaffold, half_edges)
-    stubs = _fans(scaffold.stars.corners[half_edges], len(scaffold.mesh.vertices))
+    Parameters
+    ----------
+    within_cone : (m, 2) bool; whether each strut keeps to its cone at each end. A plug of one that
+        does meets the sphere in the corners of its quad alone, and has these very corners
+    """
+    refined, vertices = scaffold.refined, scaffold.mesh.vertices
+    sides = np.repeat(scaffold.edge_of_quad, 2)
+    triangles = scaffold.mesh.triangles[share.struts[sides]]
+    node = scaffold.skeleton.edges.reshape(-1)
+    corners = scaffold.stars.corners
 
-    rings, nodes = _open_sections(scaffold, kept_sleeve)
-    closures = _fans(rings, len(scaffold.mesh.vertices) + len(apexes))
-    vertices = np.concatenate([scaffold.mesh.vertices, apexes, refined.nodes[nodes]])
-    triangles = np.concatenate([quads[kept_quad].reshape(-1, 3), stubs, closures])
-    return compacted(vertices, triangles)
+    half_edges = np.flatnonzero(corners[:, 0] >= 0)
+    has_strut, has_node = share.struts[half_edges >> 1], share.nodes[node[half_edges]]
+    stubs, plugs = half_edges[has_node & ~has_strut], half_edges[has_strut & ~has_node]
+    inside = scaffold.skeleton.nodes[node[plugs]]
+    ends = inside + PLUG * (stub_apexes(scaffold, plugs) - inside)
+    rings = corners[plugs]
+    drawn = np.flatnonzero(~within_cone.reshape(-1)[plugs])
+    own = ends[drawn, None] + PLUG_WIDTH * (vertices[rings[drawn]] - ends[drawn, None])
+    numbers = len(vertices) + np.arange(4 * len(drawn)).reshape(-1, 4)
+    edge = sides[share.struts[sides]]
+    triangles = _replaced(triangles, edge, plugs[drawn] >> 1, rings[drawn], numbers)
+    rings[drawn] = numbers
+
+    sections, nodes = _open_sections(scaffold, share.struts[scaffold.refinement.edge_of_edge])
+    closed = np.concatenate([corners[stubs], rings[:, ::-1], sections])
+    apexes = np.concatenate([stub_apexes(scaffold, stubs), ends, refined.nodes[nodes]])
+    points = np.concatenate([vertices, own.reshape(-1, 3), apexes])
+    fans = _fans(closed, len(points) - len(apexes))
+    return compacted(points, np.concatenate([triangles, fans]))
+
+
+def _replaced(triangles: Triangles, edge: Ints, edges: Ints, old: Ints, new: Ints) -> Triangles:
+    """Return triangles (t, 3) of edges (t,) with vertices `old` (k, 4) of some edges (k,) `new`."""
+    if len(edges) == 0:
+        return triangles
+    most = int(triangles.max()) + 1
+    key = (edges[:, None] * most + old).reshape(-1)
+    order = np.argsort(key)
+    wanted = edge[:, None] * most + triangles
+    place = order[np.minimum(np.searchsorted(key, wanted, sorter=order), len(key) - 1)]
+    return np.where(key[place] == wanted, new.reshape(-1)[place], triangles)
 
 
 def _open_sections(scaffold: Scaffold, kept_sleeve: Bools) -> tuple[Ints, Ints]:

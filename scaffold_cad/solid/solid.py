@@ -145,8 +145,7 @@ def _square_solid(scaffold: Scaffold, factor: float) -> Solidified:
 
     def united(wobble: Floats) -> Manifold:
         pieces = solid_pieces(scaffold, embedded, wobble)
-        surfaces = [pieces.surface] if len(pieces.surface.triangles) else []
-        closed = [manifolds.of_closed(mesh) for mesh in (*surfaces, *pieces.spheres)]
+        closed = [manifolds.of_closed(mesh) for mesh in (*pieces.surfaces, *pieces.spheres)]
         return manifolds.union(closed, pieces.hulls)
 
     made = _clean_union(united, scaffold.skeleton, embedded.left_out, factor)

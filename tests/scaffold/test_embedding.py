@@ -9,8 +9,9 @@ from hypothesis import given
 from scaffold_cad.lattice import tile
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.scaffold import Scaffold, build_scaffold
+from scaffold_cad.scaffold.shares import Share
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.solid.pieces import solid_pieces
+from scaffold_cad.solid.pieces import solid_pieces, surface_of
 from tests import skeletons as named
 from tests.skeletons import NAMED, star
 from tests.strategies import hinged_stars, skeletons
@@ -53,11 +54,13 @@ FOLDED = Skeleton(
 def check_promise(scaffold: Scaffold) -> None:
     """Assert that what is kept does not cross itself, by a test that knows nothing of struts."""
     embedded = scaffold.embedding()
-    surface = solid_pieces(scaffold, embedded, np.zeros(len(scaffold.skeleton.nodes))).surface
-    if len(surface.triangles):
-        surface.check_closed()
-        assert surface.signed_volume > 0
-        assert len(self_intersections(surface)) == 0
+    kept = surface_of(scaffold, Share(embedded.kept, embedded.kept_nodes), embedded.within_cone)
+    pieces = solid_pieces(scaffold, embedded, np.zeros(len(scaffold.skeleton.nodes)))
+    for surface in (kept, *pieces.surfaces):
+        if len(surface.triangles):
+            surface.check_closed()
+            assert surface.signed_volume > 0
+            assert len(self_intersections(surface)) == 0
     if embedded.certified:
         assert len(self_intersections(scaffold.mesh)) == 0
 
