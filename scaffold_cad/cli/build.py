@@ -12,7 +12,7 @@ import numpy as np
 from scaffold_cad.base.arguments import as_number
 from scaffold_cad.brep import BREP_SUFFIXES
 from scaffold_cad.cli import sizes, source, tiled
-from scaffold_cad.cli.progress import ROUND_RATE, SCAFFOLD_RATE, SOLID_RATE, Progress
+from scaffold_cad.cli.progress import Progress
 from scaffold_cad.errors import OptionError
 from scaffold_cad.io.write import check_writable, write
 from scaffold_cad.products.assembly import Assembly, assembly_solid
@@ -175,16 +175,16 @@ def run(options: argparse.Namespace) -> None:
         return
     skeleton = source.skeleton_from(options)
     if options.product == "frame" or not options.round:
-        with progress.stage("scaffold", len(skeleton.edges), "struts", SCAFFOLD_RATE):
+        with progress.stage("scaffold", len(skeleton.edges), "struts"):
             scaffold = scaffold_from(options, skeleton)
         if options.product == "frame":
             skeleton = frame_skeleton(scaffold, frame_radius(options, skeleton))
             if not options.round:
-                with progress.stage("frame", len(skeleton.edges), "struts", SCAFFOLD_RATE):
+                with progress.stage("frame", len(skeleton.edges), "struts"):
                     scaffold = build_scaffold(skeleton, collars=True)
     struts = len(skeleton.edges)
     if options.round:
-        with progress.stage("struts", struts, "struts", ROUND_RATE):
+        with progress.stage("struts", struts, "struts"):
             given = round_options(options) | {"sockets": _sockets(options)}
             product: Any = round_struts(skeleton, **given)
     elif options.product == "shell":
@@ -194,7 +194,7 @@ def run(options: argparse.Namespace) -> None:
     else:
         product = scaffold
     keywords = {} if options.product == "shell" else written_with(options)
-    with progress.stage("file", struts, "struts", SOLID_RATE):
+    with progress.stage("file", struts, "struts"):
         write(product, options.output, **keywords)
     _log.info("%s written", options.output)
 
@@ -241,9 +241,9 @@ def _build_assembly(assembly: Assembly, output: Path, progress: Progress) -> Non
     """Write the solid of beams and of what is beside them in a 3MF file."""
     beams = assembly.beam_count
     _log.info("%d beams are united with %s", beams, ", ".join(assembly.beyond_skeleton()))
-    with progress.stage("solid", beams, "struts", SOLID_RATE):
+    with progress.stage("solid", beams, "struts"):
         solid = assembly_solid(assembly)
-    with progress.stage("file", beams, "struts", SOLID_RATE):
+    with progress.stage("file", beams, "struts"):
         write(solid, output)
     _log.info("%s written", output)
 

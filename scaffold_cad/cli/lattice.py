@@ -14,7 +14,7 @@ from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.brep import BREP_SUFFIXES, read_brep
 from scaffold_cad.cli import build, latticelayers, latticetiles, sizes, slicing, source, tiled
 from scaffold_cad.cli.maps import add_maps, map_of
-from scaffold_cad.cli.progress import ROUND_RATE, SCAFFOLD_RATE, SOLID_RATE, Progress
+from scaffold_cad.cli.progress import Progress
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.filling import fill
 from scaffold_cad.filling.fill import cells_around
@@ -198,7 +198,7 @@ def _product(options: argparse.Namespace, progress: Progress) -> Any:
     part = None if options.inside is None else _body(options.inside)
     cells = _cell_count(options.box if part is None else part.vertices, options)
     if _is_filled_solid(options):
-        with progress.stage("lattice", cells, "cells", SOLID_RATE / 10):
+        with progress.stage("lattice", cells, "cells"):
             return lattice_solid(
                 read_brep(options.inside),
                 options.cell,
@@ -209,7 +209,7 @@ def _product(options: argparse.Namespace, progress: Progress) -> Any:
             )
     sides = (options.sides or LATTICE_SIDES) if options.round else 4
     if options.trim:
-        with progress.stage("lattice", cells, "cells", SOLID_RATE / 10):
+        with progress.stage("lattice", cells, "cells"):
             return flush_box(options.box, options.cell, options.size, options.radius, sides=sides)
     if options.beams or not bodied:
         skeleton = fill(
@@ -218,7 +218,7 @@ def _product(options: argparse.Namespace, progress: Progress) -> Any:
         _log.info("%d struts", len(skeleton.edges))
         return skeleton if options.beams else _struts(skeleton, options, progress)
     body = _box_mesh(options.box) if part is None else part
-    with progress.stage("lattice", cells, "cells", SOLID_RATE / 10):
+    with progress.stage("lattice", cells, "cells"):
         return lattice_part(
             body,
             options.cell,
@@ -271,9 +271,9 @@ def _struts(
     """Return the struts of the lattice, round or square."""
     struts = len(skeleton.edges)
     if options.round:
-        with progress.stage("struts", struts, "struts", ROUND_RATE):
+        with progress.stage("struts", struts, "struts"):
             return round_struts(skeleton, **build.round_options(options))
-    with progress.stage("scaffold", struts, "struts", SCAFFOLD_RATE):
+    with progress.stage("scaffold", struts, "struts"):
         return build_scaffold(skeleton, collars=True)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.cli import build, slicing, source
-from scaffold_cad.cli.progress import SECTION_RATE, Progress
+from scaffold_cad.cli.progress import Progress
 from scaffold_cad.filling.fill import lattice_around
 from scaffold_cad.io.stacks import write_layers
 from scaffold_cad.lattice import PeriodicLattice
@@ -58,7 +58,7 @@ def write(options: argparse.Namespace, where: Skeleton | TriangleMesh | Floats) 
             given["region"] = where
     layers = slices(what, thickness=options.layer, **given)
     _log.info("%d struts, %d layers of %g mm", struts, len(layers), options.layer)
-    with Progress().stage("layers", struts * len(layers), "sections", SECTION_RATE):
+    with Progress().stage("layers", struts * len(layers), "sections"):
         write_layers(layers, options.output, text=options.text, pixel=options.pixel)
     _log.info("%s written", options.output)
 

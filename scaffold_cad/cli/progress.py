@@ -9,56 +9,42 @@ from contextlib import contextmanager
 from threading import Event, Thread
 from typing import TextIO
 
+from scaffold_cad.base.counts import running
+
 PERIOD = 0.5
 """Time between two looks at the clock, s."""
 
-QUIET_TIME = 1.0
-"""A stage that takes no longer shows nothing, s."""
-
-SCAFFOLD_RATE, SOLID_RATE, ROUND_RATE = 30_000.0, 2_000.0, 5_000.0
-"""Struts a second, about, that scaffolds, solids and round struts are made of."""
-
-SECTION_RATE = 50_000.0
-"""Sections of struts a second, about, that layers are made of."""
+QUIET_TIME = 2.0
+"""What takes no longer shows nothing, s."""
 
 
 class Progress:
-    """The stages of a command, each with a number of things to work on.
-
-    How long a stage will take is guessed from its usual rate, corrected by how long the stages
-    before it took.
-    """
+    """The stages of a command. What is shown of them is counted, not guessed."""
 
     def __init__(self, stream: TextIO | None = None) -> None:
         """Show progress on `stream`, by default standard error, if that is a terminal."""
         self._stream = sys.stderr if stream is None else stream
-        self._slowness = 1.0
 
     @contextmanager
-    def stage(self, name: str, count: int, unit: str, usual_rate: float) -> Iterator[None]:
-        """Show `name` while the block runs.
+    def stage(self, name: str, count: int, unit: str) -> Iterator[None]:
+        """Show `name` while the block runs, and how many things of its present work are done.
 
         Parameters
         ----------
         count : of the things worked on
         unit : what they are, such as "struts"
-        usual_rate : how many are done in a second, about
         """
-        usual = count / usual_rate
-        start = time.monotonic()
-        done = Event()
-        writer = Thread(target=self._show, args=(name, count, unit, usual, done), daemon=True)
-        if self._stream.isatty():
-            writer.start()
-        try:
+
+        def line(taken: float) -> str:
+            told = f"{name}: {count} {unit}, {taken:.0f} s so far"
+            now = running()
+            if now is None:
+                return told
+            passed = time.monotonic() - now.begun
+            return f"{told}; {counted_line(now.name, now.done, 0, now.total, passed)}"
+
+        with self._showing(line):
             yield
-        finally:
-            done.set()
-            if writer.is_alive():
-                writer.join()
-        taken = time.monotonic() - start
-        if taken > QUIET_TIME:
-            self._slowness = taken / usual
 
     @contextmanager
     def counted(self, name: str, total: int, done: Callable[[], int]) -> Iterator[None]:
@@ -68,8 +54,15 @@ class Progress:
         ----------
         done : counts them
         """
+        begun = done()
+        with self._showing(lambda taken: counted_line(name, done(), begun, total, taken)):
+            yield
+
+    @contextmanager
+    def _showing(self, line: Callable[[float], str]) -> Iterator[None]:
+        """Rewrite the line, of the time taken so far, while the block runs, then clear it."""
         ended = Event()
-        writer = Thread(target=self._count, args=(name, total, done, ended), daemon=True)
+        writer = Thread(target=self._show, args=(line, ended), daemon=True)
         if self._stream.isatty():
             writer.start()
         try:
@@ -79,36 +72,19 @@ class Progress:
             if writer.is_alive():
                 writer.join()
 
-    def _count(self, name: str, total: int, done: Callable[[], int], ended: Event) -> None:
-        """Rewrite the line until all is done, then clear it."""
-        begun, start = done(), time.monotonic()
+    def _show(self, line: Callable[[float], str], ended: Event) -> None:
+        start, shown = time.monotonic(), False
         while not ended.wait(PERIOD):
-            line = counted_line(name, done(), begun, total, time.monotonic() - start)
-            self._write(line)
-        self._write("")
-
-    def _show(self, name: str, count: int, unit: str, usual: float, done: Event) -> None:
-        """Rewrite the line until the stage is done, then clear it."""
-        expected = self._slowness * usual
-        taken = 0.0
-        while not done.wait(PERIOD):
-            taken += PERIOD
+            taken = time.monotonic() - start
             if taken > QUIET_TIME:
-                self._write(progress_line(name, count, unit, taken, expected))
-        if taken > QUIET_TIME:
+                self._write(line(taken))
+                shown = True
+        if shown:
             self._write("")
 
     def _write(self, line: str) -> None:
         self._stream.write(f"\r\x1b[K{line}")
         self._stream.flush()
-
-
-def progress_line(name: str, count: int, unit: str, taken: float, expected: float) -> str:
-    """Return what is shown of a stage after `taken` of `expected` seconds."""
-    left = expected - taken
-    rate = count / max(expected, taken)
-    rest = f"about {left:.0f} s left" if left >= 1 else "longer than usual"
-    return f"{name}: {count} {unit}, {rate:.0f} a second, {taken:.0f} s so far, {rest}"
 
 
 def counted_line(name: str, done: int, begun: int, total: int, taken: float) -> str:
@@ -117,9 +93,10 @@ def counted_line(name: str, done: int, begun: int, total: int, taken: float) -> 
     Examples
     --------
     >>> counted_line("tiles", 30, 10, 50, 40.0)
-    'tiles: 30 of 50, 40 s so far, about 40 s left'
+    'tiles: 30 of 50, 0.5 a second, about 40 s left'
     """
-    line = f"{name}: {done} of {total}, {taken:.0f} s so far"
-    if done <= begun:
+    line = f"{name}: {done} of {total}"
+    if done <= begun or taken <= 0:
         return line
-    return f"{line}, about {(total - done) * taken / (done - begun):.0f} s left"
+    rate = (done - begun) / taken
+    return f"{line}, {rate:.3g} a second, about {(total - done) / rate:.0f} s left"

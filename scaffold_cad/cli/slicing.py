@@ -12,7 +12,7 @@ import numpy as np
 from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.files import check_target
 from scaffold_cad.cli import build, source, tiled
-from scaffold_cad.cli.progress import ROUND_RATE, SECTION_RATE, Progress
+from scaffold_cad.cli.progress import Progress
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.io import read_triangles
 from scaffold_cad.io.stacks import check_stack, write_layers
@@ -76,11 +76,11 @@ def run(options: argparse.Namespace) -> None:
         sections = len(mesh.triangles)
     else:
         skeleton = source.skeleton_from(options)
-        with progress.stage("struts", len(skeleton.edges), "struts", ROUND_RATE):
+        with progress.stage("struts", len(skeleton.edges), "struts"):
             what = round_struts(skeleton, **build.round_options(options))
         heights = skeleton.nodes[skeleton.edges][:, :, 2]  # (m, 2)
         sections = int(np.ptp(heights, axis=1).sum() / options.layer) + len(heights)
-    with progress.stage("layers", sections, "sections", SECTION_RATE):
+    with progress.stage("layers", sections, "sections"):
         layers = _layers(what, options)
         write_layers(layers, options.output, text=options.text, pixel=options.pixel)
     _log.info("%s written: %d layers of %g mm", options.output, len(layers), options.layer)

@@ -9,6 +9,7 @@ import numpy as np
 
 from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
+from scaffold_cad.base.counts import counted
 
 
 @checks_keywords()
@@ -83,7 +84,7 @@ class Layers(Iterator[Layer]):
         thickness : of each, mm; 0 for sections alone
         box : lowest and highest corner of a box that holds all polygons, shape (2, 2), mm
         """
-        self._layers = iter(layers)
+        self._layers = counted("layers", layers, [1] * len(heights))
         self.heights = heights
         self.thickness = thickness
         self.box = box

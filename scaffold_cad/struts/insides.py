@@ -18,6 +18,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.base.blocks import CACHE, cut
+from scaffold_cad.base.counts import counted
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.struts.blend import Solved
 from scaffold_cad.struts.fits import TypeFit
@@ -192,7 +193,8 @@ def _solved(skins: Skins, wall: float, recipe: InsideRecipe) -> tuple[Solved, Fl
         made = _fitted(some, kinds.sides[rows], kinds.parts(rows), gaps, wall, recipe)
         return made, gaps.least(made)
 
-    done = list(in_order(work, cut(order, samples * SAMPLE_BYTES, CACHE)))
+    parts = list(cut(order, samples * SAMPLE_BYTES, CACHE))
+    done = list(counted("insides", in_order(work, parts), [len(rows) for rows in parts]))
     back = np.argsort(order)
     least = np.concatenate([each for _, each in done])
     return Solved.joined([each for each, _ in done])[back], least[back]

@@ -14,6 +14,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors
 from scaffold_cad.base.blocks import CACHE, blocks, cut
+from scaffold_cad.base.counts import counted
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.partition.arcs import side_twins
@@ -144,13 +145,14 @@ def _solved(own: Stars, fitted: Collars, recipe: Recipe) -> Solved:
     kinds = types_of(own.quads)
     samples = 4 * own.directions.shape[1] * len(recipe.layout.weights)  # of a star
     order = np.argsort(kinds.type_of, kind="stable")
-    pieces = cut(order, samples * SAMPLE_BYTES, CACHE)
+    pieces = list(cut(order, samples * SAMPLE_BYTES, CACHE))
 
     def work(rows: Ints) -> Solved:
         turned = Turned(own[rows], vertices[rows], kinds.sides[rows], kinds.parts(rows))
         return solve(turned, fitted[rows], recipe)
 
-    solved = Solved.joined(list(in_order(work, pieces)))
+    made = counted("blends", in_order(work, pieces), [len(rows) for rows in pieces])
+    solved = Solved.joined(list(made))
     return solved[np.argsort(order)]
 
 

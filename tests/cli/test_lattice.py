@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -12,8 +13,9 @@ import numpy as np
 import pytest
 import trimesh
 
+from scaffold_cad.base.counts import counted, running
 from scaffold_cad.cli import main
-from scaffold_cad.cli.progress import PERIOD, QUIET_TIME, Progress, progress_line
+from scaffold_cad.cli.progress import PERIOD, QUIET_TIME, Progress
 from scaffold_cad.io import read_skeleton
 from scaffold_cad.lattice import cell_picture, cells, tile
 
@@ -227,25 +229,36 @@ class Terminal(io.StringIO):
         return True
 
 
-def test_a_long_stage_shows_a_line_on_a_terminal_and_clears_it() -> None:
+def test_a_long_stage_counts_what_is_done_on_a_terminal_and_clears_it() -> None:
     terminal = Terminal()
-    with Progress(terminal).stage("solid", 100, "struts", usual_rate=10.0):
+
+    def slow() -> Iterator[str]:
+        for letter in "abcdef":
+            time.sleep((QUIET_TIME + 2 * PERIOD) / 6)
+            yield letter
+
+    with Progress(terminal).stage("struts", 100, "struts"):
+        list(counted("blends", slow(), [10] * 6))
+    shown = terminal.getvalue().split("\r\x1b[K")
+    pattern = r"struts: 100 struts, \d s so far; blends: \d0 of 60, .* a second, about \d s left"
+    assert re.fullmatch(pattern, shown[1])
+    assert shown[-1] == ""
+    assert running() is None
+
+
+def test_a_long_stage_without_counts_shows_the_time_it_took() -> None:
+    terminal = Terminal()
+    with Progress(terminal).stage("solid", 100, "struts"):
         time.sleep(QUIET_TIME + 2 * PERIOD)
     shown = terminal.getvalue().split("\r\x1b[K")
-    assert shown[1].startswith("solid: 100 struts, 10 a second, ")
-    assert shown[1].endswith("s left")
-    assert shown[-1] == ""
+    assert re.fullmatch(r"solid: 100 struts, \d s so far", shown[1])
 
 
 def test_nothing_is_shown_of_short_stages_nor_in_a_pipe() -> None:
     for stream in (Terminal(), io.StringIO()):
-        with Progress(stream).stage("solid", 100, "struts", usual_rate=10.0):
+        with Progress(stream).stage("solid", 100, "struts"):
             pass
         assert stream.getvalue() == ""
-
-
-def test_a_stage_that_outlasts_the_guess_says_so() -> None:
-    assert progress_line("solid", 100, "struts", 20.0, 10.0).endswith("longer than usual")
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from scaffold_cad.cli import main
-from scaffold_cad.cli.progress import PERIOD, Progress
+from scaffold_cad.cli.progress import PERIOD, QUIET_TIME, Progress
 from scaffold_cad.io import read_triangles
 from tests.tiles.test_tiling import in_order
 
@@ -104,7 +104,7 @@ class Terminal(io.StringIO):
 def test_progress_counts_what_is_done() -> None:
     stream, counts = Terminal(), iter(range(4, 100))
     with Progress(stream).counted("tiles", 12, lambda: next(counts)):
-        time.sleep(2.5 * PERIOD)
+        time.sleep(QUIET_TIME + 2.5 * PERIOD)
     lines = re.findall(r"tiles: (\d+) of 12, .*?left", stream.getvalue())
     assert lines[:2] == ["5", "6"]
     assert stream.getvalue().endswith("\r\x1b[K")

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints
 from scaffold_cad.base.blocks import CACHE, uneven_blocks
+from scaffold_cad.base.counts import counted
 from scaffold_cad.base.memory import machine_memory
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.errors import OptionError
@@ -135,14 +136,13 @@ def _refined(
     lists: Lists,
 ) -> tuple[Level, Ints, Lists]:
     """Return the level of some groups, and the groups of the next finer level."""
-    parts = list(
-        in_order(
-            lambda some: _refine_some(
-                union, lattice, wanted, size, groups[some], _sub(lists, some)
-            ),
-            uneven_blocks(np.diff(lists.starts), PAIR_BYTES, CACHE),
-        )
+    pieces = list(uneven_blocks(np.diff(lists.starts), PAIR_BYTES, CACHE))
+    refined = in_order(
+        lambda some: _refine_some(union, lattice, wanted, size, groups[some], _sub(lists, some)),
+        pieces,
     )
+    sizes = [8 * len(groups[some]) for some in pieces]
+    parts = list(counted("cells", refined, sizes))
     kept = [part[0] for part in parts]
     finer = [part[1] for part in parts]
     level = Level(

@@ -6,6 +6,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints
 from scaffold_cad.base.blocks import cut
+from scaffold_cad.base.counts import counted
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.solid.field.faces import polygons_of
 from scaffold_cad.solid.field.grid import Grid
@@ -31,8 +32,9 @@ def surface_of(union: FilletedUnion, grid: Grid, rounds: int) -> tuple[Floats, I
     slots = Slots(grid)
     parts = polygons_of(grid, slots)
     used = _used(parts, slots)
-    edges = cut(used, EDGE_BYTES)
-    found = in_order(lambda some: _vertices(union, grid, slots, some, rounds), edges)
+    edges = list(cut(used, EDGE_BYTES))
+    placed = in_order(lambda some: _vertices(union, grid, slots, some, rounds), edges)
+    found = counted("vertices", placed, [len(some) for some in edges])
     vertices = np.concatenate([np.zeros((0, 3)), *found])
     rank = Ranks(used, slots)
     triangles = []
