@@ -132,7 +132,7 @@ def _without_twins(mesh: TriangleMesh, crossings: Edges) -> tuple[TriangleMesh, 
 
 
 def _boxes_around(mesh: TriangleMesh, near: Bools) -> tuple[Points, Points]:
-    """Return boxes around the triangles at the vertices `near` (v,), one for all that hang together.
+    """Return boxes around the triangles at the vertices `near` (v,), one for each connected part.
 
     Returns
     -------

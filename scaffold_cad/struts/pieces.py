@@ -275,12 +275,13 @@ def sharp_pieces(runs: Runs, sharp: tuple[SharpNodes, ...], collar: Floats) -> P
 
 def joined(parts: list[Pieces]) -> Pieces:
     """Return all pieces, their hulls with as many points each."""
-    most = max(part.points.shape[1] for part in parts)
-    points, hulls, count = [], [], 0
+    size = max(part.points.shape[1] for part in parts)
+    points = np.empty((sum(len(part.points) for part in parts), size, 3))
+    hulls, count = [], 0
     curves, discs = [], 0
     for part in parts:
-        missing = most - part.points.shape[1]
-        points.append(np.pad(part.points, ((0, 0), (0, missing), (0, 0)), mode="edge"))
+        own, some = points[count : count + len(part.points)], part.points.shape[1]
+        own[:, :some], own[:, some:] = part.points, part.points[:, -1:]
         hulls.append(np.where(part.hull >= 0, part.hull + count, -1))
         count += len(part.points)
         curves.append(np.where(part.curve >= 0, part.curve + discs, -1))
@@ -292,7 +293,7 @@ def joined(parts: list[Pieces]) -> Pieces:
         np.concatenate([part.nodes for part in parts]),
         np.concatenate([part.run for part in parts]),
         np.concatenate(hulls),
-        np.concatenate(points),
+        points,
         np.concatenate([part.offset for part in parts]),
         np.concatenate(curves),
         np.concatenate([part.discs for part in parts]),

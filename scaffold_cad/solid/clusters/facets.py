@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass
+from functools import cache, partial
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -17,7 +18,7 @@ from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
 from scaffold_cad.mesh.decimation import decimated
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
-from scaffold_cad.solid.clusters.growth import Clusters, Core, clusters_of
+from scaffold_cad.solid.clusters.growth import Clusters, Core, bodies_of, clusters_of
 from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.seams import seamed
 from scaffold_cad.solid.clusters.spans import no_spans
@@ -75,9 +76,9 @@ def faceted(
     core : what is in clusters in any case
     sags : how far the sides of triangles of fields may be inside of round surfaces
     """
-    seeds = no_spans()
+    seeds, bodies = no_spans(), cache(partial(bodies_of, struts))
     for _ in range(TRIES):
-        clusters = clusters_of(struts, fillets, Slack(SLACK), core, seeds)
+        clusters = clusters_of(struts, bodies, fillets, Slack(SLACK), core, seeds)
         if clusters is None or len(clusters.rest.run) == 0:
             break
         if len(clusters.spans) == 0:
@@ -93,7 +94,7 @@ def faceted(
             mesh = _compacted(vertices, made.triangles, len(points))
             return Faceted(clusters, _coarser(mesh, fields, rings, sags), rings, half_runs)
         _log.debug("%d of %d seams failed", len(made.failed), len(cuts.node))
-        core, seeds = grown(struts, clusters, seeds, made.failed)
+        core, seeds = grown(struts, clusters, made.failed)
     none, fields = np.zeros((0, SIDES), dtype=np.intp), whole_struts(struts)
     mesh = _coarser(filled(field_of(fields, sags, 1.0)), fields, none, sags)
     return Faceted(None, mesh, none, none[:, 0])

@@ -93,10 +93,25 @@ class Clusters(Frozen):
     """What is left."""
     lines: Lines
     """How the axes of the field lead to the cuts of curves."""
+    seeds: Spans
+    """Spans that they began with, and what came near: with these they are soon found again."""
+
+
+def bodies_of(struts: RoundStruts) -> Pieces:
+    """Return the pieces around nodes and curves."""
+    runs = struts.runs
+    return joined(
+        [
+            node_pieces(runs, struts.blended),
+            curve_pieces(struts.curves),
+            sharp_pieces(runs, struts.sharp, struts.collar),
+        ]
+    )
 
 
 def clusters_of(
     struts: RoundStruts,
+    bodies: Callable[[], Pieces],
     fillets: Floats,
     slack: Slack,
     core: Core,
@@ -109,22 +124,21 @@ def clusters_of(
 
     Parameters
     ----------
+    bodies : gives those of the struts, see `bodies_of`
     fillets : (n,) fillet radius wanted at each node, mm
     slack : how much thicker all are taken to be
     most : that part
     """
     runs, curves = struts.runs, struts.curves
     most_area = most * whole_runs(runs).areas(runs).sum()
-    bodies: Pieces | None = None
     reaches = Reaches(struts, fillets)
     while True:
         inside, zones, spans, reached = _settled(reaches, core, seeds)
         if spans.areas(runs).sum() > most_area:
             return None
-        bodies = _bodies(struts) if bodies is None else bodies
         blend = _span_fillets(struts, spans, reached, fillets)
         rest = remainder(struts, inside, spans, zones.pieces)
-        found = _Found(struts, bodies, rest, spans, reached, blend, inside, zones.pieces)
+        found = _Found(struts, bodies(), rest, spans, reached, blend, inside, zones.pieces)
         joining, near = found.meeting(slack)
         bent = curves.curved[near.run]
         more = joining.pieces | np.isin(curves.run[curves.pieces], near.run[bent])
@@ -132,20 +146,9 @@ def clusters_of(
         near = near.chosen(~bent)
         settled = spans.covers(near, SETTLED * runs.radii.min(axis=1)[near.run]).all()
         if settled and not (joining.nodes & ~inside).any() and not (more & ~core.pieces).any():
-            return Clusters(core, inside, spans, reached, blend, rest, found.lines)
+            return Clusters(core, inside, spans, reached, blend, rest, found.lines, seeds)
         core = Core(core.nodes | joining.nodes, core.pieces | more)
         seeds = Spans.joined([seeds, near])
-
-
-def _bodies(struts: RoundStruts) -> Pieces:
-    """Return the pieces of nodes and curves."""
-    return joined(
-        [
-            node_pieces(struts.runs, struts.blended),
-            curve_pieces(struts.curves),
-            sharp_pieces(struts.runs, struts.sharp, struts.collar),
-        ]
-    )
 
 
 def unproved(struts: RoundStruts) -> Core:

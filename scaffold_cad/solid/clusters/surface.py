@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache, partial
 from typing import Protocol, TypeVar
 
 import numpy as np
@@ -17,7 +18,7 @@ from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
-from scaffold_cad.solid.clusters.growth import Clusters, Core, clusters_of, unproved
+from scaffold_cad.solid.clusters.growth import Clusters, Core, bodies_of, clusters_of, unproved
 from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.seams import seamed
 from scaffold_cad.solid.clusters.spans import Spans, no_spans
@@ -250,12 +251,12 @@ def _surface(
     """
     count = len(core.nodes)
     slack = Slack(polygon_slack(sides), np.zeros(count))
-    seeds = no_spans()
+    seeds, bodies = no_spans(), cache(partial(bodies_of, struts))
     for _ in range(TRIES):
-        clusters = clusters_of(struts, fillets, slack, core, seeds, MOST_FIELD)
+        clusters = clusters_of(struts, bodies, fillets, slack, core, seeds, MOST_FIELD)
         if clusters is None:
             break
-        core, rest = clusters.core, clusters.rest
+        core, seeds, rest = clusters.core, clusters.seeds, clusters.rest
         fields = cluster_struts(struts, clusters) if len(clusters.spans) else None
         left = struts if fields is None else rest.struts
         shell = shell_of(left, sides, None if fields is None else rest.open_at)
@@ -276,7 +277,7 @@ def _surface(
             inside = clusters.nodes
             return _Surface(mesh, ends[own], shell.rings[own], inside, clusters.reached, around)
         _log.debug("%d of %d seams failed", len(failed), len(rest.cuts.node))
-        core, seeds = grown(struts, clusters, seeds, failed)
+        core, seeds = grown(struts, clusters, failed)
     _log.info(
         "%d struts have too little room for rings of their own: made as a field",
         len(struts.skeleton.edges),
@@ -324,21 +325,14 @@ def _joined(
     return compacted(np.concatenate([points, made.vertices]), triangles), made.failed
 
 
-def grown(
-    struts: RoundStruts, clusters: Clusters, seeds: Spans, failed: Ints
-) -> tuple[Core, Spans]:
-    """Return what clusters are to hold so that they grow where seams at cuts have failed.
-
-    Parameters
-    ----------
-    seeds : what they were made with
-    """
+def grown(struts: RoundStruts, clusters: Clusters, failed: Ints) -> tuple[Core, Spans]:
+    """Return what clusters are to hold so that they grow where seams at cuts have failed."""
     cut = clusters.rest.cut_curves
     straight = len(clusters.rest.cuts.node) - len(cut.nodes)
     at_joints = np.zeros_like(clusters.nodes)
     at_joints[cut.nodes[failed[failed >= straight] - straight]] = True
     more = _further(struts, clusters, failed[failed < straight])
-    return clusters.core.with_nodes(at_joints), Spans.joined([seeds, more])
+    return clusters.core.with_nodes(at_joints), Spans.joined([clusters.seeds, more])
 
 
 def _further(struts: RoundStruts, clusters: Clusters, failed: Ints) -> Spans:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from scaffold_cad.solid.clusters.growth import clusters_of, unproved
+from scaffold_cad.solid.clusters.growth import bodies_of, clusters_of, unproved
 from scaffold_cad.solid.clusters.spans import CUT, no_spans
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
 from scaffold_cad.solid.clusters.zones import MARGIN, core_of, zones_of
@@ -86,7 +86,8 @@ def test_what_is_left_is_cut_at_two_joints() -> None:
     core = unproved(struts)
     assert not core.nodes.any()
     assert not core.pieces.any()
-    found = clusters_of(struts, wanted_fillets(struts), EXACT, core, no_spans())
+    bodies = bodies_of(struts)
+    found = clusters_of(struts, lambda: bodies, wanted_fillets(struts), EXACT, core, no_spans())
     assert found is not None
     cut = found.rest.cut_curves
     assert len(cut.nodes) == 2
