@@ -14,8 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints
-from scaffold_cad.base.vectors import dot, normalize
+from scaffold_cad.base.arrays import Bools, Edges
 from scaffold_cad.scaffold.bodies import Bodies, conflicting
 from scaffold_cad.scaffold.embedding import Embedding, tubes_of, with_stubs
 from scaffold_cad.scaffold.scaffold import Scaffold
@@ -124,29 +123,3 @@ def _cover(pairs: Edges, count: int) -> Bools:
         out |= (highest > 0) & (rank > highest)
         pairs = pairs[~out[pairs].any(axis=1)]
     return out
-
-
-def covered(scaffold: Scaffold, edges: Ints) -> Bools:
-    """Return the struts (k,) of `edges` that are within the spheres of their branch points.
-
-    Their sections somewhere on the way are within the cones of both nodes, and below the corners
-    of the quads that they leave by.
-    """
-    skeleton = scaffold.skeleton
-    half_edges = np.stack([2 * edges, 2 * edges + 1], axis=1).reshape(-1)
-    corners = scaffold.stars.corners[half_edges]
-    at_star = corners[:, 0] >= 0
-    node = skeleton.edges.reshape(-1)[half_edges]
-    axis = skeleton.directions[half_edges][:, None, :]
-    quad = scaffold.mesh.vertices[corners] - skeleton.nodes[node][:, None, :]  # (2 k, 4, 3)
-    axis = np.broadcast_to(axis, quad.shape)
-    planes = np.cross(quad, np.roll(quad, -1, axis=1))
-    sine = np.clip(dot(normalize(planes), axis).min(axis=1), 0.0, 1.0)
-    cosine: Floats = np.sqrt(1.0 - sine**2)
-    # From `least` to `most` on the axis, sections are in the sphere.
-    corner_radius = skeleton.radii[node] * scaffold.options.corner_distance
-    most = np.where(at_star, dot(quad, axis).min(axis=1), -np.inf).reshape(-1, 2)
-    least = np.where(sine > 0, corner_radius * cosine / np.maximum(sine, 1e-300), np.inf)
-    low = np.maximum(skeleton.lengths[edges] - most[:, 1], least.reshape(-1, 2)[:, 0])
-    high = np.minimum(most[:, 0], skeleton.lengths[edges] - least.reshape(-1, 2)[:, 1])
-    return np.asarray(low <= high)

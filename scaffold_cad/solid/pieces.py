@@ -18,7 +18,7 @@ from scaffold_cad.base.vectors import any_perpendicular, dot, four_around, lengt
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.scaffold.embedding import Embedding, stub_apexes
-from scaffold_cad.scaffold.shares import Share, covered, shared_out
+from scaffold_cad.scaffold.shares import Share, shared_out
 from scaffold_cad.scaffold.sleeves import fitted_angle
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.skeleton.thinning import kept_samples
@@ -71,17 +71,13 @@ def solid_pieces(scaffold: Scaffold, embedded: Embedding, wobble: Floats) -> Pie
         is at their nodes, as a fraction of their radius: faces that lie in one plane, or
         edges in one line, are hard to unite
     """
-    calm = wobble == 0
-    shares = shared_out(scaffold, embedded, calm)
+    shares = shared_out(scaffold, embedded, wobble == 0)
     held = np.zeros(len(scaffold.skeleton.edges), dtype=np.bool_)
     lost = scaffold.skeleton.valency > 2
     for share in shares:
         held |= share.struts
         lost &= ~share.nodes
-    hidden = held.copy()
-    rest = np.flatnonzero(~embedded.uncrossed & ~held & calm[scaffold.skeleton.edges].all(axis=1))
-    hidden[rest[covered(scaffold, rest)]] = True
-    struts = _struts_left_out(scaffold, hidden, wobble)
+    struts = _struts_left_out(scaffold, held, wobble)
     return Pieces(
         [surface_of(scaffold, share, embedded.within_cone) for share in shares],
         _spheres(scaffold, np.flatnonzero(lost), wobble),

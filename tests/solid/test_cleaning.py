@@ -1,4 +1,4 @@
-"""Surfaces of unions as files hold them: sheets that touch are parted."""
+"""Surfaces of unions as files hold them: what crosses is mended, sheets that touch are parted."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
+from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid import cleaning, manifolds
 from scaffold_cad.solid.cleaning import FaultySurfaceError, clean_surface
@@ -51,6 +52,50 @@ def test_such_a_solid_has_a_fault_as_it_is(name: str) -> None:
 def test_a_surface_that_touches_nowhere_stays_as_it_is() -> None:
     mesh = clean_surface(BLOCK)
     assert np.abs(mesh.vertices).tolist() == [[5.0] * 3] * 8
+
+
+LEAST = 1e-4
+"""Shortest edge of a surface, mm."""
+
+
+def folded(gap: float) -> TriangleMesh:
+    """Return the block with a vertex on its top beside a corner, `gap` beyond an edge."""
+    block = manifolds.manifold_triangles(BLOCK)
+    top = (block.vertices[block.triangles][:, :, 2] == 5.0).all(axis=1)
+    ring = np.array([[-5, -5, 5], [5, -5, 5], [5, 5, 5], [-5, 5, 5]])
+    corner = [int(np.flatnonzero((block.vertices == place).all(axis=1))[0]) for place in ring]
+    fan = [[corner[k], corner[(k + 1) % 4], len(block.vertices)] for k in range(4)]
+    vertices = np.concatenate([block.vertices, [[5.0 + gap, 5.0 - 3.0 * gap, 5.0]]])
+    return TriangleMesh(vertices, np.concatenate([block.triangles[~top], fan]))
+
+
+def test_short_edges_are_drawn_together_where_a_surface_crosses_itself() -> None:
+    mesh = folded(2.0 * LEAST)
+    mesh.check_closed()
+    assert len(self_intersections(mesh))
+    mended = cleaning._uncrossed(mesh, LEAST)
+    mended.check_closed()
+    assert len(self_intersections(mended)) == 0
+    assert mended.signed_volume == pytest.approx(1000.0, rel=1e-4)
+    assert len(mended.vertices) == 8
+
+
+def test_a_crossing_without_short_edges_is_named() -> None:
+    with pytest.raises(FaultySurfaceError, match="crosses itself in") as caught:
+        cleaning._uncrossed(folded(1.0), LEAST)
+    assert (caught.value.places[:, 0] >= 5.0).any()
+
+
+def test_two_triangles_back_to_back_are_left_out() -> None:
+    block = manifolds.manifold_triangles(BLOCK)
+    count = len(block.vertices)
+    flap = [[count, count + 1, count + 2], [count, count + 2, count + 1]]
+    vertices = np.concatenate([block.vertices, [[9, 0, 0], [9, 1, 0], [9, 0, 1]]])
+    mesh = cleaning._uncrossed(
+        TriangleMesh(vertices, np.concatenate([block.triangles, flap])), LEAST
+    )
+    assert len(mesh.vertices) == count
+    assert mesh.signed_volume == pytest.approx(1000.0)
 
 
 def test_a_place_that_cannot_be_parted_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
