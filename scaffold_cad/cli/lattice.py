@@ -206,11 +206,15 @@ def _product(options: argparse.Namespace, progress: Progress) -> Any:
                 options.radius,
                 skin=options.skin,
                 section="round" if options.round else "square",
+                **build.round_options(options),
             )
     sides = (options.sides or LATTICE_SIDES) if options.round else 4
+    given = build.round_options(options)
     if options.trim:
         with progress.stage("lattice", cells, "cells"):
-            return flush_box(options.box, options.cell, options.size, options.radius, sides=sides)
+            return flush_box(
+                options.box, options.cell, options.size, options.radius, sides=sides, **given
+            )
     if options.beams or not bodied:
         skeleton = fill(
             options.box if part is None else part, options.cell, options.size, options.radius
@@ -226,6 +230,7 @@ def _product(options: argparse.Namespace, progress: Progress) -> Any:
             options.radius,
             skin=options.skin,
             sides=sides,
+            **given,
         )
 
 

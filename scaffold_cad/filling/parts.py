@@ -15,6 +15,7 @@ from scaffold_cad.base.regions import BoxRegion, Region
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 from scaffold_cad.filling.drains import drained
 from scaffold_cad.filling.fill import HasTriangles, as_region, fill
+from scaffold_cad.filling.models import Make, RoundOptions, maker
 from scaffold_cad.lattice import CellMap, UnitCell
 from scaffold_cad.lattice.maps.grading import CellSize
 from scaffold_cad.lattice.registry import as_cell
@@ -27,9 +28,8 @@ from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.products.overlaps import to_unite
 from scaffold_cad.products.surfaces import triangles_of
-from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.solid import Solidified, clean_surface, manifolds, solidified
+from scaffold_cad.solid import clean_surface, manifolds, solidified
 from scaffold_cad.solid.rounds import check_sides
 from scaffold_cad.solid.skins import inside_of
 from scaffold_cad.struts import round_struts
@@ -37,6 +37,7 @@ from scaffold_cad.struts import round_struts
 if TYPE_CHECKING:
     from build123d import Shape
     from manifold3d import Manifold
+    from typing_extensions import Unpack
 
 Body: TypeAlias = "Shape | QuadMesh | TriangleMesh | HasTriangles"
 """A build123d solid, or a closed triangle mesh of any library."""
@@ -64,7 +65,7 @@ NUDGE_DIRECTION = np.array([0.6, 0.5, 0.62])
 _log = logging.getLogger(__name__)
 
 
-@checks_keywords()
+@checks_keywords(round_struts)
 def lattice_part(
     body: Body,
     cell: str | UnitCell,
@@ -75,6 +76,7 @@ def lattice_part(
     sides: int = 4,
     drain: float | None = None,
     drain_places: ArrayLike | None = None,
+    **options: Unpack[RoundOptions],
 ) -> Manifold:
     """Return `body` with a lattice for its inside: one watertight solid.
 
@@ -97,6 +99,7 @@ def lattice_part(
         default
     drain_places : where the holes are, on or near the surface, (k, 3), mm; by default two for each
         void, one low and one high along z, where struts leave most room
+    **options : those of `round_struts`, for round ones
 
     Raises
     ------
@@ -125,13 +128,14 @@ def lattice_part(
         raise OptionError("drain holes are given without a skin; need one")
     if drain is None and drain_places is not None:
         raise OptionError("drain_places are given without drain, their diameter; need it")
+    make = _maker(sides, options)
     surface, outer = _sound(triangles_of(body))
     region = as_region(surface)
     inner = outer if skin is None else inside_of(surface, outer, skin)
     extent, fault = float(np.abs(surface.vertices).max()), ""
     for nudge in NUDGES:
         struts = _struts_touching(region, cell, size, radius, nudge, skin is not None)
-        solid = _lattice(struts, sides)
+        solid = solidified(make(struts), sides=None if sides == 4 else sides)
         lattice = solid.manifold
         part = lattice ^ outer if skin is None else outer - (inner - lattice)
         if skin is not None and drain is not None:
@@ -157,6 +161,7 @@ def flush_box(
     axes: ArrayLike | None = None,
     on: CellMap | None = None,
     sides: int = 4,
+    **options: Unpack[RoundOptions],
 ) -> Manifold:
     """Return a box of lattice whose struts are cut flush with its faces: it measures as the box.
 
@@ -164,7 +169,8 @@ def flush_box(
     ----------
     box : lowest and highest corner, mm
     cell, size, radius, axes, on : as for `fill`
-    sides : of the struts, 4, 8 or 16
+    sides : of the struts, as for `lattice_part`
+    **options : those of `round_struts`, for round ones
 
     Raises
     ------
@@ -183,6 +189,7 @@ def flush_box(
     """
     import manifold3d
 
+    make = _maker(sides, options)
     region = BoxRegion(box)
     low, high = region.bounds
     known = as_cell(cell)
@@ -200,7 +207,7 @@ def flush_box(
         touching = np.asarray(region.contains(whole.nodes)[whole.edges].any(axis=1))
         touching[region.crossings(whole.nodes, whole.edges)[0]] = True
         struts = whole.with_edges(touching)
-        solid = _lattice(struts, sides)
+        solid = solidified(make(struts), sides=None if sides == 4 else sides)
         cutter = manifold3d.Manifold.cube((high - low).tolist()).translate(low.tolist())
         part = solid.manifold ^ cutter
         try:
@@ -241,12 +248,15 @@ def _sound(mesh: TriangleMesh) -> tuple[TriangleMesh, Manifold]:
     return manifolds.manifold_triangles(united), united
 
 
-def _lattice(struts: Skeleton, sides: int) -> Solidified:
-    """Return the solid of the struts, square or round."""
+def _maker(sides: int, options: RoundOptions) -> Make:
+    """Return what makes struts with so many sides."""
     check_sides(sides)
-    if sides == 4:
-        return solidified(build_scaffold(struts, collars=True))
-    return solidified(round_struts(struts), sides=sides)
+    if sides == 4 and options:
+        raise OptionError(
+            f"{', '.join(options)} given with sides=4, square struts; need sides=8 or more, round "
+            "ones"
+        )
+    return maker(section="square" if sides == 4 else "round", **options)
 
 
 def _with_place(error: MeshError) -> str:

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad import brep
-from scaffold_cad.base.arguments import as_number, check_choice, checks_keywords
+from scaffold_cad.base.arguments import as_number, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, as_floats
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.builders import built
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.errors import BrepError, OptionError
 from scaffold_cad.filling.fill import as_region, struts_touching
+from scaffold_cad.filling.models import Make, Model, RoundOptions, Section, maker
 from scaffold_cad.filling.parts import NUDGE_DIRECTION
 from scaffold_cad.lattice import CellMap, UnitCell
 from scaffold_cad.lattice.maps.grading import CellSize
@@ -27,16 +28,13 @@ from scaffold_cad.mesh.nearest import NearestPlace
 from scaffold_cad.mesh.remeshing import evened
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.products.breps import to_brep
-from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.solid import manifolds, solidified
 from scaffold_cad.struts import RoundStruts, round_struts
 
 if TYPE_CHECKING:
     from build123d import Shape, Solid
     from manifold3d import Manifold
-
-Section: TypeAlias = Literal["square", "round"]
-"""The section of struts."""
+    from typing_extensions import Unpack
 
 NUDGES = (0.0, 0.02, -0.02, 0.05, -0.05)
 """How far the lattice is moved, in turn, until OCCT gets the part right; in cell sizes. Faces that
@@ -69,11 +67,11 @@ class FilledSolid(Frozen):
 
     solid: Solid
     """The part."""
-    struts: RoundStruts | Scaffold
+    struts: Model
     """The struts, up to whole ones that stick out of the body."""
 
 
-@checks_keywords()
+@checks_keywords(round_struts)
 def lattice_solid(
     body: Shape,
     cell: str | UnitCell,
@@ -85,6 +83,7 @@ def lattice_solid(
     origin: ArrayLike | None = None,
     axes: ArrayLike | None = None,
     on: CellMap | None = None,
+    **options: Unpack[RoundOptions],
 ) -> Solid:
     """Return `body` with a skin, and a lattice for its inside, as one build123d solid.
 
@@ -99,6 +98,7 @@ def lattice_solid(
     skin : thickness of the closed wall at the body's surface, mm
     section : of the struts, "round" or "square"
     origin, axes, on : as for `fill`
+    **options : those of `round_struts`, for round ones
 
     Raises
     ------
@@ -120,7 +120,8 @@ def lattice_solid(
     >>> part.is_valid, len(part.shells())
     (True, 2)
     """
-    return filled_solid(body, cell, size, radius, skin, section, origin, axes, on).solid
+    make = maker(section=section, **options)
+    return filled_solid(body, cell, size, radius, skin, make, origin, axes, on).solid
 
 
 def filled_solid(
@@ -129,13 +130,12 @@ def filled_solid(
     size: CellSize,
     radius: Radius,
     skin: float,
-    section: Section,
+    make: Make,
     origin: ArrayLike | None,
     axes: ArrayLike | None,
     on: CellMap | None,
 ) -> FilledSolid:
     """Return what `lattice_solid` makes, and its struts."""
-    check_choice(section, "section", get_args(Section))
     thickness = as_number(skin, "skin")
     solid = _one_solid(body)
     outer = brep.tessellated(solid)
@@ -145,10 +145,7 @@ def filled_solid(
     for nudge in NUDGES if on is None else NUDGES[:1]:
         corner = None if on is not None else _moved(region.bounds[0], origin, known, size, nudge)
         struts = struts_touching(region, known, size, origin=corner, axes=axes, on=on)
-        skeleton = struts.skeleton(radius)
-        model = (
-            round_struts(skeleton) if section == "round" else build_scaffold(skeleton, collars=True)
-        )
+        model = make(struts.skeleton(radius))
         fault, made = _united(solid, inner, inside, model)
         if made is not None:
             return FilledSolid(made, model)
@@ -205,9 +202,7 @@ def _hollow(solid: Solid, outer: TriangleMesh, skin: float) -> tuple[Solid, Mani
     )
 
 
-def _united(
-    solid: Solid, inner: Solid, inside: Manifold, model: RoundStruts | Scaffold
-) -> tuple[str, Solid | None]:
+def _united(solid: Solid, inner: Solid, inside: Manifold, model: Model) -> tuple[str, Solid | None]:
     """Return what is wrong, and the part if nothing is."""
     try:
         frame = to_brep(model)
@@ -229,7 +224,7 @@ def _united(
     return "", part
 
 
-def _meshed(model: Scaffold | RoundStruts, frame: Shape) -> Manifold:
+def _meshed(model: Model, frame: Shape) -> Manifold:
     """Return struts as triangles that have the volume of their exact faces.
 
     Polygons of round struts have their circles' volume; bilinear faces of square ones need more

@@ -16,16 +16,24 @@ from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import Keep
 from scaffold_cad.errors import OptionError
 from scaffold_cad.filling import fill
+from scaffold_cad.filling.models import Make, Model, maker
 from scaffold_cad.filling.parts import flush_box
-from scaffold_cad.filling.solids import Section, filled_solid
+from scaffold_cad.filling.solids import filled_solid
 from scaffold_cad.lattice import CellMap, UnitCell
-from scaffold_cad.parts.models import Model, model_of
-from scaffold_cad.parts.skeletonpart import CommonOptions, PartOptions, SkeletonPart
+from scaffold_cad.parts.skeletonpart import (
+    BoxOptions,
+    FrameOptions,
+    PartOptions,
+    SkeletonPart,
+    part_options,
+    strut_options,
+)
 from scaffold_cad.parts.stubs import without_overlapping_stubs
 from scaffold_cad.products.facets import faceted
 from scaffold_cad.products.overlaps import Overlaps
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid.manifolds import manifold_triangles
+from scaffold_cad.struts import round_struts
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -51,7 +59,7 @@ class LatticeBox(SkeletonPart):
     (8, True)
     """
 
-    @checks_keywords(SkeletonPart.__init__)
+    @checks_keywords(SkeletonPart.__init__, maker, round_struts)
     def __init__(
         self,
         cell: str | UnitCell,
@@ -67,9 +75,8 @@ class LatticeBox(SkeletonPart):
         axes: ArrayLike | None = None,
         on: CellMap | None = None,
         trim: bool = False,
-        section: Section = "square",
         align: Any = (Align.CENTER, Align.CENTER, Align.CENTER),
-        **options: Unpack[CommonOptions],
+        **options: Unpack[BoxOptions],
     ) -> None:
         """Build the lattice.
 
@@ -84,13 +91,12 @@ class LatticeBox(SkeletonPart):
             and a map that they are put on, see `fill`
         drop_stubs : whether struts that end free and overlap others are left out, unless they are
             united
-        section : "square", or "round" for round struts, see `round_struts`
         trim : whether the struts' solids are cut flush with the box, so that the part measures
             `length` x `width` x `height`; struts that overlap are then united, and the faces are
             triangles
         align : of the box, as of build123d's `Box`
         **options : overlaps, with_joints (False by default), label, color, rotation and mode, see
-            `CommonOptions`
+            `CommonOptions`; `section="round"` for round struts, and then those of `round_struts`
 
         Raises
         ------
@@ -100,6 +106,8 @@ class LatticeBox(SkeletonPart):
             If struts overlap and are refused, more than a fifth of them would be left out as stubs,
             or their union has too many triangles.
         """
+        struts, part = strut_options(options), part_options(options)
+        make = maker(**struts)
         sides = np.array([as_real(side, "a side of the box") for side in (length, width, height)])
         if not (np.isfinite(sides) & (sides > 0)).all():
             raise OptionError(f"the box is {length:g} x {width:g} x {height:g} mm; need > 0")
@@ -107,14 +115,15 @@ class LatticeBox(SkeletonPart):
         bounds = np.stack([low, low + sides])
         skeleton = fill(bounds, cell, size, radius, keep=keep, dangling=dangling, axes=axes, on=on)
         if trim:
-            lattice = model_of(skeleton, "square")  # its skeleton alone is asked for
-            flush = FLUSH_SIDES if section == "round" else 4
-            trimmed = flush_box(bounds, cell, size, radius, axes=axes, on=on, sides=flush)
+            lattice = maker()(skeleton)  # its skeleton alone is asked for
+            flush = FLUSH_SIDES if struts.get("section") == "round" else 4
+            given: dict[str, Any] = {name: struts[name] for name in struts if name != "section"}  # type: ignore[literal-required]
+            trimmed = flush_box(bounds, cell, size, radius, axes=axes, on=on, sides=flush, **given)
             body: Shape | Model = faceted(manifold_triangles(trimmed))
         else:
-            body = lattice = _lattice(skeleton, section, drop_stubs, options)
-        options.setdefault("with_joints", False)
-        super().__init__(body, lattice, **options)
+            body = lattice = _lattice(skeleton, make, drop_stubs, part)
+        part.setdefault("with_joints", False)
+        super().__init__(body, lattice, **part)
 
 
 class LatticeFill(SkeletonPart):
@@ -133,7 +142,7 @@ class LatticeFill(SkeletonPart):
     True
     """
 
-    @checks_keywords(SkeletonPart.__init__)
+    @checks_keywords(SkeletonPart.__init__, maker, round_struts)
     def __init__(
         self,
         part: Any,
@@ -148,8 +157,7 @@ class LatticeFill(SkeletonPart):
         axes: ArrayLike | None = None,
         on: CellMap | None = None,
         skin: float | None = None,
-        section: Section = "square",
-        **options: Unpack[PartOptions],
+        **options: Unpack[FrameOptions],
     ) -> None:
         """Build the lattice.
 
@@ -164,9 +172,9 @@ class LatticeFill(SkeletonPart):
             unless they are united
         skin : thickness of a closed wall at the part's surface, mm; none by default. The struts are
             then whole up to it: `keep`, `dangling`, `drop_stubs` and `overlaps` are for none
-        section : "square", or "round" for round struts, see `round_struts`
         **options : overlaps, with_joints (False by default), label, color, rotation, align and
-            mode, see `PartOptions`
+            mode, see `PartOptions`; `section="round"` for round struts, and then those of
+            `round_struts`
 
         Raises
         ------
@@ -179,12 +187,13 @@ class LatticeFill(SkeletonPart):
             overlap and are refused, more than a fifth of them would be left out as stubs,
             or their union has too many triangles.
         """
+        make, own = maker(**strut_options(options)), part_options(options)
         if skin is not None:
-            if (keep, dangling, _overlaps(options)) != ("clip", True, "refuse"):
+            if (keep, dangling, _overlaps(own)) != ("clip", True, "refuse"):
                 raise OptionError(
                     "keep, dangling or overlaps is given with a skin; need none of them"
                 )
-            filled = filled_solid(part, cell, size, radius, skin, section, origin, axes, on)
+            filled = filled_solid(part, cell, size, radius, skin, make, origin, axes, on)
             body: Shape | Model = filled.solid
             lattice: Model = filled.struts
         else:
@@ -199,19 +208,17 @@ class LatticeFill(SkeletonPart):
                 axes=axes,
                 on=on,
             )
-            body = lattice = _lattice(skeleton, section, drop_stubs, options)
-        options.setdefault("with_joints", False)
-        super().__init__(body, lattice, **options)
+            body = lattice = _lattice(skeleton, make, drop_stubs, own)
+        own.setdefault("with_joints", False)
+        super().__init__(body, lattice, **own)
 
 
-def _overlaps(options: CommonOptions) -> Overlaps:
+def _overlaps(options: PartOptions) -> Overlaps:
     return options.get("overlaps", "refuse")
 
 
-def _lattice(
-    skeleton: Skeleton, section: Section, drop_stubs: bool, options: CommonOptions
-) -> Model:
+def _lattice(skeleton: Skeleton, make: Make, drop_stubs: bool, options: PartOptions) -> Model:
     """Return the struts of a lattice, without stubs that overlap if asked and not united."""
     if drop_stubs and _overlaps(options) == "refuse":
-        return without_overlapping_stubs(skeleton, section)
-    return model_of(skeleton, section)
+        return without_overlapping_stubs(skeleton, make)
+    return make(skeleton)

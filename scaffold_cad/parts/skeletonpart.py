@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, TypedDict
+from typing import Any, TypedDict, cast
 
 import numpy as np
 from build123d import BasePartObject, Mode, Plane, RigidJoint, Shape
 
 from scaffold_cad.base.arrays import Floats
+from scaffold_cad.filling.models import Model, SectionOptions
 from scaffold_cad.parts.booleans import Operation, check_boolean
-from scaffold_cad.parts.models import Model
 from scaffold_cad.products.breps import to_brep
 from scaffold_cad.products.overlaps import Overlaps
 from scaffold_cad.skeleton import Skeleton
@@ -47,6 +47,29 @@ class PartOptions(CommonOptions, total=False):
     align: Any
     """Alignment with the box around the part, as of build123d's `Box`; by default (None) the origin
     of the skeleton stays where it is."""
+
+
+class BoxOptions(CommonOptions, SectionOptions, total=False):
+    """What boxes of lattice take beside their own parameters."""
+
+
+class FrameOptions(PartOptions, SectionOptions, total=False):
+    """What frames and filled parts take beside their own parameters."""
+
+
+def part_options(options: Any) -> PartOptions:
+    """Take those of every part out of `options`, and return them."""
+    return cast("PartOptions", _taken(options, PartOptions))
+
+
+def strut_options(options: Any) -> SectionOptions:
+    """Take those of struts out of `options`, and return them."""
+    return cast("SectionOptions", _taken(options, SectionOptions))
+
+
+def _taken(options: dict[str, Any], kind: Any) -> dict[str, Any]:
+    names = [name for name in options if name in kind.__annotations__]
+    return {name: options.pop(name) for name in names}
 
 
 class SkeletonPart(BasePartObject):  # type: ignore[misc]  # build123d is not checked

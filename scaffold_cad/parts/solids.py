@@ -6,15 +6,14 @@ Imports build123d: `scaffold_cad.parts` does so when one of the classes is asked
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.errors import OptionError
-from scaffold_cad.filling.solids import Section
+from scaffold_cad.filling.models import maker
 from scaffold_cad.mesh import QuadMesh
-from scaffold_cad.parts.models import model_of
-from scaffold_cad.parts.skeletonpart import PartOptions, SkeletonPart
+from scaffold_cad.parts.skeletonpart import FrameOptions, SkeletonPart, part_options, strut_options
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import frame_skeleton
@@ -62,7 +61,7 @@ class ScaffoldSolid(SkeletonPart):
         BrepError
             If struts overlap and are refused, or their union has too many facets.
         """
-        part = _part_options(options)
+        part = part_options(options)
         scaffold = _made(skeleton, Scaffold, build_scaffold, options)
         super().__init__(scaffold, scaffold, **part)
 
@@ -101,7 +100,7 @@ class RoundStrutsSolid(SkeletonPart):
         BrepError
             If struts overlap and are refused, or their union has too many facets.
         """
-        part = _part_options(options)
+        part = part_options(options)
         struts = _made(skeleton, RoundStruts, round_struts, options)
         super().__init__(struts, struts, **part)
 
@@ -119,14 +118,12 @@ class StrutFrame(SkeletonPart):
     9.0
     """
 
-    @checks_keywords(SkeletonPart.__init__)
+    @checks_keywords(SkeletonPart.__init__, maker, round_struts)
     def __init__(
         self,
         what: Skeleton | Scaffold | QuadMesh,
         radius: Radius,
-        *,
-        section: Section = "square",
-        **options: Unpack[PartOptions],
+        **options: Unpack[FrameOptions],
     ) -> None:
         """Build the frame.
 
@@ -134,26 +131,20 @@ class StrutFrame(SkeletonPart):
         ----------
         what : whose edges
         radius : of the struts, mm; one number, or a function of positions (n, 3) that returns (n,)
-        section : "square", or "round" for round struts, see `round_struts`
         **options : overlaps, with_joints, label, color, rotation, align and mode, see
-            `PartOptions`
+            `PartOptions`; `section="round"` for round struts, and then those of `round_struts`
 
         Raises
         ------
         OptionError
-            If the radius is not a finite number > 0.
+            If an argument is out of its range, or an option is for round struts only.
         BrepError
             If struts overlap and are refused, or their union has too many facets.
         """
-        frame = model_of(frame_skeleton(what, radius), section)
-        super().__init__(frame, what if isinstance(what, Scaffold) else frame, **options)
-
-
-def _part_options(options: dict[str, Any]) -> PartOptions:
-    """Take those of every part out of `options`, and return them."""
-    names = options.keys() & PartOptions.__annotations__.keys()
-    taken = {name: options.pop(name) for name in names}
-    return cast("PartOptions", taken)
+        make = maker(**strut_options(options))
+        frame = make(frame_skeleton(what, radius))
+        own = part_options(options)
+        super().__init__(frame, what if isinstance(what, Scaffold) else frame, **own)
 
 
 def _made(

@@ -12,8 +12,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools
 from scaffold_cad.errors import BrepError
-from scaffold_cad.filling.solids import Section
-from scaffold_cad.parts.models import Model, model_of, overlapping
+from scaffold_cad.filling.models import Make, Model, overlapping
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts import RoundStruts
 
@@ -23,7 +22,7 @@ MOST_DROPPED = 0.2
 _log = logging.getLogger(__name__)
 
 
-def without_overlapping_stubs(skeleton: Skeleton, section: Section) -> Model:
+def without_overlapping_stubs(skeleton: Skeleton, make: Make) -> Model:
     """Return the struts of `skeleton` without those that end free and overlap others.
 
     Struts that overlap and do not end free stay. A warning tells how many are left out.
@@ -35,7 +34,7 @@ def without_overlapping_stubs(skeleton: Skeleton, section: Section) -> Model:
     """
     count = len(skeleton.edges)
     while True:
-        model = model_of(skeleton, section)
+        model = make(skeleton)
         is_stub = (skeleton.valency[skeleton.edges] == 1).any(axis=1)
         keep = ~(is_stub & _in_the_way(model, is_stub))
         dropped = count - int(keep.sum())

@@ -10,7 +10,6 @@ import numpy as np
 from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors
 from scaffold_cad.base.vectors import any_perpendicular
-from scaffold_cad.errors import OptionError
 from scaffold_cad.partition import partition_spheres
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 from scaffold_cad.struts.apart import crossings
@@ -94,10 +93,6 @@ def round_struts(
     ([True, True, True], 0.4)
     """
     check_skeleton(skeleton)
-    if like is not None and nodes == "sharp":
-        raise OptionError(
-            "like with nodes='sharp', whose edges move; need like or sharp nodes left out"
-        )
     options = StrutOptions(
         as_blend(blend, skeleton.nodes), ends, wall, joints, bend, sockets, nodes
     )

@@ -8,7 +8,7 @@ from scaffold_cad.base.arguments import check_kind
 from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts.model import RoundStruts
-from scaffold_cad.struts.options import StrutOptions
+from scaffold_cad.struts.options import SHARP, StrutOptions
 
 
 def check_like(skeleton: Skeleton, options: StrutOptions, like: RoundStruts) -> None:
@@ -21,7 +21,11 @@ def check_like(skeleton: Skeleton, options: StrutOptions, like: RoundStruts) -> 
     """
     check_kind(like, RoundStruts)
     if "sharp" in (options.nodes, like.options.nodes):
-        raise OptionError("like with nodes='sharp', whose edges move; need either left out")
+        raise OptionError(
+            "like with nodes='sharp', whose edges and triangles are others where nodes move; need "
+            f"nodes='blend' for both, with blend={SHARP} radii of the thinnest strut for nearly "
+            "sharp nodes"
+        )
     if not np.array_equal(skeleton.edges, like.skeleton.edges):
         raise OptionError(
             f"like has {len(like.skeleton.edges)} edges, which are not the skeleton's "

@@ -297,3 +297,13 @@ def test_a_single_number_is_a_cube(tmp_path: Path) -> None:
     out = tmp_path / "beams.json"
     assert main([*BCC, "--box", "16", "--beams", "-o", str(out)]) == 0
     np.testing.assert_allclose(np.ptp(read_skeleton(out).nodes, axis=0), 16)
+
+
+def test_filled_parts_take_the_options_of_round_struts(tmp_path: Path) -> None:
+    volumes = []
+    for nodes in ("sharp", "blend"):
+        out = tmp_path / f"{nodes}.stl"
+        box = [*BCC, "--box", "16x16x16", "--skin", "1.2", "--round", "--sides", "16"]
+        assert main([*box, "--nodes", nodes, "-o", str(out)]) == 0
+        volumes.append(loaded(out).volume)
+    assert volumes[0] < 0.999 * volumes[1]

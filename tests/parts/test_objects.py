@@ -19,6 +19,7 @@ import trimesh
 from scaffold_cad.brep import tessellated
 from scaffold_cad.errors import BrepError, MeshError, OptionError, SkeletonError
 from scaffold_cad.filling import fill
+from scaffold_cad.filling.models import Section
 from scaffold_cad.lattice import CylinderMap
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -31,7 +32,6 @@ from scaffold_cad.parts import (
     lattice_part,
     to_mesh_shape,
 )
-from scaffold_cad.parts.models import Section
 from scaffold_cad.products.facets import facets_of
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
@@ -310,6 +310,48 @@ def test_frames_of_skeletons_scaffolds_and_meshes() -> None:
     crate = StrutFrame(CUBE, 0.05, section="round")
     assert crate.is_valid
     assert crate.joints == {}
+
+
+def test_frames_and_lattices_take_the_options_of_round_struts() -> None:
+    hollow = StrutFrame(CROSS, 0.5, section="round", nodes="sharp", wall=0.2, ends="open")
+    struts = round_struts(CROSS.with_radii(0.5), nodes="sharp", wall=0.2, ends="open")
+    assert hollow.is_valid
+    assert hollow.volume == pytest.approx(RoundStrutsSolid(struts).volume)
+    sharp, blended = (
+        LatticeBox("bcc", 8.0, 8, 8, 8, radius=0.8, section="round", nodes=nodes)
+        for nodes in ("sharp", "blend")
+    )
+    assert sharp.is_valid
+    assert 0.9 * blended.volume < sharp.volume < 0.995 * blended.volume  # of one node
+    core = LatticeFill(bd.Box(20, 20, 20), "bcc", 10.0, 0.8, keep="whole", section="round", blend=1)
+    assert (
+        core.volume
+        > 1.02
+        * LatticeFill(
+            bd.Box(20, 20, 20), "bcc", 10.0, 0.8, keep="whole", section="round", nodes="sharp"
+        ).volume
+    )
+
+
+def test_options_of_round_struts_reach_trimmed_boxes_and_skins() -> None:
+    sharp, blended = (
+        LatticeBox("bcc", 8.0, 8, 8, 8, radius=0.8, section="round", trim=True, nodes=nodes).volume
+        for nodes in ("sharp", "blend")
+    )
+    assert 0.9 * blended < sharp < 0.99 * blended
+    cube = bd.Box(16, 16, 16)
+    sharp, blended = (
+        LatticeFill(cube, "bcc", 8.0, 0.8, skin=1.5, section="round", nodes=nodes).volume
+        for nodes in ("sharp", "blend")
+    )
+    assert 0.9 * blended < sharp < 0.999 * blended
+
+
+def test_options_of_round_struts_are_refused_for_square_ones() -> None:
+    with pytest.raises(OptionError, match=r"nodes given with section='square'; need .*round'"):
+        StrutFrame(CROSS, 0.5, nodes="sharp")
+    with pytest.raises(OptionError, match=r"blend given with sides=4, square struts; need sides=8"):
+        lattice_part(bd.Box(20, 20, 20), "bcc", 10.0, 1.0, blend=0.3)
 
 
 # --- lattices ---

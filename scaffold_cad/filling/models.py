@@ -1,0 +1,74 @@
+"""The struts that fill bodies and make parts: square scaffolds with collars, or round struts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Literal, TypeAlias, TypedDict, get_args
+
+from scaffold_cad.base.arguments import check_choice
+from scaffold_cad.base.arrays import Ints
+from scaffold_cad.errors import OptionError
+from scaffold_cad.scaffold import Scaffold, build_scaffold
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.struts import Bend, Ends, Joints, Nodes, RoundStruts, round_struts
+from scaffold_cad.struts.options import Blend
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+Section: TypeAlias = Literal["square", "round"]
+"""The section of struts."""
+
+Model: TypeAlias = "Scaffold | RoundStruts"
+"""What has a B-rep of a skeleton's struts."""
+
+Make: TypeAlias = Callable[[Skeleton], Model]
+"""What makes the struts of a skeleton."""
+
+
+class RoundOptions(TypedDict, total=False):
+    """How round struts are made, see `round_struts`."""
+
+    blend: Blend | None
+    ends: Ends
+    wall: float | None
+    joints: Joints
+    bend: Bend
+    sockets: Mapping[int, tuple[float, float]] | None
+    nodes: Nodes
+    like: RoundStruts | None
+
+
+class SectionOptions(RoundOptions, total=False):
+    """How struts are made that may be square or round."""
+
+    section: Section
+    """ "square" by default, with collars; or "round", which the other options are for."""
+
+
+def maker(*, section: Section = "square", **options: Unpack[RoundOptions]) -> Make:
+    """Return what makes struts of a section.
+
+    Parameters
+    ----------
+    **options : those of `round_struts`, for round ones
+
+    Raises
+    ------
+    OptionError
+        If there is no such section, or options of round struts are given for square ones.
+    """
+    check_choice(section, "section", get_args(Section))
+    if section == "round":
+        return lambda skeleton: round_struts(skeleton, **options)
+    if options:
+        raise OptionError(
+            f"{', '.join(options)} given with section='square'; need section='round', of which "
+            f"{'it is' if len(options) == 1 else 'they are'}"
+        )
+    return lambda skeleton: build_scaffold(skeleton, collars=True)
+
+
+def overlapping(model: Model) -> Ints:
+    """Return the struts that are not known to keep apart from the others, ascending."""
+    return model.overlapping if isinstance(model, RoundStruts) else model.embedding().left_out
