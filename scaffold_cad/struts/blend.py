@@ -118,7 +118,7 @@ class Solved(Frozen):
     rho: Floats
     """Fillet radius that had room, mm, shape (U,)."""
     has_room: Bools
-    """Whether collars are as near as asked for, shape (U,)."""
+    """Whether collars are as near as asked for, and the wall as thick, shape (U,)."""
     is_star_shaped: Bools
     """Whether the surface is proved to be star-shaped around the node, shape (U,)."""
     solid_angle: Floats

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,10 +19,11 @@ from scaffold_cad.struts.curved import Curves, curves
 from scaffold_cad.struts.curvedjoints import CurvedJoints, curved_joints, possible, sampled
 from scaffold_cad.struts.curveproof import proved
 from scaffold_cad.struts.elbows import Elbows, elbow_curves, elbows_of
+from scaffold_cad.struts.groups import Group, with_blends, with_walls
 from scaffold_cad.struts.insides import hollow_nodes, limits_beside
 from scaffold_cad.struts.likes import check_like
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
-from scaffold_cad.struts.nodes import blends, nearest_collars
+from scaffold_cad.struts.nodes import nearest_collars
 from scaffold_cad.struts.options import Bend, Blend, Ends, Joints, Nodes, StrutOptions, as_blend
 from scaffold_cad.struts.room import allotted
 from scaffold_cad.struts.runs import Runs, balls_of, straight_runs
@@ -137,9 +138,14 @@ def _built(
     done[[node for part in solved for node in part.nodes.tolist()]] = True
     for group, stars in zip(plan.groups, plan.wanted, strict=True):
         left = np.flatnonzero(~done[group.nodes])
-        rest = _Group(group.nodes[left], group.half_runs[left])
-        if len(left):
-            solved += _blended(rest, _limited(stars[left], limits[rest.half_runs]))
+        if len(left) == 0:
+            continue
+        rest = group[left]
+        asked = replace(stars[left], most=limits[rest.half_runs])
+        if outer is None or wall is None:
+            solved += with_blends(rest, asked)
+        else:
+            solved += with_walls(rest, asked, outer, wall)
     solved.sort(key=lambda part: part.half_runs.shape[1])
     struts = _assembled(skeleton, options, runs, tuple(solved), plan)
     if like is None and outer is None and (struts.crowded & np.isfinite(struts.bends)).any():
@@ -153,7 +159,7 @@ def _built(
 class _Plan:
     """What is made at each node, and how much room it has."""
 
-    groups: list[_Group]
+    groups: list[Group]
     """Nodes with blends."""
     wanted: list[Stars]
     """What the blends of each group are asked for."""
@@ -212,44 +218,20 @@ def _shortening(options: StrutOptions) -> float:
     return max([flat, *(depth for _, depth in (options.sockets or {}).values())])
 
 
-def _blended(group: _Group, stars: Stars) -> Iterator[BlendedNodes]:
-    """Yield the blends of nodes, those together whose patches are cut alike."""
-    for found in blends(stars):
-        _, first = np.unique(found.shape_of, return_index=True)
-        yield BlendedNodes(
-            group.nodes[found.nodes],
-            group.half_runs[found.nodes],
-            found.stars.quads[first],
-            found.stars.directions[first],
-            found.shape_of,
-            found.shapes,
-        )
-
-
-@dataclass(frozen=True, eq=False)
-class _Group:
-    """Nodes of one valency."""
-
-    nodes: Ints
-    """Shape (M,)."""
-    half_runs: Ints
-    """Shape (M, N)."""
-
-
-def _groups(runs: Runs, curved: Bools) -> list[_Group]:
+def _groups(runs: Runs, curved: Bools) -> list[Group]:
     """Return the branch points, and the bends but for joints of curves, by valency, ascending."""
     groups = []
     blended = np.where(curved, 0, runs.valency)
     for valency in np.unique(blended[blended > 1]).tolist():
         nodes = np.flatnonzero(blended == valency)
-        groups.append(_Group(nodes, runs.incidence.at_nodes(nodes, valency)))
+        groups.append(Group(nodes, runs.incidence.at_nodes(nodes, valency)))
     return groups
 
 
 def _stars(
     skeleton: Skeleton,
     runs: Runs,
-    group: _Group,
+    group: Group,
     options: StrutOptions,
     outer: RoundStruts | None,
     like: RoundStruts | None,
@@ -269,7 +251,7 @@ def _stars(
 
 
 def _partitions(
-    directions: UnitVectors, group: _Group, like: RoundStruts | None
+    directions: UnitVectors, group: Group, like: RoundStruts | None
 ) -> tuple[UnitVectors, Ints]:
     """Return partition vertices (M, N + 2, 3) and quads (M, N, 4) around directions (M, N, 3)."""
     if directions.shape[1] == 2:
@@ -282,7 +264,7 @@ def _partitions(
     return made.vertices, made.quads
 
 
-def _of_nodes(struts: RoundStruts, group: _Group) -> tuple[Ints, UnitVectors]:
+def _of_nodes(struts: RoundStruts, group: Group) -> tuple[Ints, UnitVectors]:
     """Return the quads (M, N, 4) and vertices (M, N + 2, 3) of nodes in other struts."""
     count, valency = group.half_runs.shape
     quads = np.empty((count, valency, 4), dtype=np.intp)
@@ -295,7 +277,7 @@ def _of_nodes(struts: RoundStruts, group: _Group) -> tuple[Ints, UnitVectors]:
     return quads, vertices
 
 
-def _collars(runs: Runs, groups: list[_Group], wanted: list[Stars]) -> tuple[Floats, Floats]:
+def _collars(runs: Runs, groups: list[Group], wanted: list[Stars]) -> tuple[Floats, Floats]:
     """Return the collar distances that blends want, and those of the smallest fillets, (2 k,)."""
     full, least = np.zeros(len(runs.tails)), np.zeros(len(runs.tails))
     for group, stars in zip(groups, wanted, strict=True):
@@ -309,19 +291,6 @@ def _limits(runs: Runs, full: Floats, least: Floats) -> tuple[Floats, Bools]:
     # Where all that is wanted fits there is no limit: equal nodes stay equal.
     fits = np.repeat((full.reshape(-1, 2).sum(axis=1) <= runs.lengths), 2)
     return np.where(fits, np.inf, allowed), no_room
-
-
-def _limited(stars: Stars, most: Floats) -> Stars:
-    return Stars(
-        stars.directions,
-        stars.radii,
-        stars.slopes,
-        stars.blends,
-        stars.balls,
-        most,
-        stars.vertices,
-        stars.quads,
-    )
 
 
 def _assembled(

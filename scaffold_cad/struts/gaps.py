@@ -28,6 +28,8 @@ LEANING = 0.99
 """Least cosine of the way to a sample to the normal there at which its plane counts."""
 STEPS = 4
 """Steps of Gauss and Newton to the foot of a perpendicular."""
+BESIDE = 1.05
+"""Distance from a strut's axis up to which points past its collar are its own, in its radii."""
 
 
 class Gaps:
@@ -68,7 +70,9 @@ class Gaps:
         return nearest
 
     def _below_struts(self, points: Floats) -> tuple[Bools, Floats]:
-        """Return which points are past the collar of their strut, and how far below its surface.
+        """Return which points are at a strut past its collar, and how far below its surface.
+
+        They are in it or just outside: what is far from a strut may be in another's node.
 
         Parameters
         ----------
@@ -78,17 +82,19 @@ class Gaps:
         -------
         (U, p) bool, and (U, p) float64, mm
         """
-        shapes, valency = self._shapes, self._shapes.collar_distances.shape[1]
+        shapes = self._shapes
         rim = shapes.control[:, ::4, 0, -2:]  # (U, N, 2, 3): along a generator
         x, y = shapes.collar_corners[:, :, 0], shapes.collar_corners[:, :, 1]
         axes = np.cross(x, y)[:, :, None]  # (U, N, 1, 3)
         heights, radii = _along_and_across(rim, axes)
         slopes = np.diff(radii, axis=2) / np.diff(heights, axis=2)  # (U, N, 1)
-        high, wide = _along_and_across(points.reshape(len(points), valency, -1, 3), axes)
+        high, wide = _along_and_across(points[:, None], axes)  # (U, N, p)
         past = high - shapes.collar_distances[..., None]
         walls = shapes.collar_radii[..., None] + slopes * past - wide
         walls /= np.hypot(1.0, slopes)
-        return (past > 0).reshape(len(points), -1), walls.reshape(len(points), -1)
+        there = (past > 0) & (wide < BESIDE * shapes.collar_radii[..., None])
+        nearest: Floats = np.where(there, walls, -np.inf).max(axis=1)
+        return np.asarray(there.any(axis=1)), nearest
 
     def _least(self, row: int, points: Floats) -> float:
         """Return the least distance of points (q, 3) inside of a surface, mm; < 0 outside.
@@ -165,8 +171,8 @@ class Gaps:
 
 
 def _along_and_across(points: Floats, axes: UnitVectors) -> tuple[Floats, Floats]:
-    """Return how far points (U, N, q, 3) are along axes (U, N, 1, 3) and from them, (U, N, q)."""
-    along = dot(points, np.broadcast_to(axes, points.shape))
+    """Return how far points (U, N or 1, q, 3) are along axes (U, N, 1, 3), and from them."""
+    along = (points * axes).sum(axis=-1)
     return along, length(points - along[..., None] * axes)
 
 

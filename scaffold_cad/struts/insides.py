@@ -33,7 +33,7 @@ from scaffold_cad.struts.runs import Runs
 
 KEPT = 0.97
 """Part of the wall that is thick enough for no other way to be tried."""
-LEAST = 0.8
+LEAST = 0.95
 """Part of the wall below which an inside is not taken: patches that fold at first may stay so."""
 AIM = 1.01
 """What walls are to be at samples, over what is asked for: between samples they can be thinner."""

@@ -36,6 +36,17 @@ class BlendedNodes(Frozen):
     shapes: Solved
     """The blends: patches between the collars, relative to the nodes."""
 
+    def __getitem__(self, rows: Ints) -> BlendedNodes:
+        used, shape_of = np.unique(self.shape_of[rows], return_inverse=True)
+        return BlendedNodes(
+            self.nodes[rows],
+            self.half_runs[rows],
+            self.quads[used],
+            self.axes[used],
+            shape_of.reshape(-1),
+            self.shapes[used],
+        )
+
 
 @checks_keywords()
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +15,7 @@ from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts.curved import ALONG, Curves
 from scaffold_cad.struts.gaps import Gaps
-from scaffold_cad.struts.model import RoundStruts
+from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.runs import balls_of, straight_runs
 
 SAMPLES = (8, 96)
@@ -120,7 +121,8 @@ def walls(struts: RoundStruts) -> Walls:
         cosines * (runs.radii_at(half_runs, depth) - sockets.radii)
         for depth in (0.0 * sockets.depths, sockets.depths)
     ]
-    nodes = _at_nodes(struts, struts.inner)
+    nodes = walls_at(struts.blended, struts.inner.blended, len(runs.nodes))
+    nodes[struts.crowded | struts.inner.crowded] = np.nan
     curves = _along_curves(struts.curves, struts.inner.curves)
     return Walls(struts.options.wall or 0.0, nodes, curves, np.minimum(*left))
 
@@ -130,25 +132,36 @@ def least_wall(struts: RoundStruts) -> float:
     return walls(struts).least
 
 
-def _at_nodes(outer: RoundStruts, inner: RoundStruts) -> Floats:
-    """Return the least wall at each blended node, (n,), mm; that of equal nodes is found once."""
-    found = np.full(len(outer.runs.nodes), np.nan)
-    crowded = outer.crowded | inner.crowded
+def walls_at(outer: Sequence[BlendedNodes], inner: Sequence[BlendedNodes], count: int) -> Floats:
+    """Return the least wall of each node with blends outside and inside, nan elsewhere, mm.
+
+    That of equal nodes is found once.
+
+    Parameters
+    ----------
+    count : how many nodes there are
+
+    Returns
+    -------
+    (count,) float64
+    """
+    found = np.full(count, np.nan)
     inside_of = {
         node: (group, row)
-        for group in inner.blended
+        for group in inner
         for node, row in zip(group.nodes.tolist(), group.shape_of.tolist(), strict=True)
     }
-    for group in outer.blended:
+    for group in outer:
         known: dict[tuple[int, int, int], float] = {}
         for node, row in zip(group.nodes.tolist(), group.shape_of.tolist(), strict=True):
+            if node not in inside_of:
+                continue
             inside, other = inside_of[node]
             key = row, id(inside), other
             if key not in known:
                 pair = group.shapes[np.array([row])], inside.shapes[np.array([other])]
                 known[key] = float(Gaps(pair[0]).least(pair[1])[0])
             found[node] = known[key]
-    found[crowded] = np.nan
     return found
 
 

@@ -10,7 +10,7 @@ from build123d import GeomType, Shape, import_step
 from OCP.BRepAdaptor import BRepAdaptor_Surface
 from scipy.spatial import cKDTree
 
-from scaffold_cad import Skeleton, round_struts, to_brep, write
+from scaffold_cad import Skeleton, delaunay_foam, round_struts, to_brep, write
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -146,3 +146,16 @@ def test_what_is_past_the_collars_is_measured_to_the_struts() -> None:
     assert (narrow.shapes.collar_distances > wide.shapes.collar_distances + 1.0).all()
     (least,) = Gaps(wide.shapes).least(narrow.shapes)
     assert 1.0 < least <= 2.0 + 1e-6
+
+
+def test_nodes_whose_wall_no_inside_leaves_are_told(caplog: pytest.LogCaptureFixture) -> None:
+    foam = delaunay_foam(8, [[0, 0, 0], [60, 60, 60]], 1.0, seed=0)
+    struts = round_struts(foam.with_radii(2.0), wall=0.8, ends="open")
+    assert struts.inner is not None
+    told = np.flatnonzero(struts.inner.crowded & ~struts.crowded)
+    assert len(told) == 1
+    assert f"no inside of nodes {told[0]} leaves a wall of" in caplog.text
+    found = walls(struts).nodes
+    assert np.isnan(found[told]).all()
+    assert np.isfinite(found).sum() == 6
+    assert np.nanmin(found) >= 0.95 * 0.8

@@ -1,0 +1,96 @@
+"""Nodes of one valency, and the blends that they get, outside and inside of walls."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Bools, Ints
+from scaffold_cad.struts.blend import Stars
+from scaffold_cad.struts.insides import LEAST
+from scaffold_cad.struts.model import BlendedNodes, RoundStruts
+from scaffold_cad.struts.nodes import blends
+from scaffold_cad.struts.walls import walls_at
+
+INNER_FILLETS = (1.0, 0.5)
+"""Fillets that are tried inside of hollow nodes whose inside is not the outer surface moved in, in
+radii of the widest, which leaves a wall where struts meet at right angles. Tighter ones leave
+thicker walls."""
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Nodes of one valency."""
+
+    nodes: Ints
+    """Shape (M,)."""
+    half_runs: Ints
+    """Shape (M, N)."""
+
+    def __getitem__(self, rows: Ints) -> Group:
+        return Group(self.nodes[rows], self.half_runs[rows])
+
+
+def with_blends(group: Group, stars: Stars) -> Iterator[BlendedNodes]:
+    """Yield the blends of nodes, those together whose patches are cut alike."""
+    for found in blends(stars):
+        _, first = np.unique(found.shape_of, return_index=True)
+        yield BlendedNodes(
+            group.nodes[found.nodes],
+            group.half_runs[found.nodes],
+            found.stars.quads[first],
+            found.stars.directions[first],
+            found.shape_of,
+            found.shapes,
+        )
+
+
+def with_walls(
+    group: Group, stars: Stars, outer: RoundStruts, wall: float
+) -> Iterator[BlendedNodes]:
+    """Yield blends inside of nodes, with the widest fillets that leave a wall.
+
+    Where none does, the last one has no room. Walls of nodes that are crowded do not count.
+
+    Parameters
+    ----------
+    outer : what they are the inside of
+    wall : thickness, mm
+    """
+    for share in INNER_FILLETS:
+        found = list(with_blends(group, replace(stars, blends=share * stars.blends)))
+        is_thin = walls_at(outer.blended, found, len(outer.crowded)) < LEAST * wall
+        is_thin &= ~outer.crowded
+        for each in found:
+            if share == INNER_FILLETS[-1]:
+                _tell(each.nodes[is_thin[each.nodes]], wall)
+                yield _without_room(each, is_thin)
+            elif not is_thin[each.nodes].all():
+                yield each[np.flatnonzero(~is_thin[each.nodes])]
+        left = np.flatnonzero(is_thin[group.nodes])
+        if len(left) == 0:
+            return
+        group, stars = group[left], stars[left]
+
+
+def _tell(nodes: Ints, wall: float) -> None:
+    """Log nodes whose walls would be too thin."""
+    if len(nodes):
+        _log.warning(
+            "no inside of nodes %s leaves a wall of %g mm; they are crowded: need a thinner wall, "
+            "thicker struts or wider angles for smooth ones",
+            ", ".join(map(str, nodes.tolist())),
+            wall,
+        )
+
+
+def _without_room(blended: BlendedNodes, is_thin: Bools) -> BlendedNodes:
+    """Return blends of which those of thin nodes (n,) have no room."""
+    has_room = blended.shapes.has_room.copy()
+    has_room[blended.shape_of[is_thin[blended.nodes]]] = False
+    return replace(blended, shapes=replace(blended.shapes, has_room=has_room))
