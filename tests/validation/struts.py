@@ -75,22 +75,25 @@ def _tree(count: int, generator: np.random.Generator) -> Skeleton:
 
 
 def cylinder_errors(shape: Shape, struts: RoundStruts) -> Floats:
-    """Return how far each cylinder is off its strut in radius and axis, in radii, (c, 2)."""
-    runs = struts.runs
+    """Return how far each cylinder is off its strut in radius and axis, in radii, (c, 2).
+
+    Those between cut curves and clusters are along the curve at one of its circles.
+    """
+    runs, curves = struts.runs, struts.curves
+    start, end = np.moveaxis(runs.nodes[runs.edges], 1, 0)
+    ahead = curves.centers + curves.radii[:, None] * curves.tangents
+    axes = np.concatenate([start, curves.centers]), np.concatenate([end, ahead])
+    radii = np.concatenate([runs.radii[:, 0], curves.radii])
     found = []
     for face in shape.faces():
         if face.geom_type != GeomType.CYLINDER:
             continue
         axis = face.axis_of_rotation
         origin, direction = np.array(tuple(axis.position)), np.array(tuple(axis.direction))
-        start, end = np.moveaxis(runs.nodes[runs.edges], 1, 0)
-        off = [
-            np.linalg.norm(np.cross(point - origin, direction), axis=1) for point in (start, end)
-        ]
-        size = np.abs(runs.radii[:, 0] - face.radius)
-        run = int((np.maximum(*off) + size).argmin())
-        radius = runs.radii[run, 0]
-        found.append((size[run] / radius, max(off[0][run], off[1][run]) / radius))
+        off = [np.linalg.norm(np.cross(point - origin, direction), axis=1) for point in axes]
+        size = np.abs(radii - face.radius)
+        own = int((np.maximum(*off) + size).argmin())
+        found.append((size[own] / radii[own], max(off[0][own], off[1][own]) / radii[own]))
     return np.reshape(found, (-1, 2))
 
 
