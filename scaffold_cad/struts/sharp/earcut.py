@@ -1,4 +1,9 @@
-"""Small polygons cut into triangles by ears, those with the shortest diagonals first."""
+"""Small polygons cut into triangles by ears, those with the shortest diagonals first.
+
+manifold3d's `triangulate` takes a fifth of the time, a hundredth of that of a node. But of 73 507
+polygons of random nodes it cut 62 with flat or turned triangles, which 32-bit files do not hold;
+here 43 of these have others, and the rest none, as they cross themselves.
+"""
 
 from __future__ import annotations
 

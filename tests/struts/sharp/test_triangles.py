@@ -84,3 +84,13 @@ def test_ears_fill_polygons_that_are_not_convex() -> None:
 
 def test_a_clockwise_polygon_has_no_ears() -> None:
     assert ears(np.array([[0, 0], [0, 1], [1, 1], [1, 0]], dtype=np.float64)) is None
+
+
+def test_holes_that_are_bridged_are_left_free() -> None:
+    square, hole = [[0, 0], [4, 0], [4, 4], [0, 4]], [[1, 1], [1, 2], [2, 2], [2, 1], [1, 1]]
+    outline = np.array([*square, [0, 0], *hole], dtype=np.float64)
+    cut = np.array(ears(outline))
+    a, b, c = (outline[cut[:, k]] for k in range(3))
+    areas = np.linalg.det(np.stack([b - a, c - a], axis=1)) / 2
+    assert (areas > 0).all()
+    assert areas.sum() == pytest.approx(15.0)
