@@ -20,6 +20,7 @@ from scaffold_cad.products.overlaps import Overlaps, to_unite
 from scaffold_cad.products.surfaces import surface_of
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.skeleton.checking import check_single_precision
 from scaffold_cad.solid.rounds import SIDES
 from scaffold_cad.struts import RoundStruts
 
@@ -78,7 +79,11 @@ class Content:
         ------
         FormatError
             If it has no surface, or no face.
+        MeshError
+            If its struts are too thin for 32-bit coordinates so far from the origin.
         """
+        if isinstance(self.what, Scaffold):
+            check_single_precision(self.what.skeleton)
         return _single_precision(self.mesh())
 
     def patches(self) -> BezierMesh | None:

@@ -1,14 +1,17 @@
-"""check_skeleton(): whether a skeleton can be scaffolded."""
+"""check_skeleton(): whether a skeleton can be scaffolded; whether files can hold its struts."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from scaffold_cad.base.arguments import check_kind, checks_keywords
-from scaffold_cad.errors import SkeletonError
+from scaffold_cad.errors import MeshError, SkeletonError
 from scaffold_cad.skeleton.overlaps import overlapping_half_edges
 from scaffold_cad.skeleton.repair import LEAST_LENGTH, LEAST_RADIUS
 from scaffold_cad.skeleton.skeleton import Skeleton
+
+LEAST_STEPS = 2.0
+"""Least radius in steps of 32-bit coordinates: a surface is moved by half a step."""
 
 
 @checks_keywords()
@@ -76,6 +79,52 @@ def check_skeleton(skeleton: Skeleton) -> None:
         raise SkeletonError(
             f"edges {first} and {second} leave node {node} in the same direction; "
             f"need more than 0.01 degrees between them ({hint})"
+        )
+
+
+def single_step(extent: float) -> float:
+    """Return how far apart 32-bit numbers are just above `extent`, mm.
+
+    Examples
+    --------
+    >>> single_step(9e6)
+    1.0
+    """
+    return float(np.spacing(np.float32(extent)))
+
+
+def check_single_precision(skeleton: Skeleton, least: float = LEAST_STEPS) -> None:
+    """Raise unless 32-bit coordinates, as meshes in files have them, can hold all struts.
+
+    Parameters
+    ----------
+    least : least radius, in steps of these coordinates where they are largest
+
+    Raises
+    ------
+    MeshError
+        If a strut is too thin for how far from the origin the skeleton is; it is named.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton
+    >>> check_single_precision(Skeleton([[0, 0, 0], [9e6, 0, 0]], [[0, 1]], 2.0))
+    >>> thin = Skeleton([[0, 0, 0], [9e6, 0, 0]], [[0, 1]], 1.0)
+    >>> check_single_precision(thin)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ...
+    scaffold_cad.errors.MeshError: edge 0 has radius 1 mm, and is ...
+    """
+    extent = float(np.abs(skeleton.nodes).max())
+    step = single_step(extent)
+    sizes = skeleton.edge_radii.min(axis=1)
+    thin = np.flatnonzero(sizes < least * step)
+    if len(thin):
+        raise MeshError(
+            f"edge {thin[0]} has radius {sizes[thin[0]]:g} mm, and is in a skeleton that reaches "
+            f"{extent:g} mm from the origin, where 32-bit coordinates of meshes are {step:g} mm "
+            f"apart; need {least * step:g} mm or more, or a skeleton near the origin, or "
+            "STEP"
         )
 
 

@@ -13,7 +13,9 @@ from scaffold_cad.base.arguments import as_count, check_kind
 from scaffold_cad.base.arrays import Bools
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.skeleton.checking import check_single_precision
 from scaffold_cad.solid.clusters import surface_of, unseen
+from scaffold_cad.solid.field.lattice import LEAST_STEPS
 from scaffold_cad.struts.apart import Slack, crossings
 from scaffold_cad.struts.bands import polygon_slack
 from scaffold_cad.struts.model import RoundStruts
@@ -22,6 +24,9 @@ from scaffold_cad.struts.surface import Triangulated
 
 SIDES = 16
 """Sides of round struts in meshes where none are given."""
+
+FIELD_STEPS = 2.0 * LEAST_STEPS
+"""Least radius in steps of 32-bit coordinates: fields make thinner struts as thick as that."""
 
 
 def round_mesh(struts: RoundStruts, sides: int = SIDES, factor: float = 1.0) -> TriangleMesh:
@@ -36,9 +41,12 @@ def round_mesh(struts: RoundStruts, sides: int = SIDES, factor: float = 1.0) -> 
     ------
     OptionError
         If `struts` is not a RoundStruts, or `sides` is not a multiple of 4.
+    MeshError
+        If struts are too thin for 32-bit coordinates so far from the origin.
     """
     check_kind(struts, RoundStruts)
     check_sides(sides)
+    check_single_precision(struts.skeleton, FIELD_STEPS)
     return surface_of(struts, sides, factor)
 
 

@@ -19,13 +19,14 @@ from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.skeleton.checking import check_single_precision, single_step
 from scaffold_cad.solid import manifolds
 from scaffold_cad.solid.cleaning import FaultySurfaceError, clean_surface
 from scaffold_cad.solid.field import field_solid
 from scaffold_cad.solid.field.nets import skeleton_struts
 from scaffold_cad.solid.field.pieces import without_voids
 from scaffold_cad.solid.pieces import solid_pieces
-from scaffold_cad.solid.rounds import SIDES, round_mesh
+from scaffold_cad.solid.rounds import FIELD_STEPS, SIDES, round_mesh
 from scaffold_cad.struts import RoundStruts
 
 if TYPE_CHECKING:
@@ -114,6 +115,8 @@ def solidified(
     ------
     OptionError
         If `what` is of another kind, or `sides` does not fit it.
+    MeshError
+        If struts are too thin for 32-bit coordinates so far from the origin.
 
     Notes
     -----
@@ -142,6 +145,7 @@ def _square_solid(scaffold: Scaffold, factor: float) -> Solidified:
     embedded = scaffold.embedding()
     if embedded.certified:
         return Solidified(manifolds.to_manifold(scaffold.mesh), embedded.left_out, [])
+    check_single_precision(scaffold.skeleton)
 
     def united(wobble: Floats) -> Manifold:
         pieces = solid_pieces(scaffold, embedded, wobble)
@@ -160,6 +164,9 @@ def _round_instead(scaffold: Scaffold, factor: float) -> Solidified:
     """
     skeleton = scaffold.skeleton
     radii = EQUAL_AREA * scaffold.options.corner_distance * skeleton.radii
+    least = FIELD_STEPS * single_step(float(np.abs(skeleton.nodes).max()))
+    if radii.min() < least:
+        _log.warning("struts thinner than %.3g mm are as thick as that in the solid", 2 * least)
     struts = skeleton_struts(skeleton.with_radii(radii), blend=0.0, flat_ends=True)
     mesh, voids = without_voids(field_solid(struts.scaled(factor)).mesh)
     mesh = TriangleMesh(mesh.vertices / factor, mesh.triangles)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from manifold3d import Manifold
 
+from scaffold_cad.errors import MeshError
 from scaffold_cad.io.write import write
 from scaffold_cad.lattice import tile
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -140,13 +143,27 @@ def test_where_no_union_is_clean_struts_are_round_of_the_same_section(
     assert result.united_edges.tolist() == [0, 1, 2]
 
 
-def test_thin_rods_far_away_are_one_solid_as_written() -> None:
+def test_thin_rods_far_away_are_one_solid_as_written(caplog: pytest.LogCaptureFixture) -> None:
     random, radius = np.random.default_rng(0), 0.02
     centers, ways = 4 * radius * random.uniform(-1, 1, (8, 3)), random.normal(size=(8, 3))
     ways *= 15 * radius / np.linalg.norm(ways, axis=1)[:, None]
     nodes = np.stack([centers - ways, centers + ways], axis=1).reshape(-1, 3) + 7.6e4
     rods = Skeleton(nodes, np.arange(16).reshape(-1, 2), radius)
     check_as_written(manifold_triangles(to_solid(build_scaffold(rods))))
+    assert "struts thinner than 0.25 mm are as thick as that" in caplog.text
+
+
+@pytest.mark.parametrize(("make", "steps"), [(round_struts, 16), (build_scaffold, 2)])
+def test_struts_that_files_cannot_hold_so_far_away_are_refused(
+    make: Callable[[Skeleton], Any], steps: int, tmp_path: Path
+) -> None:
+    arms = np.array([[0.0, 0, 0], [9, 0, 0], [-3, 8, 0], [-3, -8, 1]])
+    star, away = [[0, 1], [0, 2], [0, 3]], np.array([9e6, 0, 0])  # steps of 1 mm
+    near, far = (make(Skeleton(steps * arms + at, star, steps)) for at in (0.0, away))
+    assert to_solid(far).volume() == pytest.approx(to_solid(near).volume(), rel=0.03)
+    thin = make(Skeleton(steps * arms + away, star, 0.9 * steps))
+    with pytest.raises(MeshError, match=rf"edge 0 has radius .* 1 mm apart; need {steps} mm or"):
+        write(thin, tmp_path / "thin.stl")
 
 
 @pytest.mark.parametrize("shift", [2.5e-6, 1e-3])

@@ -301,7 +301,7 @@ def filled(field: TriangleMesh) -> TriangleMesh:
     mesh, voids = without_voids(field)
     if voids:
         _log.info(
-            "%d voids between overlapping struts are filled: %.3g mm³", len(voids), sum(voids)
+            "voids between overlapping struts are filled: %d of %.3g mm³", len(voids), sum(voids)
         )
     return mesh
 
