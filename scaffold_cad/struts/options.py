@@ -74,6 +74,7 @@ class StrutOptions:
             as_number(self.wall, "wall")
         elif self.ends == "open":
             raise OptionError("ends is 'open' without a wall; need wall=, mm, or ends='flat'")
+        _check_sockets(self.sockets)
         if self.sockets and self.ends != "open":
             raise OptionError(f"sockets with ends={self.ends!r}; need ends='open', and a wall")
 
@@ -100,6 +101,22 @@ class StrutOptions:
             return BLEND * thin
         given = np.asarray(self.blend, dtype=np.float64)
         return np.full(thin.shape, given) if given.ndim == 0 else given[nodes]
+
+
+def _check_sockets(sockets: object) -> None:
+    """Raise unless sockets are None or pairs of a radius and a depth by nodes."""
+    if sockets is None:
+        return
+    need = "need a radius and a depth, mm, by the node, as in {3: (14.375, 25)}"
+    if not isinstance(sockets, Mapping):
+        raise OptionError(f"sockets is {sockets!r}; {need}")
+    for node, size in sockets.items():
+        if isinstance(node, bool) or not isinstance(node, int | np.integer):
+            raise OptionError(f"sockets has {node!r} for a node; {need}")
+        if np.shape(size) != (2,):
+            raise OptionError(f"the socket at node {node} is {size!r}; {need}")
+        for value, what in zip(size, ("radius", "depth"), strict=True):
+            as_number(value, f"the {what} of the socket at node {node}")
 
 
 def as_blend(blend: Blend | None, nodes: Points) -> float | Floats | None:

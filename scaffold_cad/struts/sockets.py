@@ -54,8 +54,7 @@ def sockets_of(
     """
     rows = sorted((given or {}).items())
     nodes = np.array([node for node, _ in rows], dtype=np.intp)
-    sizes = np.array([size for _, size in rows], dtype=np.float64).reshape(-1, 2)
-    radii, depths = sizes.T
+    radii, depths = np.array([size for _, size in rows], dtype=np.float64).reshape(-1, 2).T
     wrong = [node for node in nodes.tolist() if node not in set(skeleton.extremities.tolist())]
     if wrong:
         raise OptionError(f"sockets has node {wrong[0]}, which is no end of a strut; need one")

@@ -81,3 +81,17 @@ def test_sockets_that_cannot_be_are_refused(options: dict[str, Any], message: st
         options = {**options, "wall": 1.5, "ends": "open"}
     with pytest.raises(OptionError, match=message):
         round_struts(ELBOWS, **options)
+
+
+@pytest.mark.parametrize(
+    ("sockets", "message"),
+    [
+        (3, r"sockets is 3; need a radius and a depth, mm, by the node"),
+        ({1: 4.5}, r"the socket at node 1 is 4.5; need a radius and a depth"),
+        ({"a": (4.5, 6.0)}, r"sockets has 'a' for a node; need"),
+        ({1: ("wide", 6.0)}, r"the radius of the socket at node 1 is 'wide'; need a number"),
+    ],
+)
+def test_what_is_no_socket_is_refused(sockets: Any, message: str) -> None:
+    with pytest.raises(OptionError, match=message):
+        round_struts(TUBE, wall=1.0, ends="open", sockets=sockets)
