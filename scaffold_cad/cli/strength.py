@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools
 from scaffold_cad.base.files import check_page
-from scaffold_cad.cli import source
+from scaffold_cad.cli import source, strengthtiles, tiled
 from scaffold_cad.errors import OptionError
 from scaffold_cad.io.write import write
 
@@ -87,6 +86,7 @@ def add_parser(
         metavar="OUT",
         help="write the beam model, .inp .bdf .tcl .vtu, or the skeleton with its radii, .json ...",
     )
+    tiled.add_arguments(parser, of="stiffness and stresses")
     parser.set_defaults(run=run)
 
 
@@ -94,6 +94,10 @@ def run(options: argparse.Namespace) -> None:
     """Solve, print and write."""
     from scaffold_cad.mechanics import sized, write_beams, write_strength_page
 
+    if options.tiles is not None:
+        _solve_tiles(options)
+        return
+    tiled.refuse(options)
     if options.html is not None:
         check_page(options.html)
     skeleton = source.skeleton_from(options)
@@ -117,8 +121,42 @@ def run(options: argparse.Namespace) -> None:
     _log.info("%s written", options.output)
 
 
+def _solve_tiles(options: argparse.Namespace) -> None:
+    """Solve, print and write tile by tile."""
+    strengthtiles.check(options)
+    skeleton = source.skeleton_from(options)
+    loading = _asked(options, skeleton)
+    report = strengthtiles.solve(
+        options, skeleton, _material(options), loading, gravity=_gravity(options)
+    )
+    if options.json:
+        print(json.dumps(report, indent=1))
+    else:
+        strengthtiles.print_table(report)
+
+
 def _model(options: argparse.Namespace, skeleton: Skeleton) -> BeamModel:
-    from scaffold_cad.mechanics import Load, Support, beam_model
+    from scaffold_cad.mechanics import beam_model
+
+    asked = _asked(options, skeleton)
+    return beam_model(
+        skeleton,
+        _material(options),
+        asked.supports,
+        asked.loads,
+        gravity=_gravity(options),
+        hollow=options.hollow,
+    )
+
+
+def _gravity(options: argparse.Namespace) -> tuple[float, float, float]:
+    """Return the acceleration, m/s²."""
+    return (0.0, 0.0, -9.81) if options.weight else (0.0, 0.0, 0.0)
+
+
+def _asked(options: argparse.Namespace, skeleton: Skeleton) -> Loading:
+    """Return the supports and loads that are asked for, of the options or of the file."""
+    from scaffold_cad.mechanics import Load, Loading, Support
 
     loading = _loading(options, skeleton)
     supports, loads = list(loading.supports), list(loading.loads)
@@ -134,14 +172,7 @@ def _model(options: argparse.Namespace, skeleton: Skeleton) -> BeamModel:
             loads.append(Load(_where(skeleton, where), _force(text, force)))
     if not loads and not options.weight:
         raise OptionError("nothing loads the struts; need --load WHERE:FX,FY,FZ or --weight")
-    return beam_model(
-        skeleton,
-        _material(options),
-        supports,
-        loads,
-        gravity=(0.0, 0.0, -9.81) if options.weight else (0.0, 0.0, 0.0),
-        hollow=options.hollow,
-    )
+    return Loading(tuple(supports), tuple(loads))
 
 
 def _loading(options: argparse.Namespace, skeleton: Skeleton) -> Loading:
@@ -172,19 +203,22 @@ def _material(options: argparse.Namespace) -> Material:
 
 def _where(skeleton: Skeleton, text: str) -> Any:
     """Return the nodes that a text names, by mark or by number."""
+    from scaffold_cad.mechanics import Between
+
     word = text.strip().lower()
     nodes = skeleton.nodes
     near = NEAR * float(np.linalg.norm(np.ptp(nodes, axis=0)))
     if word[:1] in tuple("xyz") and word[1:] in ("min", "max"):
         values = nodes[:, "xyz".index(word[0])]
-        at_side: Bools = (
-            values <= values.min() + near if word[1:] == "min" else values >= values.max() - near
-        )
-        return at_side
+        if word[1:] == "min":
+            return Between(word[0], high=float(values.min()) + near)
+        return Between(word[0], low=float(values.max()) - near)
     try:
         if word[:1] in tuple("xyz") and word[1:2] in ("<", ">"):
-            values, bound = nodes[:, "xyz".index(word[0])], float(word[2:])
-            return values < bound if word[1] == "<" else values > bound
+            bound = float(word[2:])
+            if word[1] == "<":
+                return Between(word[0], high=float(np.nextafter(bound, -np.inf)))
+            return Between(word[0], low=float(np.nextafter(bound, np.inf)))
         return [int(number) for number in word.split(",")]
     except ValueError:
         raise OptionError(

@@ -85,19 +85,21 @@ def make(
     work: Work,
     options: argparse.Namespace,
     name: str | None = None,
+    part: str = "",
 ) -> Path:
     """Make all tiles that are not there yet, join them, and return the file.
 
     Parameters
     ----------
     name : of the file beside the tiles'; by default it is the output
+    part : of the tiles' folder, for works of several parts
     """
     from joblib import parallel_config
 
     from scaffold_cad.tiles import run_tiles
 
     jobs = as_count(1 if options.jobs is None else options.jobs, "--jobs", 1)
-    folder: Path = options.tiles
+    folder: Path = options.tiles / part
     done = Progress().counted(
         "tiles", len(parts), lambda: sum(1 for _ in folder.glob("tile-*.done"))
     )

@@ -65,6 +65,7 @@ LINES = {
             "tripod.json --strict --material pla --young 2000 --strength 30 --weight --hollow 0.5"
             " --size 0.5 --html a.html --json --output b.json"
         ),
+        "tripod.json --load xmax:0,0,-1 --tiles loaded --block 20 --jobs 1 -o c.npy",
     ],
     "view": [
         f"bare.obj {INPUT} --no-open --output a.html",

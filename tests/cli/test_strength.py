@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from scaffold_cad import Skeleton, read_skeleton, write
 from scaffold_cad.cli import main
+from scaffold_cad.lattice import tile
 
 ARM = Skeleton([[0, 0, 0], [100, 0, 0]], [[0, 1]], 5.0)
 
@@ -97,3 +99,41 @@ def test_supports_and_loads_of_a_file_are_used(
     path.write_text("\n".join(lines))
     assert main(["strength", str(path)]) == 2
     assert "nothing loads the struts" in capsys.readouterr().err
+
+
+def test_strength_by_tiles_is_that_of_one_process(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lattice = str(tmp_path / "bcc.json")
+    write(tile("bcc", 5.0, (3, 2, 2), radius=0.4), lattice)
+    words = ["strength", lattice, "--fix", "xmin:x,y,z", "--fix", "y<0.1:y", "--weight"]
+    words += ["--load", "xmax:0,0,-100", "--load", "1,3:0,5,0", "--json"]
+    assert main(words) == 0
+    whole = json.loads(capsys.readouterr().out)
+    rows = tmp_path / "rows.npy"
+    tiles = ["--tiles", str(tmp_path / "parts"), "--block", "6", "-o", str(rows)]
+    assert main([*words, *tiles]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["struts"] == whole["strut_count"] == len(np.load(rows))
+    for name in ("largest_displacement_mm", "largest_stress_MPa", "buckling_utilization"):
+        assert found[name] == pytest.approx(whole[name], rel=1e-7)
+    used = sorted(row["utilization"] for row in whole["struts"])
+    np.testing.assert_allclose(np.sort(np.load(rows)[:, -1]), used, rtol=1e-6)
+    assert main([*words[:-1], *tiles]) == 0  # found again, as a table
+    assert "largest stress MPa" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--size", "1"], "--size is not for --tiles"),
+        (["-o", "sized.json"], "--tiles write a row a strut, as .npy"),
+        (["--fix", "7"], "names a node that is not there; need 0 to 1"),
+    ],
+)
+def test_tiles_refuse_what_they_do_not_make(
+    arm: str, words: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    tiles = ["--tiles", str(tmp_path / "parts")]
+    assert main(["strength", arm, "--load", "xmax:0,0,-1", *tiles, *words]) == 2
+    assert said in capsys.readouterr().err
