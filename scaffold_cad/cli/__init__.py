@@ -16,6 +16,7 @@ from collections.abc import Sequence
 
 from scaffold_cad import __version__
 from scaffold_cad.cli import build, cells, check, formats, info, lattice, slicing, strength, view
+from scaffold_cad.cli.parsing import Parser
 from scaffold_cad.errors import ScaffoldCadError
 
 COMMANDS = (build, lattice, slicing, cells, check, strength, view, formats, info)
@@ -68,7 +69,7 @@ def with_flags(message: str) -> str:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="scaffold-cad",
         description="Solid lattice frames and organic solids from skeletons.",
     )

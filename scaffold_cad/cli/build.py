@@ -29,7 +29,10 @@ if TYPE_CHECKING:
 
 PRODUCTS = ("scaffold", "frame", "shell")
 
-SCAFFOLD_OPTIONS = ("strut_radius", "fit", "section", "collars")
+SQUARE_OPTIONS = ("fit", "section", "collars")
+"""Those that round struts have no use for, unless they are made of a scaffold's edges."""
+
+SCAFFOLD_OPTIONS = ("strut_radius", *SQUARE_OPTIONS)
 """What `add_scaffold_arguments` adds."""
 
 ROUND_OPTIONS = ("blend", "ends", "joints", "bend", "wall", "nodes")
@@ -275,6 +278,8 @@ def _check_combination(options: argparse.Namespace) -> None:
     if options.round and options.product == "shell":
         raise OptionError("--as shell is for the coarse quads; need it without --round")
     check_round_options(options)
+    if options.round and options.product != "frame":
+        source.refuse(options, SQUARE_OPTIONS, "is for square struts; need it without --round")
     if options.socket and not options.round:
         raise OptionError("--socket is for --round")
     if options.socket and (options.ends != "open" or options.wall is None):

@@ -10,6 +10,7 @@ import numpy as np
 
 from scaffold_cad.base.arguments import as_count, as_number, as_path, checks_keywords
 from scaffold_cad.base.arrays import Floats
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import FormatError, OptionError, SkeletonError
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._units import factor_of
@@ -90,6 +91,7 @@ def read_skeleton(
     if weld_distance is not None or split_contacts:
         raise OptionError("strict reading repairs nothing; need no weld_distance, split_contacts")
     raw = in_millimeters(path, read_raw(path, max_nodes), units, scale)
+    _log.info("%s: %s and %s read", path, *_counts(raw))
     if raw.left_out:
         raise FormatError(
             f"{path} holds also {', '.join(raw.left_out)}; need nothing that a skeleton does not "
@@ -117,6 +119,7 @@ def read_with_repairs(
 ) -> Cleaning:
     """Return the skeleton that a file holds as `read_skeleton` does, and what was repaired."""
     raw = in_millimeters(path, read_raw(path, max_nodes), units, scale)
+    _log.info("%s: %s and %s read", path, *_counts(raw))
     if raw.left_out:
         _log.warning("%s: left out %s", path, ", ".join(raw.left_out))
     radii, edge_radii = _radii(Path(path), raw, radius)
@@ -134,6 +137,10 @@ def read_with_repairs(
     skeleton = Skeleton(graph.nodes, graph.edges, graph.radii, graph.edge_radii)
     _warn_of_radii(path, skeleton)
     return Cleaning(skeleton, graph.repairs)
+
+
+def _counts(raw: RawSkeleton) -> tuple[str, str]:
+    return counted(len(raw.nodes), "node"), counted(len(raw.edges), "edge")
 
 
 def read_raw(path: str | PathLike[str], max_nodes: int | None = None) -> RawSkeleton:
@@ -160,7 +167,6 @@ def read_raw(path: str | PathLike[str], max_nodes: int | None = None) -> RawSkel
             f"{found}; need at most {max_nodes} nodes: to build it takes about {size:.2g} GB of "
             "memory, and max_nodes (--max-nodes) allows it"
         )
-    _log.info("%s: %d nodes and %d edges read", path, len(raw.nodes), len(raw.edges))
     return raw
 
 

@@ -109,7 +109,10 @@ def run_tiles(
     import joblib
 
     target = as_path(folder, "folder").absolute()  # processes may be elsewhere
-    target.mkdir(parents=True, exist_ok=True)
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FormatError(f"cannot make the folder {folder}: {error.strerror or error}") from None
     key = str(joblib.hash((VERSION, type(work).__name__, vars(work), parts.content)))
     files = joblib.Parallel()(
         joblib.delayed(_task)(parts.source(number), number, work, target, key)

@@ -408,3 +408,49 @@ def test_a_round_frame_has_round_struts(figure: str, tmp_path: Path) -> None:
         volumes.append(mesh.volume)
     # A square around a circle has 4/π of its area; nodes differ.
     assert volumes[1] == pytest.approx(volumes[0] * np.pi / 4, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("words", "usage", "said"),
+    [
+        ("biuld a.json -o a.stl", "scaffold-cad [-h]", "did you mean 'build'?"),
+        ("build a.json -o a.stl --colars", "scaffold-cad build", "did you mean '--collars'?"),
+        ("check a.json --process sla2", "scaffold-cad check", "did you mean 'sla'?"),
+        ("info a.json b.json", "scaffold-cad info", "unrecognized arguments: b.json"),
+    ],
+)
+def test_a_wrong_word_is_told_with_the_usage_of_its_command(
+    words: str, usage: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(words.split())
+    assert end.value.code == 2
+    told = capsys.readouterr().err
+    assert told.startswith(f"usage: {usage}")
+    assert said in told.splitlines()[-1]
+
+
+@pytest.mark.parametrize("words", ["info", "strength --load zmax:0,0,-1"])
+def test_what_was_read_is_told_once(
+    words: str, figure: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command, *rest = words.split()
+    assert main([command, figure, *rest]) == 0
+    assert capsys.readouterr().err.count(" read\n") == 1
+
+
+@pytest.mark.parametrize("option", ["--collars", "--fit paper", "--section area"])
+def test_options_of_square_struts_are_not_for_round_ones(
+    option: str, figure: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["build", figure, "--round", *option.split(), "-o", str(tmp_path / "a.stl")]
+    assert main(words) == 2
+    assert f"{option.split()[0]} is for square struts" in capsys.readouterr().err
+
+
+def test_a_file_is_no_folder_of_tiles(
+    figure: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["build", figure, "--overlaps", "allow", "--tiles", figure]
+    assert main([*words, "-o", str(tmp_path / "a.stl")]) == 2
+    assert "cannot make the folder" in capsys.readouterr().err

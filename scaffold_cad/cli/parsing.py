@@ -1,0 +1,36 @@
+"""A parser whose commands refuse what they do not know themselves, and say what is near to it."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Sequence
+from typing import Any, NoReturn
+
+from scaffold_cad.base.arguments import did_you_mean
+
+CHOICE = re.compile(r"invalid choice: '(.*?)' \(choose from (.*)\)")
+"""What argparse says of a value that is none of some words."""
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser of a command line, or of one of its commands."""
+
+    def parse_known_args(  # type: ignore[override]  # the overloads of argparse
+        self, args: Sequence[str] | None = None, namespace: Any = None
+    ) -> tuple[Any, list[str]]:
+        """Parse, and refuse what is not known with the usage of this very command."""
+        found, unknown = super().parse_known_args(args, namespace)
+        if unknown:
+            flags = [flag for action in self._actions for flag in action.option_strings]
+            first = unknown[0].partition("=")[0]
+            near = did_you_mean(first, flags) if first.startswith("-") else ""
+            self.error(f"unrecognized arguments: {' '.join(unknown)}{near}")
+        return found, []
+
+    def error(self, message: str) -> NoReturn:
+        """End with the usage and a message, which has the word nearest to a wrong choice."""
+        choice = CHOICE.search(message)
+        if choice:
+            message += did_you_mean(choice[1], re.findall(r"[\w.-]+", choice[2]))
+        super().error(message)
