@@ -12,7 +12,6 @@ from pathlib import Path
 import pytest
 
 import scaffold_cad
-from scaffold_cad import Skeleton, write
 from scaffold_cad.cli import main
 from scaffold_cad.io import register
 from scaffold_cad.lattice import registry
@@ -45,10 +44,6 @@ RUNNABLE = [page for page in PAGES if steps(page) and page.name not in SHOWN_APA
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with what pages read; what they register is forgotten."""
     (tmp_path / "examples").symlink_to(ROOT / "examples", target_is_directory=True)
-    corner = Skeleton(
-        [[0, 0, 0], [9, 0, 6], [-5, 7, 6], [-5, -7, 6]], [[0, 1], [0, 2], [0, 3]], 1.0
-    )
-    write(corner, tmp_path / "bracket.json")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(register, "_formats", list(register._formats))
     monkeypatch.setattr(registry, "_CELLS", dict(registry._CELLS))
