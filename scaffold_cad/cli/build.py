@@ -11,7 +11,7 @@ import numpy as np
 
 from scaffold_cad.base.arguments import as_number
 from scaffold_cad.brep import BREP_SUFFIXES
-from scaffold_cad.cli import sizes, source, tiled
+from scaffold_cad.cli import sizes, source, streams, tiled
 from scaffold_cad.cli.progress import Progress
 from scaffold_cad.errors import OptionError
 from scaffold_cad.io.write import check_writable, write
@@ -51,8 +51,8 @@ def add_parser(
     parser = commands.add_parser(
         "build", parents=[common], help="build a solid, a shell or a frame from a skeleton"
     )
-    source.add_arguments(parser)
-    source.add_output(parser, "file to write: .step .brep .stl .3mf .obj .ply .glb")
+    source.add_arguments(parser, several=True)
+    streams.add_output(parser, "file to write: .step .brep .stl .3mf .obj .ply .glb")
     parser.add_argument(
         "--as",
         dest="product",

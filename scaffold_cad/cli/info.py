@@ -17,7 +17,7 @@ def add_parser(
 ) -> None:
     """Add this command to the command line."""
     parser = commands.add_parser("info", parents=[common], help="count what a skeleton holds")
-    parser.add_argument("input", metavar="INPUT", help="file with a skeleton")
+    source.add_input(parser, several=True)
     source.add_units(parser)
     source.add_max_nodes(parser)
     parser.set_defaults(run=run)

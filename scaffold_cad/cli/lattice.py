@@ -12,7 +12,16 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.brep import BREP_SUFFIXES, read_brep
-from scaffold_cad.cli import build, latticelayers, latticetiles, sizes, slicing, source, tiled
+from scaffold_cad.cli import (
+    build,
+    latticelayers,
+    latticetiles,
+    sizes,
+    slicing,
+    source,
+    streams,
+    tiled,
+)
 from scaffold_cad.cli.maps import add_maps, map_of
 from scaffold_cad.cli.progress import Progress
 from scaffold_cad.errors import FormatError, OptionError
@@ -94,7 +103,7 @@ def add_parser(
         action="store_true",
         help="write no solid but the struts: a 3MF beam lattice, or JSON",
     )
-    source.add_output(
+    streams.add_output(
         parser,
         "file to write: .3mf .stl .obj .ply .glb; .step .brep of a box without --skin, or "
         "with it of a part from such a file",

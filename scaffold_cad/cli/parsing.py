@@ -28,6 +28,11 @@ class Parser(argparse.ArgumentParser):
             self.error(f"unrecognized arguments: {' '.join(unknown)}{near}")
         return found, []
 
+    def _get_value(self, action: argparse.Action, arg_string: str) -> Any:
+        """Return a value; one of some words in any case."""
+        by_word = {str(choice).lower(): choice for choice in action.choices or ()}
+        return super()._get_value(action, by_word.get(arg_string.lower(), arg_string))
+
     def error(self, message: str) -> NoReturn:
         """End with the usage and a message, which has the word nearest to a wrong choice."""
         choice = CHOICE.search(message)

@@ -9,6 +9,9 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats
 
+AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+"""Directions by name."""
+
 
 def size(text: str) -> Floats:
     """Return one number, or three: 8, 8x8x12 or 8,8,12."""
@@ -71,6 +74,18 @@ def socket(text: str) -> tuple[int, float, float]:
         raise argparse.ArgumentTypeError(
             f"{text!r} is not a socket; need NODE:RADIUS:DEPTH, mm, as in 3:14.375:25"
         ) from None
+
+
+def turn(text: str) -> tuple[str, float]:
+    """Return the axis and the angle (rad) of a turn: z:90."""
+    axis, _, degrees = text.lower().partition(":")
+    try:
+        angle = float(np.radians(float(degrees)))
+    except ValueError:
+        angle = np.inf
+    if axis not in AXES or not np.isfinite(angle):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a turn; need AXIS:DEGREES, as in z:90")
+    return axis, angle
 
 
 def _numbers(text: str) -> Floats:

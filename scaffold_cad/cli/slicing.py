@@ -11,7 +11,7 @@ import numpy as np
 
 from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.files import check_target
-from scaffold_cad.cli import build, source, tiled
+from scaffold_cad.cli import build, source, streams, tiled
 from scaffold_cad.cli.progress import Progress
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.io import read_triangles
@@ -35,8 +35,8 @@ def add_parser(
         description="Struts are cylinders and cones, cut as such, with blends at their nodes. A "
         "file with a closed mesh is cut as it is.",
     )
-    source.add_arguments(parser)
-    source.add_output(parser, "file to write: .cli .3mf .svg, or .zip with PNG images")
+    source.add_arguments(parser, several=True)
+    streams.add_output(parser, "file to write: .cli .3mf .svg, or .zip with PNG images")
     add_layer_arguments(parser, required=True)
     build.add_strut_arguments(parser)
     parser.add_argument(

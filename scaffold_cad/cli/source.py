@@ -7,6 +7,8 @@ import logging
 from collections.abc import Iterable
 from pathlib import Path
 
+from scaffold_cad.cli import sizes
+from scaffold_cad.cli.sizes import AXES
 from scaffold_cad.errors import OptionError
 from scaffold_cad.io import read_assembly, read_skeleton, read_triangles
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -16,15 +18,33 @@ from scaffold_cad.skeleton import Skeleton
 MAX_NODES = 2_000_000
 """Most nodes of a file that are taken unless more are asked for."""
 
-OPTIONS = ("radius", "max_nodes", "join", "simplify", "strict")
+OPTIONS = ("radius", "max_nodes", "join", "simplify", "turn", "mirror", "strict")
 """What `add_arguments` adds beside the input, its units and its scale."""
+
+CHANGES = ("radius", "join", "simplify", "turn", "mirror")
+"""Those that ask for a skeleton, where a file holds more."""
 
 _log = logging.getLogger(__name__)
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
+def add_input(parser: argparse.ArgumentParser, several: bool = False) -> None:
+    """Add the argument of the file, or of several files, that a command works on."""
+    parser.add_argument(
+        "input",
+        metavar="INPUT",
+        nargs="+" if several else None,
+        help="files with skeletons, each of which is worked on; - for standard input"
+        if several
+        else "file with a skeleton; - for standard input",
+    )
+    parser.add_argument(
+        "--from", dest="from_format", metavar="FMT", help="format of standard input, such as json"
+    )
+
+
+def add_arguments(parser: argparse.ArgumentParser, several: bool = False) -> None:
     """Add the arguments that `skeleton_from` reads."""
-    parser.add_argument("input", metavar="INPUT", help="file with a skeleton")
+    add_input(parser, several)
     parser.add_argument(
         "--radius", type=float, metavar="R", help="radius of every node, mm (instead of the file's)"
     )
@@ -44,6 +64,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "than their radius whether it needs them or not",
     )
     parser.add_argument(
+        "--turn",
+        action="append",
+        type=sizes.turn,
+        metavar="AXIS:DEGREES",
+        help="turn around an axis through the origin, as in z:90; for several turns several times",
+    )
+    parser.add_argument(
+        "--mirror", choices=tuple(AXES), help="mirror along an axis, after the turns"
+    )
+    parser.add_argument(
         "--strict", action="store_true", help="refuse a file that needs repair instead of repairing"
     )
 
@@ -58,11 +88,6 @@ def add_units(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--scale", type=float, metavar="S", help="multiply the input's lengths by S"
     )
-
-
-def add_output(parser: argparse.ArgumentParser, about: str) -> None:
-    """Add the argument of the file that is written."""
-    parser.add_argument("-o", "--output", required=True, type=Path, metavar="OUT", help=about)
 
 
 def add_max_nodes(parser: argparse.ArgumentParser, what: str = "file") -> None:
@@ -100,7 +125,7 @@ def assembly_from(options: argparse.Namespace) -> Assembly | None:
     path = Path(options.input)
     if path.suffix.lower() != ".3mf" or options.strict:
         return None
-    if any(value is not None for value in (options.radius, options.join, options.simplify)):
+    if any(getattr(options, name) is not None for name in CHANGES):
         return None
     if options.units is not None or options.scale is not None:
         return None
@@ -110,7 +135,7 @@ def assembly_from(options: argparse.Namespace) -> Assembly | None:
 
 def triangles_from(options: argparse.Namespace) -> TriangleMesh | None:
     """Return the mesh of the input, or None where it is a skeleton, or options ask for one."""
-    asked = any(value is not None for value in (options.radius, options.join, options.simplify))
+    asked = any(getattr(options, name) is not None for name in CHANGES)
     path = Path(options.input)
     if asked and path.suffix.lower() == ".3mf" and read_assembly(path).lattices:
         return None
@@ -131,6 +156,10 @@ def skeleton_from(options: argparse.Namespace, path: Path | None = None) -> Skel
         joined = skeleton.joined(options.join)
         _log.info("joined: %d edges became %d", len(skeleton.edges), len(joined.edges))
         skeleton = joined
+    for axis, angle in options.turn or []:
+        skeleton = skeleton.turned(angle, AXES[axis])
+    if options.mirror is not None:
+        skeleton = skeleton.mirrored(AXES[options.mirror])
     if options.simplify is None:
         return skeleton
     thin = skeleton.simplified(options.simplify)

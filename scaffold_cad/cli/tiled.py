@@ -47,7 +47,10 @@ def add_arguments(
     )
     parser.add_argument("--block", type=float, metavar="N", help=f"size {block}")
     parser.add_argument(
-        "--jobs", type=int, metavar="N", help="processes that work on tiles (default: 1)"
+        "--jobs",
+        type=int,
+        metavar="N",
+        help="processes that work on tiles, or on files (default: 1)",
     )
 
 

@@ -416,7 +416,7 @@ def test_a_round_frame_has_round_struts(figure: str, tmp_path: Path) -> None:
         ("biuld a.json -o a.stl", "scaffold-cad [-h]", "did you mean 'build'?"),
         ("build a.json -o a.stl --colars", "scaffold-cad build", "did you mean '--collars'?"),
         ("check a.json --process sla2", "scaffold-cad check", "did you mean 'sla'?"),
-        ("info a.json b.json", "scaffold-cad info", "unrecognized arguments: b.json"),
+        ("view a.json b.json", "scaffold-cad view", "unrecognized arguments: b.json"),
     ],
 )
 def test_a_wrong_word_is_told_with_the_usage_of_its_command(

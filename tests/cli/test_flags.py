@@ -13,14 +13,20 @@ import pytest
 from build123d import Box, GeomType, export_step, import_step
 
 from scaffold_cad import Skeleton, write
-from scaffold_cad.cli import _parser, main
+from scaffold_cad.cli import _parsers, main
 from scaffold_cad.io import read_triangles
 
 TRIPOD = Skeleton([[0, 0, 0], [30, 0, 9], [0, 30, 9], [0, 0, 30]], [[0, 1], [0, 2], [0, 3]], 2.0)
 BARE = "v 0 0 0\nv 30 0 0\nv 0 30 0\nv 0 0.001 0\nl 1 2\nl 4 3\n"
 
-INPUT = "--quiet --radius 1 --max-nodes 9 --units cm --scale 0.5 --join 0.1 --simplify 0.01"
+INPUT = (
+    "--quiet --radius 1 --max-nodes 9 --units cm --scale 0.5 --join 0.1 --simplify 0.01"
+    " --turn x:90 --mirror z"
+)
 """Flags of all commands that read a skeleton."""
+
+COMMON = {"--help", "--verbose", "--config", "--from", "--format"}
+"""Flags of all commands that `test_streams` tries."""
 
 SHAPE = "--fit paper --section area --collars"
 ROUND = "--round --joints blend --bend torus --blend 0.5 --ends open --wall 0.5 --sides 8"
@@ -80,6 +86,10 @@ LINES = {
         "tripod.json --layer 1 --inside box.step --skin 1 --output c.cli",
         "tripod.json --layer 1 --nodes sharp -o f.cli",
     ],
+    "convert": [
+        f"bare.obj {INPUT} -o a.json",
+        "tripod.json --strict --to-units cm --jobs 1 --output b.csv",
+    ],
     "formats": ["--quiet"],
     "info": ["bare.obj --quiet --units cm --scale 0.5 --max-nodes 9"],
 }
@@ -95,18 +105,13 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def commands() -> dict[str, argparse.ArgumentParser]:
-    (choices,) = (
-        action.choices
-        for action in _parser()._actions
-        if isinstance(action, argparse._SubParsersAction)
-    )
-    return dict(choices)
+    return _parsers()[1]
 
 
 @pytest.mark.parametrize("command", commands())
 def test_each_flag_is_tried(command: str) -> None:
     flags = {flag for action in commands()[command]._actions for flag in action.option_strings}
-    long = {flag for flag in flags if flag.startswith("--")} - {"--help"}
+    long = {flag for flag in flags if flag.startswith("--")} - COMMON
     assert long - set(" ".join(LINES[command]).split()) == set()
 
 
@@ -205,4 +210,4 @@ def test_units_and_scale_of_the_input_count(folder: Path) -> None:
     assert main(["build", "bare.obj", *INPUT.split(), "-o", "bare.stl"]) == 0
     mesh = read_triangles("bare.stl")
     assert mesh is not None
-    assert np.ptp(mesh.vertices, axis=0)[:2] == pytest.approx([151, 151], abs=1)
+    assert np.ptp(mesh.vertices, axis=0)[[0, 2]] == pytest.approx([151, 151], abs=1)

@@ -1,0 +1,149 @@
+"""Running a command: what goes wrong becomes one line and an exit code, several files go on."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import os
+import re
+import sys
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from multiprocessing import get_context
+from typing import TextIO
+
+from scaffold_cad.base.arguments import as_count
+from scaffold_cad.cli.streams import each_file, streamed
+from scaffold_cad.errors import ScaffoldCadError
+
+PARAMETER = re.compile(
+    r"\b(overlaps|radius|blend|ends|joints|wall|sides|collars|section|fit|max_nodes)=('?)([\w.]*)\2"
+)
+"""Parameters of the library that are flags here, as messages give them."""
+
+BAD_INPUT = 2
+INTERRUPTED = 130
+
+RED, YELLOW, PLAIN = "\x1b[31m", "\x1b[33m", "\x1b[0m"
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run a command over all of its inputs and return its exit code."""
+
+    def work() -> int:
+        with streamed(options) as folder:
+            log_to_stderr(options, folder)
+            files = each_file(options)
+            if len(files) == 1:
+                return _run_one(files[0], folder=folder)
+            return _run_all(files, getattr(options, "jobs", None), folder)
+
+    log_to_stderr(options)
+    return _guarded(work)
+
+
+def _run_all(files: list[argparse.Namespace], jobs: int | None, folder: str) -> int:
+    """Run a command for each file, in so many processes, and return the greatest exit code."""
+    one = partial(_run_one, folder=folder, several=True)
+    count = as_count(1 if jobs is None else jobs, "--jobs", 1)
+    if count == 1:
+        return max(map(one, files))
+    with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
+        return max(pool.map(one, files))
+
+
+def _run_one(options: argparse.Namespace, folder: str, several: bool = False) -> int:
+    """Run a command for one file and return its exit code."""
+    log_to_stderr(options, folder)
+    if several and not hasattr(options, "output"):
+        print(f"{options.input}:")
+
+    def work() -> int:
+        return options.run(options) or 0  # most commands give none: they are done
+
+    return _guarded(work, folder, str(options.input) if several else "")
+
+
+def _guarded(work: Callable[[], int], folder: str = "", named: str = "") -> int:
+    """Return the exit code of some work, with one line on standard error where it fails."""
+
+    def tell(message: str) -> None:
+        text = message if message.startswith(named) else f"{named}: {message}"
+        print(_prefix(sys.stderr, RED) + _without(text, folder), file=sys.stderr)
+
+    try:
+        code = work()
+        sys.stdout.flush()
+    except ScaffoldCadError as error:
+        tell(with_flags(str(error)))
+        return BAD_INPUT
+    except MemoryError:
+        tell("out of memory; need a smaller skeleton")
+        return BAD_INPUT
+    except OSError as error:  # of standard output: files raise a FormatError
+        # What is left in its buffer has nowhere to go.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if not isinstance(error, BrokenPipeError):
+            tell(f"cannot print: {error.strerror or error}")
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        tell("interrupted")
+        return INTERRUPTED
+    return code
+
+
+def with_flags(message: str) -> str:
+    """Return a message of the library with its parameters as the command's flags.
+
+    Examples
+    --------
+    >>> with_flags("need overlaps='unite', or radius= for all")
+    'need --overlaps unite, or --radius for all'
+    """
+    return PARAMETER.sub(
+        lambda found: f"--{found[1].replace('_', '-')} {found[3]}".strip(), message
+    )
+
+
+def log_to_stderr(options: argparse.Namespace, folder: str = "") -> None:
+    """Send the package's log to standard error, and nowhere else: warnings in color there.
+
+    Parameters
+    ----------
+    folder : of files that stand for standard streams, which is not told
+    """
+    level = logging.ERROR if options.quiet else logging.INFO
+    logger = logging.getLogger("scaffold_cad")
+    for handler in list(logger.handlers):
+        logger.removeHandler(handler)
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setFormatter(_Lines(folder))
+    logger.addHandler(handler)
+    logger.setLevel(logging.DEBUG if options.verbose else level)
+    logger.propagate = False
+
+
+class _Lines(logging.Formatter):
+    """A line a record."""
+
+    def __init__(self, folder: str) -> None:
+        super().__init__()
+        self._folder = folder
+
+    def format(self, record: logging.LogRecord) -> str:
+        """Return the line of a record."""
+        color = YELLOW if record.levelno >= logging.WARNING else ""
+        return _prefix(sys.stderr, color) + _without(record.getMessage(), self._folder)
+
+
+def _without(text: str, folder: str) -> str:
+    """Return a text without the folder of files that stand for standard streams."""
+    return text.replace(f"{folder}{os.sep}", "") if folder else text
+
+
+def _prefix(stream: TextIO, color: str) -> str:
+    """Return what a line begins with: in color on a terminal, but where NO_COLOR is set."""
+    if color and stream.isatty() and not os.environ.get("NO_COLOR"):
+        return f"{color}scaffold-cad:{PLAIN} "
+    return "scaffold-cad: "

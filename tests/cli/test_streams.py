@@ -1,0 +1,199 @@
+"""Several files, folders, standard streams, options from a file, and what shells complete."""
+
+from __future__ import annotations
+
+import io
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from scaffold_cad import Skeleton, read_skeleton, write
+from scaffold_cad.cli import main
+
+ANGLE = Skeleton([[0, 0, 0], [10, 0, 0], [0, 20, 0]], [[0, 1], [0, 2]], 1.0)
+STRUT = Skeleton([[0, 0, 0], [10, 0, 0]], [[0, 1]], 1.0)
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    write(ANGLE, "angle.json")
+    write(STRUT, "strut.json")
+    return tmp_path
+
+
+class Stream(io.StringIO):
+    """A standard stream of text, with one of bytes below it."""
+
+    def __init__(self, content: bytes = b"", terminal: bool = False) -> None:
+        super().__init__()
+        self.buffer = io.BytesIO(content)  # type: ignore[assignment]
+        self._terminal = terminal
+
+    def isatty(self) -> bool:
+        return self._terminal
+
+
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_several_files_go_into_a_folder(folder: Path, jobs: str) -> None:
+    words = ["build", "angle.json", "strut.json", "--round", "-o", "new/solids/", "--format", "STL"]
+    assert main([*words, "--jobs", jobs]) == 0
+    volume = trimesh.load(folder / "new/solids/strut.stl").volume
+    assert volume == pytest.approx(10 * np.pi, rel=1e-6)
+    assert trimesh.load(folder / "new/solids/angle.stl").volume > 2.5 * volume
+
+
+def test_a_refused_file_is_named_and_ends_no_other(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("bad.json").write_text("{}")
+    assert main(["build", "bad.json", "strut.json", "-o", "out", "--format", "stl"]) == 2
+    assert "bad.json" in capsys.readouterr().err
+    assert [path.name for path in (folder / "out").iterdir()] == ["strut.stl"]
+
+
+def test_info_of_several_files_names_each(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["info", "angle.json", "strut.json"]) == 0
+    out = capsys.readouterr().out
+    assert out.index("angle.json:") < out.index("strut.json:")
+
+
+def test_standard_streams(monkeypatch: pytest.MonkeyPatch) -> None:
+    said, made = Stream(), Stream()
+    monkeypatch.setattr(sys, "stdin", Stream(Path("strut.json").read_bytes()))
+    monkeypatch.setattr(sys, "stdout", made)
+    monkeypatch.setattr(sys, "stderr", said)
+    words = ["build", "-", "--from", "json", "--round", "-o", "-", "--format", "stl"]
+    assert main(words) == 0
+    mesh = trimesh.load(io.BytesIO(made.buffer.getvalue()), file_type="stl")
+    assert mesh.volume == pytest.approx(10 * np.pi, rel=1e-6)
+    assert "stdin.json: 2 nodes" in said.getvalue()
+    assert "/" not in said.getvalue()
+
+
+def test_a_pipe_of_two_commands() -> None:
+    command = f"{sys.executable} -m scaffold_cad"
+    line = (
+        f"{command} convert angle.json -q -o - --format swc | "
+        f"{command} convert - --from swc --units mm -q -o again.json"
+    )
+    subprocess.run(line, shell=True, check=True)
+    np.testing.assert_allclose(read_skeleton("again.json").lengths, [10, 20])
+
+
+@pytest.mark.parametrize(
+    ("words", "need"),
+    [
+        ("build angle.json strut.json -o one.stl", "one.stl is one file for 2 inputs"),
+        ("build angle.json -o out", "out is a folder; --format is missing"),
+        ("build angle.json -o a.stl --format stl", "a.stl names its own"),
+        ("build - -o a.stl", "--from is missing"),
+        ("build angle.json ./angle.json -o out --format stl", "2 inputs would be written to"),
+        ("build angle.json strut.json --tiles t -o out --format stl", "--tiles is for one file"),
+        ("lattice --cell bcc --size 5 --radius 1 --box 5 -o -", "--format is missing"),
+    ],
+)
+def test_what_does_not_go_together(
+    words: str, need: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = set(folder.iterdir())
+    assert main(words.split()) == 2
+    assert need in capsys.readouterr().err
+    assert set(folder.iterdir()) == before
+
+
+def test_turns_and_a_mirror_move_the_nodes() -> None:
+    assert (
+        main(
+            [
+                "convert",
+                "strut.json",
+                "--turn",
+                "Z:90",
+                "--turn",
+                "x:90",
+                "--mirror",
+                "z",
+                "-o",
+                "a.json",
+            ]
+        )
+        == 0
+    )
+    np.testing.assert_allclose(read_skeleton("a.json").nodes[1], [0, 0, -10], atol=1e-12)
+
+
+def test_units_that_are_written() -> None:
+    assert main(["convert", "strut.json", "--to-units", "cm", "-o", "a.csv"]) == 0
+    np.testing.assert_allclose(read_skeleton("a.csv", units="cm").lengths, [10])
+
+
+def test_options_come_from_a_file(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("o.toml").write_text('[build]\nround = true\nsides = 8\nturn = ["z:90"]\n[check]\n')
+    assert main(["build", "strut.json", "--config", "o.toml", "-o", "a.stl"]) == 0
+    mesh = trimesh.load("a.stl")
+    assert len(mesh.faces) == 4 * 8
+    assert np.ptp(mesh.vertices[:, 1]) == pytest.approx(10)
+    assert main(["build", "strut.json", "--config", "o.toml", "--sides", "12", "-o", "a.stl"]) == 0
+    assert len(trimesh.load("a.stl").faces) == 4 * 12
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("[build]\nrond = true", "did you mean 'round'"),
+        ("[biuld]\nround = true", "did you mean 'build'"),
+        ("round = true", "need tables named as commands"),
+        ('[build]\nround = "yes"', "need true or false"),
+        ("[build]\nblend = true", "need a text, a number"),
+        ("[build", "is no TOML file"),
+    ],
+)
+def test_a_file_of_options_is_checked(
+    content: str, message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("o.toml").write_text(content)
+    with pytest.raises(SystemExit) as stop:
+        main(["build", "strut.json", "--config", "o.toml", "-o", "a.stl"])
+    assert stop.value.code == 2
+    assert message in capsys.readouterr().err
+
+
+def test_verbose_tells_more(capsys: pytest.CaptureFixture[str]) -> None:
+    told = []
+    for flag in ("-q", "--quiet", "-v", "--verbose"):
+        assert main(["build", "angle.json", flag, "-o", "a.stl"]) == 0
+        told.append(capsys.readouterr().err)
+    assert told[:2] == ["", ""]
+    assert "a.stl written" in told[2]
+    assert told[2] == told[3]
+
+
+def test_choices_are_taken_in_any_case() -> None:
+    assert main(["build", "strut.json", "--round", "--ends", "ROUND", "-o", "a.stl"]) == 0
+    assert np.ptp(trimesh.load("a.stl").vertices[:, 0]) > 11.9
+
+
+@pytest.mark.parametrize(("no_color", "red"), [("", True), ("1", False)])
+def test_errors_are_red_on_a_terminal(
+    no_color: str, red: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("NO_COLOR", no_color)
+    said = Stream(terminal=True)
+    monkeypatch.setattr(sys, "stderr", said)
+    assert main(["info", "missing.swc"]) == 2
+    assert ("\x1b[31m" in said.getvalue()) == red
+
+
+def test_a_shell_completes_commands_and_flags(capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("shtab")
+    with pytest.raises(SystemExit) as stop:
+        main(["--print-completion", "bash"])
+    assert stop.value.code == 0
+    script = capsys.readouterr().out
+    assert "--mirror" in script
+    assert "convert" in script
