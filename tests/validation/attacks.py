@@ -279,7 +279,11 @@ def main() -> int:
     seconds: dict[tuple[str, str], float] = {}
     for k in range(options.count):
         name = options.kinds[k % len(options.kinds)]
-        skeleton = KINDS[name](np.random.default_rng([options.seed, k]))
+        try:
+            skeleton = KINDS[name](np.random.default_rng([options.seed, k]))
+        except ScaffoldCadError as error:  # as for foams of a few points
+            print(f"{name} {k}: none made: {error}", flush=True)
+            continue
         for solid in options.solids:
             began = time.perf_counter()
             try:
