@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Ints, Points
+from scaffold_cad.base.arrays import Floats, Ints, Points
 
 
 def equal_positions(points: Points) -> tuple[Ints, Ints]:
@@ -40,3 +40,20 @@ def in_single_precision(points: Points, factor: float = 1.0) -> Points:
     """
     rounded: Points = (points * factor).astype(np.float32).astype(np.float64)
     return rounded
+
+
+def single_steps(points: Points, factor: float = 1.0) -> Floats:
+    """Return how far apart 32-bit coordinates are at positions (..., 3), mm, (...).
+
+    Parameters
+    ----------
+    factor : what lengths in mm are multiplied with before they are written
+
+    Examples
+    --------
+    >>> single_steps(np.array([[1e6, 0.0, 0.0]])).tolist()
+    [0.0625]
+    """
+    largest = np.abs(points * factor).max(axis=-1)
+    steps: Floats = np.spacing(largest.astype(np.float32)).astype(np.float64) / factor
+    return steps

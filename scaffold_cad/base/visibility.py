@@ -14,18 +14,25 @@ ROUNDING = 1e-14
 """Error of a coordinate and what is added to it, in largest coordinates: some 50 roundings."""
 
 
-def rounding_of(vertices: Points) -> float:
-    """Return how far coordinates may be off, mm."""
-    return ROUNDING * float(np.abs(vertices).max())
+SINGLE_ROUNDING = 2.0**-22
+"""More than twice as far as a point is off in 32-bit coordinates, in its largest coordinate."""
 
 
-def in_front(planes: Floats, points: Points, rounding: float) -> Bools:
+def rounding_of(vertices: Points, part: float = ROUNDING) -> float:
+    """Return how far coordinates may be off, mm, given that as a part of the largest of them."""
+    return part * float(np.abs(vertices).max())
+
+
+def in_front(planes: Floats, points: Points, spread: Floats, rounding: float) -> Bools:
     """Return which points surely lie in front of which planes through 0.
 
     Parameters
     ----------
-    planes : (..., q, 3) float64, normals, each the product of two lengths, mm²
+    planes : (..., q, 3) float64, normals, each the product of two vectors, mm²
     points : (..., p, 3) float64, mm
+    spread : (..., q) float64, by how much the size of a plane may change for each mm that
+        coordinates are off: the sum of the lengths of its two vectors, twice that where both ends
+        of these may be off, mm
     rounding : how far coordinates may be off, mm
 
     Returns
@@ -33,9 +40,8 @@ def in_front(planes: Floats, points: Points, rounding: float) -> Bools:
     (..., p, q) bool
     """
     heights = points @ np.swapaxes(planes, -1, -2)
-    size = np.sqrt(length(planes))[..., None, :]
-    reach = length(points)[..., :, None]
-    margin = MARGIN * reach * size**2 + rounding * size * (size + reach)
+    size, reach = length(planes)[..., None, :], length(points)[..., :, None]
+    margin = MARGIN * reach * size + rounding * (size + reach * spread[..., None, :])
     return np.asarray(heights > margin)
 
 

@@ -20,6 +20,7 @@ from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.solid import Solidified, solidified
 from scaffold_cad.solid.manifolds import manifold_triangles
 from scaffold_cad.solid.rounds import SIDES, round_mesh
+from scaffold_cad.solid.solid import embedding_as_written
 from scaffold_cad.struts import RoundStruts
 from scaffold_cad.struts.sharp.nodes import check_made
 from scaffold_cad.struts.surface import triangulated
@@ -55,7 +56,7 @@ def surface_of(
     if isinstance(what, Subdivision):
         return what.mesh
     if isinstance(what, Scaffold):
-        if to_unite(overlaps, what.embedding().left_out, what.skeleton):
+        if to_unite(overlaps, embedding_as_written(what, factor).left_out, what.skeleton):
             return manifold_triangles(solidified(what, factor=factor).manifold)
         return what.mesh
     if isinstance(what, RoundStruts):

@@ -11,7 +11,7 @@ from scaffold_cad.base.blocks import cut
 from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import normalize
-from scaffold_cad.base.visibility import MARGIN, ROUNDING
+from scaffold_cad.base.visibility import MARGIN
 
 PAIR_BYTES = 6400
 """What a pair of bodies takes where it is looked at."""
@@ -47,12 +47,13 @@ class Bodies:
         )
 
 
-def conflicting(bodies: Bodies, among: Bools | None = None) -> Edges:
+def conflicting(bodies: Bodies, rounding: float, among: Bools | None = None) -> Edges:
     """Return pairs of bodies without a common node that no plane tried keeps apart, (k, 2).
 
-    With `among`, only pairs in which one body is marked.
+    Coordinates are off by up to `rounding`, mm. With `among`, only pairs in which one body is
+    marked.
     """
-    low, high = bodies.points.min(axis=1), bodies.points.max(axis=1)
+    low, high = bodies.points.min(axis=1) - rounding, bodies.points.max(axis=1) + rounding
     found = [np.zeros((0, 2), dtype=np.intp)]
     if among is not None and not among.any():
         return found[0]
@@ -62,11 +63,11 @@ def conflicting(bodies: Bodies, among: Bools | None = None) -> Edges:
         if among is not None:
             apart &= among[first] | among[second]
         pairs = np.stack([first[apart], second[apart]], axis=1)
-        found += [part[_meet(bodies, part)] for part in cut(pairs, PAIR_BYTES)]
+        found += [part[_meet(bodies, part, rounding)] for part in cut(pairs, PAIR_BYTES)]
     return np.concatenate(found)
 
 
-def _meet(bodies: Bodies, pairs: Edges) -> Bools:
+def _meet(bodies: Bodies, pairs: Edges, rounding: float) -> Bools:
     """Return whether no plane tried separates each pair of bodies, (k,).
 
     Tried are the plane across the shortest way between the axes and the planes of the faces.
@@ -75,19 +76,19 @@ def _meet(bodies: Bodies, pairs: Edges) -> Bools:
     near, far = nearest_on_segments(
         *np.moveaxis(bodies.axis[i], 1, 0), *np.moveaxis(bodies.axis[j], 1, 0)
     )
-    meet = _overlap(bodies, i, j, (far - near)[:, None, :])
+    meet = _overlap(bodies, i, j, (far - near)[:, None, :], rounding)
     rest = np.flatnonzero(meet)
     i, j = i[rest], j[rest]
     planes = np.concatenate([bodies.normals[i], bodies.normals[j]], axis=1)
-    meet[rest] = _overlap(bodies, i, j, planes)
+    meet[rest] = _overlap(bodies, i, j, planes, rounding)
     return meet
 
 
-def _overlap(bodies: Bodies, i: Ints, j: Ints, planes: Floats) -> Bools:
+def _overlap(bodies: Bodies, i: Ints, j: Ints, planes: Floats, rounding: float) -> Bools:
     """Return whether bodies overlap seen along each of `planes` (k, q, 3), (k,)."""
     directions = np.swapaxes(normalize(planes), 1, 2)  # (k, 3, q)
     a, b = bodies.points[i] @ directions, bodies.points[j] @ directions  # (k, 10, q)
     size = np.ptp(bodies.points[i], axis=1).max(axis=1, initial=0.0)
-    margin = MARGIN * size + ROUNDING * np.abs(bodies.points[i]).max(axis=(1, 2), initial=0.0)
+    margin = MARGIN * size + 2.0 * rounding
     gap = np.maximum(b.min(axis=1) - a.max(axis=1), a.min(axis=1) - b.max(axis=1))  # (k, q)
     return np.asarray((gap <= margin[:, None]).all(axis=1))

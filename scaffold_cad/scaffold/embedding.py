@@ -15,11 +15,14 @@ points are closed by *stubs*, four triangles around a point on its axis. Stubs m
 from what is left as well; a branch point whose stub does not is left out with all its struts.
 
 Every condition is sufficient and none is necessary: what breaks one may still be embedded.
+
+The conditions hold with some room. Where it is more than the rounding to 32-bit coordinates, the
+scaffold is embedded in files of these as well.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -28,7 +31,7 @@ from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Bools, Edges, Frozen, Ints, Points
 from scaffold_cad.base.blocks import cut
 from scaffold_cad.base.vectors import dot, length
-from scaffold_cad.base.visibility import in_front, rounding_of
+from scaffold_cad.base.visibility import SINGLE_ROUNDING, in_front, rounding_of
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.scaffold.bodies import Bodies, conflicting
 from scaffold_cad.scaffold.collars import Refinement
@@ -105,6 +108,8 @@ class Embedding(Frozen):
     """Struts that make an embedded surface with the nodes that are kept, shape (m,)."""
     kept_nodes: Bools
     """Nodes whose sphere keeps apart from all others and from all kept struts, shape (n,)."""
+    room: float
+    """How far every vertex may be off and all of this still holds, mm."""
 
     @property
     def certified(self) -> bool:
@@ -120,29 +125,47 @@ class Embedding(Frozen):
 def embedding(scaffold: Sleeved) -> Embedding:
     """Return which struts of `scaffold` keep to their own room.
 
+    If they all do so with room for 32-bit coordinates, it says so; if not, they need no more room
+    than for 64-bit ones.
+
     Notes
     -----
     Linear in the number of struts, but for the pairs of sleeves whose bounding boxes overlap.
     """
+    vertices = scaffold.mesh.vertices
+    roomy = _of_struts(scaffold, rounding_of(vertices, SINGLE_ROUNDING))
+    if roomy.certified:
+        return roomy
+    return _with_nodes(scaffold, _of_struts(scaffold, rounding_of(vertices)))
+
+
+def _of_struts(scaffold: Sleeved, rounding: float) -> Embedding:
+    """Return which struts keep to their own room where vertices are off by `rounding`, mm."""
     edge_count = len(scaffold.skeleton.edges)
-    within_cone = _within_cones(scaffold)
+    within_cone = _within_cones(scaffold, rounding)
     uncrossed = np.ones(edge_count, dtype=np.bool_)
-    uncrossed[scaffold.refinement.edge_of_edge[~_uncrossed(scaffold)]] = False
+    uncrossed[scaffold.refinement.edge_of_edge[~_uncrossed(scaffold, rounding)]] = False
     kept = within_cone.all(axis=1) & uncrossed
 
     tubes = tubes_of(scaffold)
     candidates = tubes.only(kept[tubes.owner])
-    conflicts = np.unique(candidates.owner[conflicting(candidates)], axis=0)
+    conflicts = np.unique(candidates.owner[conflicting(candidates, rounding)], axis=0)
     kept[conflicts] = False
-
     kept_nodes = np.ones(len(scaffold.skeleton.nodes), dtype=np.bool_)
+    return Embedding(within_cone, uncrossed, conflicts, kept, kept_nodes, rounding)
+
+
+def _with_nodes(scaffold: Sleeved, found: Embedding) -> Embedding:
+    """Return which nodes keep apart from all that is kept as well, and the struts between them."""
+    kept, kept_nodes, tubes = found.kept.copy(), found.kept_nodes.copy(), tubes_of(scaffold)
     while True:
         left_out = np.flatnonzero(~kept)
         bodies = with_stubs(scaffold, tubes.only(kept[tubes.owner]), left_out, kept_nodes)
-        dropped = np.unique(bodies.node[conflicting(bodies, among=bodies.node >= 0)])
+        meeting = conflicting(bodies, found.room, bodies.node >= 0)
+        dropped = np.unique(bodies.node[meeting])
         dropped = dropped[dropped >= 0]
         if len(dropped) == 0:
-            return Embedding(within_cone, uncrossed, conflicts, kept, kept_nodes)
+            return replace(found, kept=kept, kept_nodes=kept_nodes)
         kept_nodes[dropped] = False
         kept &= kept_nodes[scaffold.skeleton.edges].all(axis=1)
 
@@ -163,11 +186,10 @@ def stub_apexes(scaffold: Sleeved, half_edges: Ints) -> Points:
     return apexes
 
 
-def _within_cones(scaffold: Sleeved) -> Bools:
+def _within_cones(scaffold: Sleeved, rounding: float) -> Bools:
     """Return whether each strut leaves each of its nodes within its own cone, (m, 2)."""
     skeleton, refined = scaffold.skeleton, scaffold.refined
     vertices = scaffold.mesh.vertices
-    rounding = rounding_of(vertices)
     # Struts that are thinned at a joint overlap there in full thickness.
     inside = ~np.isin(skeleton.edges.reshape(-1), scaffold.thinned)
 
@@ -179,8 +201,10 @@ def _within_cones(scaffold: Sleeved) -> Bools:
             node = skeleton.nodes[skeleton.edges[edge[part], side]][:, None, :]
             quad = vertices[scaffold.stars.corners[half_edge[part]]] - node
             planes = np.cross(quad, np.roll(quad, -1, axis=1))  # (k, 4, 3)
+            spread = length(quad)
+            spread = spread + np.roll(spread, -1, axis=1)  # (k, 4)
             far = vertices[scaffold.sleeves[part, 1 - side]] - node  # (k, 4, 3)
-            fine = in_front(planes, far, rounding).all(axis=(1, 2))
+            fine = in_front(planes, far, spread, rounding).all(axis=(1, 2))
             inside[half_edge[part][~fine]] = False
 
     # At joints and extremities, collars among them: all of the strut that begins at a section
@@ -190,18 +214,20 @@ def _within_cones(scaffold: Sleeved) -> Bools:
         for part in cut(np.flatnonzero(refined.valency[ends] < 3), SLEEVE_BYTES):
             node = refined.nodes[ends[part]][:, None, :]
             section = vertices[scaffold.sleeves[part, side]]
-            plane = np.cross(section[:, 2] - section[:, 0], section[:, 3] - section[:, 1])
+            along, across = section[:, 2] - section[:, 0], section[:, 3] - section[:, 1]
+            plane = np.cross(along, across)
+            spread = 2.0 * (length(along) + length(across))[:, None]  # (k, 1)
             plane = (plane if side == 0 else -plane)[:, None, :]
             for distance in range(MOST_SLEEVES):
                 sleeve = np.clip(part + step * distance, 0, len(edge) - 1)
                 far = vertices[scaffold.sleeves[sleeve, 1 - side]] - node
-                fine = in_front(plane, far, rounding).all(axis=(1, 2))
+                fine = in_front(plane, far, spread, rounding).all(axis=(1, 2))
                 fine |= edge[sleeve] != edge[part]
                 inside[2 * edge[part][~fine] + side] = False
     return inside.reshape(-1, 2)
 
 
-def _uncrossed(scaffold: Sleeved) -> Bools:
+def _uncrossed(scaffold: Sleeved, rounding: float) -> Bools:
     """Return whether each sleeve, closed toward its nodes, holds its axis and is whole, (m',).
 
     Nearly all are star-shaped around a point of their axis: their triangles are all seen from one
@@ -211,13 +237,13 @@ def _uncrossed(scaffold: Sleeved) -> Bools:
     start, end = (refined.nodes[refined.edges[:, side]] for side in (0, 1))
     sides = scaffold.mesh.triangles[: 8 * len(refined.edges)].reshape(-1, 8, 3)
     fine = np.zeros(len(refined.edges), dtype=np.bool_)
-    rounding = rounding_of(scaffold.mesh.vertices)
     for fraction in STAR_CENTERS:
         for part in cut(np.flatnonzero(~fine), SLEEVE_BYTES):
             center = (1 - fraction) * start[part] + fraction * end[part]
             shell = _closed_sleeves(scaffold, part, sides[part])  # (k, 16, 3, 3)
             fine[part] = seen_once(shell - center[:, None, None, :], rounding)
-    for part in cut(np.flatnonzero(~fine), SLEEVE_BYTES):
+    exact = rounding <= rounding_of(scaffold.mesh.vertices)
+    for part in cut(np.flatnonzero(~fine) if exact else np.zeros(0, np.intp), SLEEVE_BYTES):
         shell = _closed_sleeves(scaffold, part, sides[part])
         fine[part] = whole(shell)
         for fraction in STAR_CENTERS:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges
+from scaffold_cad.base.visibility import rounding_of
 from scaffold_cad.scaffold.bodies import Bodies, conflicting
 from scaffold_cad.scaffold.embedding import Embedding, tubes_of, with_stubs
 from scaffold_cad.scaffold.scaffold import Scaffold
@@ -75,17 +76,18 @@ def _share(scaffold: Scaffold, tubes: Bodies, struts: Bools, nodes: Bools, home:
     home : (n,) bool; branch points of other shares
     """
     ends, count = scaffold.skeleton.edges, len(nodes)
+    rounding = rounding_of(scaffold.mesh.vertices)
     is_star = scaffold.skeleton.valency > 2
     struts = struts & _first_at(ends, struts, home)
     struts &= ~(is_star & ~home & ~nodes)[ends].any(axis=1)
     among = tubes.only(struts[tubes.owner])
-    struts &= ~_cover(among.owner[conflicting(among)], len(ends))
+    struts &= ~_cover(among.owner[conflicting(among, rounding)], len(ends))
     while True:
         bodies = with_stubs(
             scaffold, tubes.only(struts[tubes.owner]), np.flatnonzero(~struts), nodes
         )
         item = np.where(bodies.node >= 0, bodies.node, count + bodies.owner)
-        meeting = item[conflicting(bodies, among=bodies.node >= 0)]
+        meeting = item[conflicting(bodies, rounding, bodies.node >= 0)]
         if len(meeting) == 0:
             return Share(struts, nodes)
         out = _cover(meeting, count + len(ends))

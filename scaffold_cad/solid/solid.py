@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,21 +12,24 @@ import numpy as np
 from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
 from scaffold_cad.base.notebook import Shown
+from scaffold_cad.base.positions import in_single_precision
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import length
+from scaffold_cad.base.visibility import SINGLE_ROUNDING, rounding_of
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.scaffold import Scaffold
+from scaffold_cad.scaffold.embedding import Embedding, embedding
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.skeleton.checking import check_single_precision, single_step
+from scaffold_cad.skeleton.checking import check_single_precision
 from scaffold_cad.solid import manifolds
 from scaffold_cad.solid.cleaning import FaultySurfaceError, clean_surface
-from scaffold_cad.solid.field import field_solid
 from scaffold_cad.solid.field.nets import skeleton_struts
 from scaffold_cad.solid.field.pieces import without_voids
+from scaffold_cad.solid.field.written import field_as_written, report_thickened
 from scaffold_cad.solid.pieces import solid_pieces
-from scaffold_cad.solid.rounds import FIELD_STEPS, SIDES, round_mesh
+from scaffold_cad.solid.rounds import SIDES, round_mesh
 from scaffold_cad.struts import RoundStruts
 
 if TYPE_CHECKING:
@@ -142,7 +145,7 @@ def solidified(
 
 
 def _square_solid(scaffold: Scaffold, factor: float) -> Solidified:
-    embedded = scaffold.embedding()
+    embedded = embedding_as_written(scaffold, factor)
     if embedded.certified:
         return Solidified(manifolds.to_manifold(scaffold.mesh), embedded.left_out, [])
     check_single_precision(scaffold.skeleton)
@@ -156,22 +159,27 @@ def _square_solid(scaffold: Scaffold, factor: float) -> Solidified:
     return _round_instead(scaffold, factor) if made is None else made
 
 
+def embedding_as_written(scaffold: Scaffold, factor: float) -> Embedding:
+    """Return which struts keep to their own room, of a whole scaffold in 32-bit coordinates too."""
+    found = scaffold.embedding()
+    vertices = scaffold.mesh.vertices
+    if not found.certified or found.room >= rounding_of(vertices, SINGLE_ROUNDING):
+        return found
+    rounded = in_single_precision(vertices, factor) / factor
+    return embedding(replace(scaffold, mesh=scaffold.mesh.moved(rounded)))
+
+
 def _round_instead(scaffold: Scaffold, factor: float) -> Solidified:
     """Return the solid with round struts of the same section as the square ones, as a field.
 
-    It is closed and free of crossings wherever it is; struts that 32-bit coordinates do not hold
-    are thicker.
+    It is closed and free of crossings wherever it is.
     """
     skeleton = scaffold.skeleton
     radii = EQUAL_AREA * scaffold.options.corner_distance * skeleton.radii
-    least = FIELD_STEPS * single_step(float(np.abs(skeleton.nodes).max()))
-    if radii.min() < least:
-        _log.warning("struts thinner than %.3g mm are as thick as that in the solid", 2 * least)
     struts = skeleton_struts(skeleton.with_radii(radii), blend=0.0, flat_ends=True)
-    mesh, voids = without_voids(field_solid(struts.scaled(factor)).mesh)
-    mesh = TriangleMesh(mesh.vertices / factor, mesh.triangles)
-    edges = np.arange(len(skeleton.edges))
-    return Solidified(manifolds.to_manifold(mesh), edges, [void / factor**3 for void in voids])
+    report_thickened(struts, factor)
+    mesh, voids = without_voids(field_as_written(struts, factor))
+    return Solidified(manifolds.to_manifold(mesh), np.arange(len(skeleton.edges)), voids)
 
 
 def _clean_union(

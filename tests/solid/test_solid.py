@@ -150,7 +150,7 @@ def test_thin_rods_far_away_are_one_solid_as_written(caplog: pytest.LogCaptureFi
     nodes = np.stack([centers - ways, centers + ways], axis=1).reshape(-1, 3) + 7.6e4
     rods = Skeleton(nodes, np.arange(16).reshape(-1, 2), radius)
     check_as_written(manifold_triangles(to_solid(build_scaffold(rods))))
-    assert "struts thinner than 0.25 mm are as thick as that" in caplog.text
+    assert "has a radius of 0.125 mm instead of 0.0226 mm" in caplog.text
 
 
 @pytest.mark.parametrize(("make", "steps"), [(round_struts, 16), (build_scaffold, 2)])
@@ -194,3 +194,29 @@ def test_a_union_is_whole_as_it_is_written(
     size = np.ptp(scaffold.mesh.vertices, axis=0).max()
     assert np.ptp(mesh.vertices, axis=0).max() == pytest.approx(size / millimeters, rel=0.01)
     check_whole(mesh)
+
+
+FAR_OUT = np.array([1e6, 3e5, -2e5])
+"""1 km from the origin, where 32-bit coordinates are 0.0625 mm apart, mm."""
+
+
+def a_star_far_out(radius: float) -> Skeleton:
+    tips = 10 * radius * np.array([[1, 0.3, 0.2], [-0.4, 0.9, -0.1], [-0.5, -0.6, 0.6]])
+    return Skeleton(FAR_OUT + np.vstack([np.zeros(3), tips]), [[0, 1], [0, 2], [0, 3]], radius)
+
+
+@pytest.mark.parametrize("radius", [0.07, 0.1, 0.2, 2.0])
+def test_embedded_struts_are_whole_as_written_far_from_the_origin(radius: float) -> None:
+    scaffold = build_scaffold(a_star_far_out(radius))
+    assert scaffold.embedding().certified
+    check_as_written(manifold_triangles(to_solid(scaffold)))
+
+
+def test_what_is_certified_with_room_holds_wherever_vertices_are_rounded_to() -> None:
+    scaffold = build_scaffold(named.TETRAPOD)
+    embedded = scaffold.embedding()
+    rounded = scaffold.mesh.vertices.astype(np.float32)
+    assert embedded.room > np.abs(rounded - scaffold.mesh.vertices).max()
+    far = build_scaffold(a_star_far_out(0.2)).embedding()
+    assert far.certified
+    assert far.room < 1e-6

@@ -23,8 +23,9 @@ from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.seams import seamed
 from scaffold_cad.solid.clusters.spans import Spans, no_spans
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
-from scaffold_cad.solid.field import FieldStruts, field_solid
+from scaffold_cad.solid.field import FieldStruts
 from scaffold_cad.solid.field.pieces import without_voids
+from scaffold_cad.solid.field.written import field_as_written, report_thickened
 from scaffold_cad.struts.apart import Slack
 from scaffold_cad.struts.bands import polygon_slack
 from scaffold_cad.struts.curverings import rings_hold
@@ -275,6 +276,8 @@ def _surface(
             own = ends < count
             around = shell.made.node
             inside = clusters.nodes
+            if fields is not None:
+                report_thickened(fields, factor)
             return _Surface(mesh, ends[own], shell.rings[own], inside, clusters.reached, around)
         _log.debug("%d of %d seams failed", len(failed), len(rest.cuts.node))
         core, seeds = grown(struts, clusters, failed)
@@ -282,18 +285,16 @@ def _surface(
         "%d struts have too little room for rings of their own: made as a field",
         len(struts.skeleton.edges),
     )
-    mesh = filled(field_of(whole_struts(struts), sags, factor))
+    every = whole_struts(struts)
+    report_thickened(every, factor)
+    mesh = filled(field_of(every, sags, factor))
     none = np.zeros((0, sides), dtype=np.intp)
     return _Surface(mesh, none[:, 0], none, np.ones(count, dtype=np.bool_), fillets, none[:, 0])
 
 
 def field_of(fields: FieldStruts, sags: Sags | None, factor: float) -> TriangleMesh:
     """Return the surface of fields, whose coordinates are 32-bit numbers in the unit of a file."""
-    sag = np.inf if sags is None else factor * sags.of(fields)
-    if factor == 1.0:
-        return field_solid(fields, sag=sag).mesh
-    made = field_solid(fields.scaled(factor), sag=sag).mesh
-    return TriangleMesh(made.vertices / factor, made.triangles)
+    return field_as_written(fields, factor, np.inf if sags is None else sags.of(fields))
 
 
 def filled(field: TriangleMesh) -> TriangleMesh:

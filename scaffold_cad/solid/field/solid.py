@@ -125,8 +125,7 @@ def field_solid(
     """
     if cell is not None and not (np.isfinite(cell) and cell > 0):
         raise OptionError(f"cell is {cell:g} mm; need > 0")
-    low, high = struts.box()
-    struts, thickened = _thick_enough(struts, float((high - low).max()))
+    struts, thickened = held_by_grids(struts)
     sags = np.broadcast_to(np.asarray(sag, dtype=np.float64), len(struts.radii))  # (m,)
     wanted = wanted_cells(struts.radii, cell, sags[:, None])  # (m, 2)
     lattice = _lattice(struts, wanted)
@@ -154,8 +153,10 @@ def wanted_cells(radii: Floats, cell: float | None, sag: Floats) -> Floats:
     return np.minimum(usual, np.sqrt(8.0 * sag * radii))
 
 
-def _thick_enough(struts: FieldStruts, extent: float) -> tuple[FieldStruts, Ints]:
+def held_by_grids(struts: FieldStruts) -> tuple[FieldStruts, Ints]:
     """Return the struts with radii that the grid can hold, and which were too thin."""
+    low, high = struts.box()
+    extent = float((high - low).max())
     steps = np.ldexp(1.0, spacing_exponents(struts.ends))  # (m, 2)
     least = np.maximum(2 * LEAST_STEPS * steps, 2.0 * extent / MOST_CELLS_ASIDE / CELL_FRACTION)
     thin = struts.radii < least
