@@ -14,8 +14,8 @@ from functools import cached_property
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points
-from scaffold_cad.base.segments import nearest_on_segments
-from scaffold_cad.base.vectors import dot, length, normalize
+from scaffold_cad.base.vectors import length, normalize
+from scaffold_cad.solid.clusters.nearness import near_spans
 from scaffold_cad.solid.clusters.remainder import Remainder, remainder
 from scaffold_cad.solid.clusters.spans import (
     Spans,
@@ -41,9 +41,6 @@ from scaffold_cad.struts.pieces import (
     with_domes,
 )
 from scaffold_cad.struts.runs import Runs, balls_of
-
-STEPS = 8
-"""Newton's steps towards the end of what is near."""
 
 SETTLED = 0.01
 """By how much spans may still grow where clusters have settled, in radii."""
@@ -240,7 +237,9 @@ class _Found:
             gap = np.maximum(blend[own], blend[other])
             gap = np.maximum(gap, GAP * radius[own])
             inner = (kind[own] >= SPAN) & (kind[other] >= SPAN)
-            near.append(_near(self.struts.runs, pieces, own, other, radius[other] + gap, inner))
+            near.append(
+                near_spans(self.struts.runs, pieces, own, other, radius[other] + gap, inner)
+            )
         return Core(at, folded), Spans.joined(near)
 
     def _pieces(self, slack: float) -> tuple[Pieces, Ints, Floats, Floats]:
@@ -356,61 +355,6 @@ def _balls(runs: Runs, rows: Ints, radius: Floats) -> Pieces:
     step = radius[:, None] * np.array([1.0, 0.0, 0.0])
     center, same = runs.nodes[rows], np.repeat(rows[:, None], 2, axis=1)
     return _hull_less(center - step, center + step, radius, same, np.full(len(rows), -1))
-
-
-def _near(runs: Runs, pieces: Pieces, own: Ints, other: Ints, reach: Floats, inner: Bools) -> Spans:
-    """Return the stretches of the runs of pieces within `reach` (p,) of the axes of others.
-
-    Where an axis only nearly comes so near, a radius to each side of the nearest place is taken,
-    but for pieces that are `inner` (p,): those are in clusters already.
-    """
-    run = pieces.run[own]
-    keep = run >= 0  # balls are no stretches
-    own, other, run = own[keep], other[keep], run[keep]
-    reach, inner = reach[keep], inner[keep]
-    tail, ahead = runs.nodes[runs.edges[run, 0]], runs.directions[2 * run]
-    start, end = pieces.start[other], pieces.end[other]
-    nearest, _ = nearest_on_segments(pieces.start[own], pieces.end[own], start, end)
-    whole = runs.lengths[run]
-    middle = np.clip(((nearest - tail) * ahead).sum(axis=1), 0.0, whole)
-
-    slope, along = runs.slopes[2 * run], end - start
-    size = np.maximum(dot(along, along), 1e-300)
-
-    def beyond(place: Floats) -> tuple[Floats, Floats]:
-        """Return how far others are beyond the reach at places, mm, and how fast that grows."""
-        way = tail + place[:, None] * ahead - start
-        way -= np.clip(dot(way, along) / size, 0.0, 1.0)[:, None] * along
-        far = length(way)
-        growth = dot(way, ahead) / np.maximum(far, 1e-300) - slope
-        return far - reach - radii_at(runs, run, place), growth
-
-    apart = beyond(middle)[0] >= 0
-    radius = radii_at(runs, run, middle)
-    low = np.where(apart, middle - radius, _edge(beyond, middle, np.zeros(len(run)), apart))
-    high = np.where(apart, middle + radius, _edge(beyond, middle, whole, apart))
-    kept = ~(apart & inner)
-    return Spans(run[kept], np.maximum(low[kept], 0.0), np.minimum(high[kept], whole[kept]))
-
-
-def _edge(
-    beyond: Callable[[Floats], tuple[Floats, Floats]], near: Floats, far: Floats, idle: Bools
-) -> Floats:
-    """Return where what is near ends between places that are near and places far off.
-
-    What lies beyond a reach is convex along a line: Newton's steps from far off never come nearer
-    than the end. `idle` places (p,) stay far off.
-    """
-    place = far
-    low, high = np.minimum(near, far), np.maximum(near, far)
-    for _ in range(STEPS):
-        gap, growth = beyond(place)
-        moving = (gap > 0) & (growth != 0) & ~idle
-        if not moving.any():
-            break
-        step = np.divide(gap, growth, out=np.zeros_like(gap), where=moving)
-        place = np.clip(place - step, low, high)
-    return place
 
 
 def _padded(pieces: Pieces, more: Floats) -> Pieces:
