@@ -149,7 +149,7 @@ def lattice_part(
             _report_full(whole, outer, radius)
             return whole if skin is not None else _without_crumbs(whole)
         _log.debug("with the lattice moved by %g cells the part %s", nudge, fault)
-    raise MeshError(f"the part {fault}; need a clean surface (try another cell size or radius)")
+    raise MeshError(f"the part {fault}, however the lattice is moved; need a clean surface there")
 
 
 def flush_box(
@@ -220,7 +220,7 @@ def flush_box(
         else:
             to_unite("unite", solid.united_edges, struts)
             return _without_crumbs(flush)
-    raise MeshError(f"the box {fault}; need a clean surface (try another cell size or radius)")
+    raise MeshError(f"the box {fault}, however the lattice is moved; need a clean surface there")
 
 
 def _sound(mesh: TriangleMesh) -> tuple[TriangleMesh, Manifold]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.base.arguments import check_kind, checks_keywords
+from scaffold_cad.base.positions import single_steps
 from scaffold_cad.errors import MeshError, SkeletonError
 from scaffold_cad.skeleton.overlaps import overlapping_half_edges
 from scaffold_cad.skeleton.repair import LEAST_LENGTH, LEAST_RADIUS
@@ -82,28 +83,17 @@ def check_skeleton(skeleton: Skeleton) -> None:
         )
 
 
-def single_step(extent: float) -> float:
-    """Return how far apart 32-bit numbers are just above `extent`, mm.
-
-    Examples
-    --------
-    >>> single_step(9e6)
-    1.0
-    """
-    return float(np.spacing(np.float32(extent)))
-
-
 def check_single_precision(skeleton: Skeleton, least: float = LEAST_STEPS) -> None:
     """Raise unless 32-bit coordinates, as meshes in files have them, can hold all struts.
 
     Parameters
     ----------
-    least : least radius, in steps of these coordinates where they are largest
+    least : least radius, in steps of these coordinates where the strut is
 
     Raises
     ------
     MeshError
-        If a strut is too thin for how far from the origin the skeleton is; it is named.
+        If a strut is too thin for how far from the origin it is; the worst one is named.
 
     Examples
     --------
@@ -113,19 +103,20 @@ def check_single_precision(skeleton: Skeleton, least: float = LEAST_STEPS) -> No
     >>> check_single_precision(thin)  # doctest: +ELLIPSIS
     Traceback (most recent call last):
     ...
-    scaffold_cad.errors.MeshError: edge 0 has radius 1 mm, and is ...
+    scaffold_cad.errors.MeshError: edge 0 near [4.5e+06, 0, 0] mm has radius 1 mm, where ...
     """
-    extent = float(np.abs(skeleton.nodes).max())
-    step = single_step(extent)
-    sizes = skeleton.edge_radii.min(axis=1)
-    thin = np.flatnonzero(sizes < least * step)
-    if len(thin):
-        raise MeshError(
-            f"edge {thin[0]} has radius {sizes[thin[0]]:g} mm, and is in a skeleton that reaches "
-            f"{extent:g} mm from the origin, where 32-bit coordinates of meshes are {step:g} mm "
-            f"apart; need {least * step:g} mm or more, or a skeleton near the origin, or "
-            "STEP"
-        )
+    ends = skeleton.nodes[skeleton.edges]  # (m, 2, 3)
+    needed = least * single_steps(ends).max(axis=1)  # (m,)
+    radii = skeleton.edge_radii.min(axis=1)
+    if (radii >= needed).all():
+        return
+    edge = int(np.argmin(radii / needed))
+    near = ", ".join(f"{value:.6g}" for value in ends[edge].mean(axis=0).tolist())
+    raise MeshError(
+        f"edge {edge} near [{near}] mm has radius {radii[edge]:g} mm, where 32-bit coordinates, as "
+        f"meshes in files have them, are {needed[edge] / least:g} mm apart; need "
+        f"{needed[edge]:g} mm or more, a place nearer to the origin, or STEP"
+    )
 
 
 def _equal_rows(rows: np.ndarray) -> list[tuple[int, int]]:

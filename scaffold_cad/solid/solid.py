@@ -209,7 +209,10 @@ def _clean_union(
         mesh = TriangleMesh(mesh.vertices / factor, mesh.triangles)
         # What touched the outside along an edge alone is a void of its own once it is parted.
         mesh, more = without_voids(mesh)
-        return Solidified(manifolds.to_manifold(mesh), edges, voids + more)
+        if len(mesh.triangles):
+            return Solidified(manifolds.to_manifold(mesh), edges, voids + more)
+        told = "is turned inside out"
+        break
     _log.warning(
         "the union of %d overlapping struts %s as 32-bit coordinates hold it: "
         "all struts are round in the solid, of the same section",

@@ -162,8 +162,16 @@ def test_struts_that_files_cannot_hold_so_far_away_are_refused(
     near, far = (make(Skeleton(steps * arms + at, star, steps)) for at in (0.0, away))
     assert to_solid(far).volume() == pytest.approx(to_solid(near).volume(), rel=0.03)
     thin = make(Skeleton(steps * arms + away, star, 0.9 * steps))
-    with pytest.raises(MeshError, match=rf"edge 0 has radius .* 1 mm apart; need {steps} mm or"):
+    with pytest.raises(MeshError, match=rf"edge 0 near .* 1 mm apart; need {steps} mm or"):
         write(thin, tmp_path / "thin.stl")
+
+
+def test_a_thin_strut_near_the_origin_is_held_whatever_else_is_far_away(tmp_path: Path) -> None:
+    nodes = [[0, 0, 0], [9, 0, 0], [9e6, 0, 0], [9e6, 900, 0]]
+    both = Skeleton(nodes, [[0, 1], [2, 3]], [0.5, 0.5, 90, 90])
+    write(round_struts(both), tmp_path / "both.stl")
+    volumes = sorted(part.volume for part in trimesh.load(tmp_path / "both.stl").split())
+    assert volumes == pytest.approx([np.pi * 0.5**2 * 9, np.pi * 90**2 * 900], rel=0.01)
 
 
 @pytest.mark.parametrize("shift", [2.5e-6, 1e-3])
