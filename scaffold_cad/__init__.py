@@ -7,8 +7,9 @@
 
 `from scaffold_cad import *` takes the names of `__all__`, none of which is one of build123d's.
 Further names can be imported one by one: `project` and `thicken`, whose names build123d has too;
-the part classes, which load build123d when they are first asked for; and the names of the parts of
-the method, documented in their own packages (`scaffold_cad.partition`, `scaffold_cad.struts`, ...).
+the part classes, which load build123d when they are first asked for; `ScaffoldCadError`, the base
+of all in `scaffold_cad.errors`; and the names of the parts of the method, documented in their own
+packages (`scaffold_cad.partition`, `scaffold_cad.struts`, ...).
 """
 
 from typing import TYPE_CHECKING, Any
@@ -20,6 +21,7 @@ from scaffold_cad.brep.g1 import Patches as Patches
 from scaffold_cad.brep.g1 import smooth_patches
 from scaffold_cad.convolution import ConvolutionField
 from scaffold_cad.convolution import project as project
+from scaffold_cad.errors import ScaffoldCadError as ScaffoldCadError
 from scaffold_cad.filling import (
     between_faces,
     cut,

@@ -60,8 +60,8 @@ def test_an_unknown_name_is_refused() -> None:
         scaffold_cad.StrutFrames  # noqa: B018
 
 
-ABSTRACT = {"CellMap", "Field"}
-"""Public classes that are made to be derived from, not called."""
+ABSTRACT = {"CellMap", "Field", "ScaffoldCadError"}
+"""Public classes that are made to be derived from or caught, not called."""
 
 
 MADE_BY_THE_PACKAGE = {

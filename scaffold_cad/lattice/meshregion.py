@@ -11,7 +11,7 @@ from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, read_on
 from scaffold_cad.base.regions import surface_tolerance
 from scaffold_cad.base.vectors import dot, length, rotate
 from scaffold_cad.lattice.boxgrid import BoxGrid
-from scaffold_cad.mesh.bodies import check_balanced, turned_outwards
+from scaffold_cad.mesh.bodies import check_balanced, report_crossed, turned_outwards
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.mesh.welding import welded, without_repeated_corners
 
@@ -34,8 +34,8 @@ class MeshRegion:
     def __init__(self, mesh: TriangleMesh) -> None:
         """Keep the triangles of a closed mesh, counter-clockwise seen from outside.
 
-        Bodies of the mesh may touch along edges. Shells that are inside out are turned, and the
-        log says so.
+        Bodies of the mesh may touch along edges. Shells that are inside out are turned; the log
+        says so, and names a place where a shell crosses itself.
 
         Raises
         ------
@@ -49,6 +49,7 @@ class MeshRegion:
         self.bounds = np.stack([self._corners.min(axis=(0, 1)), self._corners.max(axis=(0, 1))])
         read_only(self.bounds)
         self.tolerance = surface_tolerance(self.bounds, SURFACE_FRACTION)
+        report_crossed(mesh, self.tolerance)
 
     def crossings(self, nodes: Points, edges: Edges) -> tuple[Ints, Floats]:
         """Return where edges pierce triangles, a shared side as often as triangles meet there."""

@@ -119,13 +119,35 @@ def check_uncrossed(mesh: TriangleMesh) -> None:
         If it does; the place is named in mm.
     """
     crossings = self_intersections(mesh, tolerance=1e-9, limit=1)
-    if len(crossings) == 0:
-        return
-    one, other = (mesh.vertices[mesh.triangles[k]] for k in crossings[0])
+    if len(crossings) > 0:
+        raise MeshError(
+            f"the body crosses itself near {_crossing_place(mesh, crossings[0])} mm; need a "
+            "surface that does not"
+        )
+
+
+def report_crossed(mesh: TriangleMesh, tolerance: float) -> None:
+    """Warn in the log if a shell crosses itself deeper than a tolerance, mm.
+
+    Shells that cross others are a union, and not a fault.
+    """
+    crossings = self_intersections(mesh, tolerance=tolerance)  # (k, 2)
+    shell = shells_of(mesh.triangles, len(mesh.vertices))
+    crossings = crossings[shell[crossings[:, 0]] == shell[crossings[:, 1]]]
+    if len(crossings) > 0:
+        _log.warning(
+            "the body crosses itself near %s mm; what its surface winds around is taken as inside",
+            _crossing_place(mesh, crossings[0]),
+        )
+
+
+def _crossing_place(mesh: TriangleMesh, pair: Ints) -> list[float]:
+    """Return about where two triangles (2,) cross, mm."""
+    one, other = (mesh.vertices[mesh.triangles[k]] for k in pair)
     low = np.maximum(one.min(axis=0), other.min(axis=0))
     high = np.minimum(one.max(axis=0), other.max(axis=0))
-    place = np.round((low + high) / 2, 3).tolist()
-    raise MeshError(f"the body crosses itself near {place} mm; need a surface that does not")
+    place: list[float] = np.round((low + high) / 2, 3).tolist()
+    return place
 
 
 def shells_of(triangles: Triangles, count: int) -> Ints:

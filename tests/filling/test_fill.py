@@ -341,6 +341,20 @@ def test_an_inside_out_mesh_is_filled_inside_and_said(caplog: pytest.LogCaptureF
     assert "the body is inside out, as at" in caplog.text
 
 
+def test_a_shell_that_crosses_itself_is_named_with_the_place(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    ball = trimesh.creation.icosphere(subdivisions=2, radius=15.0)
+    pushed = ball.vertices.copy()
+    pushed[0] *= -1.5  # through the other side
+    fill(TriangleMesh(pushed, ball.faces), "bcc", 8.0, 0.3)
+    assert "the body crosses itself near [" in caplog.text
+    caplog.clear()
+    overlapping = joined(box_mesh(), box_mesh(BOX + np.array([7.0, 5.0, 3.0])))
+    fill(overlapping, "bcc", 8.0, 0.3)
+    assert "crosses itself" not in caplog.text
+
+
 def test_bodies_that_touch_along_an_edge_are_filled() -> None:
     one, other = (trimesh.creation.box(bounds=[[k, k, 0], [k + 20, k + 20, 20]]) for k in (0, 20))
     both = joined(*(TriangleMesh(mesh.vertices, mesh.faces) for mesh in (one, other)))
