@@ -213,7 +213,7 @@ def _plate_contact(stand: Standing, process: Process) -> Finding:
 
 
 def _best(facets: Facets, stand: Standing, direction: UnitVectors, process: Process) -> Finding:
-    best = best_direction(facets, process)
+    best = best_direction(facets, process, direction)
     other = standing(facets, best, process)
     text = f"({', '.join(f'{value:.3g}' for value in best + 0.0)}) up: height {other.height:.4g} mm"
     if process.overhang_angle > 0:

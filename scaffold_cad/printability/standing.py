@@ -25,6 +25,8 @@ SAME_NORMAL = 1e-4
 """Step to which normals are rounded to tell which faces face the same way."""
 ROUNDING = 1e-6
 """Room left for rounding at the limit of what hangs over, in the cosine."""
+UP: UnitVectors = np.array([0.0, 0.0, 1.0])
+"""The direction that wins over its equals where none is given."""
 
 
 def as_direction(values: ArrayLike) -> UnitVectors:
@@ -138,17 +140,23 @@ def _hanging(area_vectors: Floats, direction: UnitVectors, process: Process) -> 
     return hanging
 
 
-def best_direction(facets: Facets, process: Process) -> UnitVectors:
-    """Return the direction that needs least support, of many that are tried.
+def best_direction(facets: Facets, process: Process, given: UnitVectors = UP) -> UnitVectors:
+    """Return the direction that needs least support, of one given and many that are tried.
 
-    Among directions of nearly the same support, the one of the lowest part, and among those the
-    one with the largest hold on the plate. +z wins over its equals.
+    Among directions of nearly the same support, none of which need more than the one given, the
+    one of the lowest part, and among those the one with the largest hold on the plate. The one
+    given wins over its equals.
     """
-    tried = np.concatenate([[[0, 0, 1]], _axes(), _onto_faces(facets), _spiral(CANDIDATES)])
+    tried = np.concatenate([[given], _axes(), _onto_faces(facets), _spiral(CANDIDATES)])
     stands = [standing(facets, direction, process) for direction in tried]
     step = max(SAME_AREA * facets.area, 1e-300)
     keys = [
-        (round(stand.support_area / step), round(stand.height, 3), -round(stand.contact_area, 3))
+        (
+            stand.support_area > stands[0].support_area,
+            round(stand.support_area / step),
+            round(stand.height, 3),
+            -round(stand.contact_area, 3),
+        )
         for stand in stands
     ]
     best: UnitVectors = tried[min(range(len(keys)), key=keys.__getitem__)]

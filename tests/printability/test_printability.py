@@ -392,6 +392,21 @@ def test_a_table_hangs_over_but_not_upside_down() -> None:
     assert turned["plate_contact"].value["area_mm2"] == pytest.approx(100.0)
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_the_best_direction_needs_no_more_support_than_the_one_given(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    tips = rng.normal(size=(5, 3)) * 20
+    star = Skeleton([[0, 0, 0], *tips], [[0, k] for k in range(1, 6)], 2.0)
+    solid = to_solid(build_scaffold(star, section="area", collars=True))
+    for direction in rng.normal(size=(3, 3)):
+        report = check_printability(solid, "fdm", direction=direction)
+        best = check_printability(
+            solid, "fdm", direction=report["best_direction"].value["direction"]
+        )
+        needed, least = (one["supports"].value["area_mm2"] for one in (report, best))
+        assert least <= needed * (1 + 1e-9)
+
+
 @pytest.mark.parametrize(("degrees", "area"), [(44.0, True), (45.0, False), (46.0, False)])
 def test_faces_hang_over_below_the_angle_of_the_process(degrees: float, area: bool) -> None:
     # A wedge whose lower face rises from the plate at the angle.
