@@ -100,7 +100,7 @@ def check_printability(
     if skeleton is not None and len(skeleton.edges):
         if given and surface.closed:
             findings.append(match_finding(skeleton, mesh))
-        findings += strut_findings(skeleton, process, apothem)
+        findings += strut_findings(skeleton, mesh, process, apothem)
     findings += direction_findings(surface, facets, upwards, process, skeleton, supports)
     findings.append(drainage_finding(surface, process))
     findings += part_findings(

@@ -12,35 +12,51 @@ from scaffold_cad.base.arrays import Floats, Ints, Points
 from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import length
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.printability.processes import Process
 from scaffold_cad.printability.report import MOST_PLACES, Finding, counted
+from scaffold_cad.printability.thickness import Thickness, thickness_of
 from scaffold_cad.skeleton import Skeleton
 
 RADIUS_STEP = 1e-3
 """What radii that are advised are multiples of, mm."""
 
 
-def strut_findings(skeleton: Skeleton, process: Process, apothem: float = 1.0) -> Iterator[Finding]:
+def strut_findings(
+    skeleton: Skeleton, mesh: TriangleMesh, process: Process, apothem: float = 1.0
+) -> Iterator[Finding]:
     """Yield what there is to say of struts with the radii of `skeleton`, at least one.
 
     Parameters
     ----------
+    mesh : of the part, in which struts are measured
     apothem : what the radii asked for were multiplied by
     """
-    thinnest = 2.0 * skeleton.edge_radii.min(axis=1)
-    yield _diameter(skeleton, thinnest, process, apothem)
-    yield _slenderness(skeleton, thinnest, process)
+    thickness = thickness_of(skeleton, mesh)
+    yield _diameter(skeleton, thickness, process, apothem)
+    yield _slenderness(skeleton, thickness.diameters, process)
     yield _gap(skeleton, process)
 
 
-def _diameter(skeleton: Skeleton, thinnest: Floats, process: Process, apothem: float) -> Finding:
-    needed = process.least_diameter
+def _diameter(
+    skeleton: Skeleton, thickness: Thickness, process: Process, apothem: float
+) -> Finding:
+    needed, thinnest = process.least_diameter, thickness.diameters
     # A strut of the very limit, its radius halved and doubled in decimals, is thick enough.
     thin = np.flatnonzero(thinnest < needed * (1 - 1e-9))
     first = int(np.argmin(thinnest))
     text = f"{thinnest[first]:.4g} mm at least, strut {first}"
     advice = ""
-    if len(thin):
+    asked = 2 * skeleton.edge_radii.min(axis=1)
+    thinned = thickness.thinned
+    if len(thinned):
+        worst = int(thinned[np.argmin((thinnest / asked)[thinned])])
+        place = np.round(thickness.places[worst], 3).tolist()
+        advice = (
+            f"{counted(len(thinned), 'strut')} thinner than asked for: strut {worst} measures "
+            f"{thinnest[worst]:.4g} mm near {place} mm, not {asked[worst]:.4g}"
+        )
+    elif len(thin):
         # Rounded up, so that it is enough.
         radius = math.ceil(needed / 2 / apothem / RADIUS_STEP * (1 - 1e-9)) * RADIUS_STEP
         advice = (
@@ -50,16 +66,17 @@ def _diameter(skeleton: Skeleton, thinnest: Floats, process: Process, apothem: f
     return Finding(
         "strut_diameter",
         "lattice",
-        "failure" if len(thin) else "ok",
+        "failure" if len(thin) else "warning" if len(thinned) else "ok",
         {
             "least_mm": float(thinnest[first]),
             "needed_mm": needed,
             "strut": first,
             "thin": len(thin),
+            "thinned": len(thinned),
         },
         text,
         advice,
-        _middles(skeleton, thin),
+        thickness.places[np.union1d(thin, thinned)[:MOST_PLACES]],
     )
 
 

@@ -26,6 +26,7 @@ from scaffold_cad import (
     solidified,
     tile,
     to_solid,
+    to_trimesh,
     write,
 )
 from scaffold_cad.errors import FormatError, MeshError, OptionError
@@ -284,7 +285,9 @@ def test_a_thin_strut_is_named_with_what_the_process_needs() -> None:
     skeleton = JACK.with_radii([1, 1, 1, 0.155, 1, 1, 1])
     finding = check_printability(skeleton, "sls")["strut_diameter"]
     assert finding.verdict == "failure"
-    assert finding.value == {"least_mm": 0.31, "needed_mm": 0.8, "strut": 2, "thin": 1}
+    assert finding.value == {
+        "least_mm": 0.31, "needed_mm": 0.8, "strut": 2, "thin": 1, "thinned": 0
+    }  # fmt: skip
     assert "strut 2 is 0.31 mm, SLS needs 0.8: raise --radius to 0.4" in finding.advice
 
 
@@ -661,3 +664,34 @@ def test_a_lattice_is_checked_as_a_whole() -> None:
         math.degrees(math.asin(1 / math.sqrt(3)))
     )
     assert report["floating_nodes"].value["count"] == 0
+
+
+def test_struts_are_measured_where_they_are_thinner_than_asked_for() -> None:
+    tripod = Skeleton(
+        [[0, 0, 0], [20, 0, 0], [0, 20, 0], [0, 0, 20]], [[0, 1], [0, 2], [0, 3]], 2.0
+    )
+    mesh = to_trimesh(to_solid(round_struts(tripod, blend=1.0))).subdivide_to_size(0.5)
+    report = check_printability(mesh, "sls", skeleton=tripod)
+    assert report["strut_diameter"].verdict == "ok"
+    assert report["strut_diameter"].value["least_mm"] == 4.0
+    waist = 1 - 0.6 * np.exp(-(((mesh.vertices[:, 0] - 13) / 2) ** 2))
+    mesh.vertices[:, 1:] *= np.where(mesh.vertices[:, 0] > 6, waist, 1.0)[:, None]
+    found = check_printability(mesh, "sls", skeleton=tripod)["strut_diameter"]
+    assert found.verdict == "warning"
+    assert found.value["least_mm"] == pytest.approx(0.4 * 4.0, rel=0.03)
+    assert found.value["strut"] == 0
+    assert "strut 0 measures 1.6" in found.advice
+    assert "near [13.0, 0.0, 0.0] mm, not 4" in found.advice
+
+
+def test_the_bore_and_the_facets_of_struts_are_not_thin() -> None:
+    rng = np.random.default_rng(5)
+    tips = rng.normal(size=(5, 3))
+    tips *= 20 / np.linalg.norm(tips, axis=1)[:, None]
+    star = Skeleton([[0, 0, 0], *tips], [[0, k] for k in range(1, 6)], 1.0)
+    star = star.with_edge_radii([1.0, 1.2, 1.4, 1.6, 1.8])
+    for struts in (round_struts(star), round_struts(star, wall=0.4, ends="open")):
+        value = check_printability(struts, "sls")["strut_diameter"].value
+        assert (value["least_mm"], value["thinned"]) == (2.0, 0)
+    square = check_printability(build_scaffold(star, section="area", collars=True), "sls")
+    assert square["strut_diameter"].value["thinned"] == 0
