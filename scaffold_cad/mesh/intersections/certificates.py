@@ -23,7 +23,7 @@ _UNDERFLOW = 1e-180
 """Bound on what underflow adds to that error, given `LARGEST_COORDINATE`."""
 
 _OTHER_CORNERS = np.array([[1, 2], [2, 0], [0, 1]])
-_AXIS_COUNT = 1 + 2 + 6 + 9  # see `_axis`
+_AXIS_COUNT = 2 + 2 + 6 + 9  # see `_axis`
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,17 +152,20 @@ def _axis(faces: Faces, i: Ints, j: Ints, number: int) -> Floats:
     """Return one of the axes on which two triangles must be disjoint if they do not meet, (k, 3).
 
     These are their normals, the normals of their edges in their planes, and the common normals
-    of their edges; but first the line between their centers, which most often is one.
+    of their edges; but first those two that most often are one: the common normal of their longest
+    edges, which parts long thin triangles, and the line between their centers.
     """
     if number == 0:
+        return np.cross(faces.longest[i], faces.longest[j])
+    if number == 1:
         return faces.centers[j] - faces.centers[i]
-    if number <= 2:
-        return faces.normals[(i, j)[number - 1]]
-    if number <= 8:
-        side, which = divmod(number - 3, 2)
+    if number <= 3:
+        return faces.normals[(i, j)[number - 2]]
+    if number <= 9:
+        side, which = divmod(number - 4, 2)
         one = (i, j)[which]
         return np.cross(faces.edge(one, side), faces.normals[one])
-    side_i, side_j = divmod(number - 9, 3)
+    side_i, side_j = divmod(number - 10, 3)
     return np.cross(faces.edge(i, side_i), faces.edge(j, side_j))
 
 
@@ -174,10 +177,15 @@ def _overlap(faces: Faces, i: Ints, j: Ints, axis: Floats) -> Floats:
     base = faces.corner(i, 0)[:, None]
     first = _along(np.take(faces.corners, i, axis=0) - base, axis)  # (3, k)
     second = _along(np.take(faces.corners, j, axis=0) - base, axis)
-    overlap: Floats = np.minimum(
-        first.max(axis=0) - second.min(axis=0), second.max(axis=0) - first.min(axis=0)
-    )
+    (low, high), (lower, higher) = _span(first), _span(second)
+    overlap: Floats = np.minimum(high - lower, higher - low)
     return overlap
+
+
+def _span(heights: Floats) -> tuple[Floats, Floats]:
+    """Return the least and the greatest of three `heights` (3, k); faster than over an axis."""
+    a, b, c = heights
+    return np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
 
 
 def depth_of(faces: Faces, i: Ints, j: Ints) -> Floats:

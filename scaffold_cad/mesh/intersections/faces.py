@@ -8,7 +8,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints, Points
 from scaffold_cad.base.positions import equal_positions
-from scaffold_cad.base.vectors import normalize
+from scaffold_cad.base.vectors import dot, normalize
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 
@@ -27,6 +27,8 @@ class Faces:
     """Number of corners that repeat no other, shape (t,)."""
     normals: Floats
     """Cross product of two edges, shape (t, 3), mm²."""
+    longest: Floats
+    """The longest edge, shape (t, 3), mm."""
     reach: Floats
     """Largest coordinate difference of two corners, shape (t,), mm."""
     centers: Floats
@@ -65,6 +67,7 @@ def faces_of(mesh: TriangleMesh, order: Ints, weld: bool) -> Faces:
         labels=labels,
         corner_count=3 - repeats.sum(axis=0),
         normals=np.cross(edges[:, 0], edges[:, 1]),
+        longest=picked(edges, np.arange(len(edges)), dot(edges, edges).argmax(axis=1)),
         reach=np.abs(edges).max(axis=(1, 2)),
         centers=(corners[:, 0] + corners[:, 1] + corners[:, 2]) / 3.0,
         bisectors=along - np.roll(along, 1, axis=1),
