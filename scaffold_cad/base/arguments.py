@@ -29,6 +29,7 @@ WAYS = {
     ("Subdivision", "QuadMesh"): "subdivision.mesh is one",
     ("Cleaning", "Skeleton"): "cleaning.skeleton is one",
     ("Solidified", "Manifold"): "solidified.manifold is one",
+    ("RoundStruts", "Manifold"): "to_solid(struts) is one",
 }
 """How to get what is needed from what is often given in its place, by the names of both."""
 

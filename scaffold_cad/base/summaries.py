@@ -36,13 +36,13 @@ def range_text(values: Floats) -> str:
 
 
 def radii_text(radii: Floats) -> str:
-    """Return the range of `radii` (n,), mm, as it ends the text of a skeleton.
+    """Return the range of `radii` (n,) or (m, 2), mm, as it ends the text of a skeleton.
 
     >>> radii_text(np.array([1.0, 1.0])), radii_text(np.array([2.0, 0.5]))
     ('radius 1 mm', 'radii 0.5 to 2 mm')
     """
-    if len(radii) == 0:
+    if radii.size == 0:
         return "no radii"
     if radii.min() == radii.max():
-        return f"radius {radii[0]:.6g} mm"
+        return f"radius {radii.flat[0]:.6g} mm"
     return f"radii {range_text(radii)}"

@@ -107,7 +107,7 @@ class Scaffold(Frozen, Shown):
     def __str__(self) -> str:
         counts = f"{counted(len(self.mesh.quads), 'quad')} around "
         counts += counted(len(self.skeleton.edges), "edge")
-        size, radii = size_text(self.mesh.vertices), radii_text(self.skeleton.radii)
+        size, radii = size_text(self.mesh.vertices), radii_text(self.skeleton.edge_radii)
         return f"Scaffold: {counts}, {size}, {radii}"
 
     @property

@@ -117,7 +117,8 @@ class Skeleton(Frozen, Shown, Editing):
 
     def __str__(self) -> str:
         counts = f"{counted(len(self.nodes), 'node')}, {counted(len(self.edges), 'edge')}"
-        return f"Skeleton: {counts}, {size_text(self.nodes)}, {radii_text(self.radii)}"
+        radii = radii_text(self.edge_radii if len(self.edges) else self.radii)
+        return f"Skeleton: {counts}, {size_text(self.nodes)}, {radii}"
 
     def _like(
         self, nodes: ArrayLike, edges: ArrayLike, radii: ArrayLike, edge_radii: ArrayLike

@@ -14,6 +14,7 @@ from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
 from scaffold_cad.base.notebook import Shown
 from scaffold_cad.base.positions import in_single_precision
 from scaffold_cad.base.segments import nearest_on_segments
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import length
 from scaffold_cad.base.visibility import SINGLE_ROUNDING, rounding_of
 from scaffold_cad.errors import OptionError
@@ -61,6 +62,11 @@ class Solidified(Frozen, Shown):
     filled_voids: list[float]
     """Volume of each void that overlapping square struts enclosed, mm³; they are filled, and those
     between round struts too."""
+
+    def __str__(self) -> str:
+        triangles = counted(self.manifold.num_tri(), "triangle")
+        united = counted(len(self.united_edges), "strut")
+        return f"Solidified: {triangles}, {self.manifold.volume():g} mm³, {united} united"
 
 
 @checks_keywords()

@@ -10,6 +10,7 @@ import numpy as np
 from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.base.notebook import Shown
+from scaffold_cad.base.summaries import counted, radii_text, size_text
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts.blend import Solved
 from scaffold_cad.struts.curved import Curves
@@ -59,6 +60,8 @@ class RoundStruts(Frozen, Shown):
     >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
     >>> round_struts(strut).overlapping.tolist()
     []
+    >>> print(round_struts(strut))
+    RoundStruts: 1 of 1 strut exact, 0 crowded nodes, 9 x 0 x 0 mm, radius 1 mm
     """
 
     skeleton: Skeleton
@@ -92,6 +95,12 @@ class RoundStruts(Frozen, Shown):
     """Branch points and bends that are the sharp union of their struts, by valency."""
     inner: RoundStruts | None = None
     """The inside of hollow struts, thinner by their wall; None for solid ones."""
+
+    def __str__(self) -> str:
+        struts = f"{self.exact.sum()} of {counted(len(self.exact), 'strut')} exact"
+        crowded = counted(int(self.crowded.sum()), "crowded node")
+        size, radii = size_text(self.skeleton.nodes), radii_text(self.skeleton.edge_radii)
+        return f"RoundStruts: {struts}, {crowded}, {size}, {radii}"
 
     @cached_property
     def exact(self) -> Bools:

@@ -228,3 +228,17 @@ def test_what_is_certified_with_room_holds_wherever_vertices_are_rounded_to() ->
     far = build_scaffold(a_star_far_out(0.2)).embedding()
     assert far.certified
     assert far.room < 1e-6
+
+
+def test_printed_results_are_one_short_line() -> None:
+    tripod = Skeleton(
+        [[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]], [[0, 1], [0, 2], [0, 3]], 1.0
+    ).with_edge_radii([1.0, 0.8, 0.5])
+    assert str(tripod) == "Skeleton: 4 nodes, 3 edges, 9 x 9 x 9 mm, radii 0.5 to 1 mm"
+    struts = round_struts(tripod)
+    assert str(struts) == (
+        "RoundStruts: 3 of 3 struts exact, 0 crowded nodes, 9 x 9 x 9 mm, radii 0.5 to 1 mm"
+    )
+    solid = solidified(struts)
+    count, volume = solid.manifold.num_tri(), solid.manifold.volume()
+    assert str(solid) == f"Solidified: {count} triangles, {volume:g} mm³, 0 struts united"
