@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from scaffold_cad.base.arrays import Edges
+from scaffold_cad.mesh import decimation
 from scaffold_cad.mesh.decimation import COARSEST, decimated
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
@@ -55,6 +57,32 @@ def test_borders_and_vertices_that_are_fixed_stay(cross: TriangleMesh) -> None:
     stay = np.union1d(border, fixed)
     assert set(map(tuple, mesh.vertices[stay].round(9).tolist())) <= own
     assert len(found.faulty_sides()[1]) == len(mesh.faulty_sides()[1])
+
+
+def test_pieces_that_would_cross_are_done_again_and_no_others(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    struts = [[[0, 0, 0], [12, 0, 0]], [[0, -1, 2.1], [12, 1, 2.1]], [[0, 19, 0], [12, 19, 0]]]
+    mesh = field_solid(field_struts(struts, 1.0, blend=0.005)).mesh
+    counts = []
+
+    def counted(mesh: TriangleMesh) -> Edges:
+        found = self_intersections(mesh)
+        counts.append(len(found))
+        return found
+
+    monkeypatch.setattr(decimation, "self_intersections", counted)
+    found = decimated(mesh, even(mesh, 0.1), NONE, ANY)
+    assert counts[0] > 0
+    assert counts[-1] == 0
+    monkeypatch.setattr(decimation, "self_intersections", lambda mesh: np.zeros((0, 2), np.intp))
+    once = decimated(mesh, even(mesh, 0.1), NONE, ANY)
+    found.check_closed()
+    assert len(found.triangles) < 0.2 * len(mesh.triangles)
+    alone, before = (
+        np.sort(some.vertices[some.vertices[:, 1] > 10], axis=0) for some in (found, once)
+    )
+    np.testing.assert_allclose(alone, before, atol=1e-12)
 
 
 def test_tolerances_grow_where_there_are_too_many_triangles(cross: TriangleMesh) -> None:
