@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import pyvista as pv
+from build123d import GeomType
 from PIL import Image, ImageDraw
 
 from scaffold_cad import (
@@ -31,6 +32,7 @@ from scaffold_cad import (
     slices,
     thicken,
     tile,
+    to_brep,
     to_solid,
     to_trimesh,
 )
@@ -456,6 +458,28 @@ def draw_sharp_nodes() -> None:
     stage.save("sharp_nodes")
 
 
+def draw_united() -> None:
+    """Draw a B-rep of a node, which is exact, and of struts that cross, which has facets there."""
+    nodes = [[0, 0, 0], [31, 0, -3], [-8, 0, 6], [-8, 0, -6], [20, 0, 4], [25, -5, -9], [25, 5, 4]]
+    edges = [[0, 1], [0, 2], [0, 3], [0, 4], [5, 6]]
+    part = to_brep(round_struts(Skeleton(nodes, edges, 1.0)), overlaps="unite")
+    stage = Stage((0.25, -1.0, 0.45), 900, 560)
+    facets = []
+    for face in part.faces():
+        made = tessellated(face)
+        if len(face.edges()) == 3 and face.geom_type == GeomType.PLANE:
+            facets.append(made.vertices[made.triangles[0]])
+        else:
+            surface = _polydata(made.vertices, made.triangles)
+            stage.add(surface.compute_normals(feature_angle=35.0, split_vertices=True), BLUE)
+    corners = np.concatenate(facets)
+    rows = np.arange(len(corners)).reshape(-1, 3)
+    stage.add(_polydata(corners, rows), SAND)
+    sides = np.concatenate([rows[:, :2], rows[:, 1:], rows[:, ::2]])
+    stage.add(wires(corners, sides, 0.02), INK, specular=0.0)
+    stage.save("united")
+
+
 def draw_convolution() -> None:
     """Draw the dog's scaffold, and beside it its convolution surface with its quads."""
     scaffold = build_scaffold(skeleton("dog"), collars=True)
@@ -513,6 +537,7 @@ PICTURES: dict[str, Callable[[], None]] = {
     "round_octet": draw_round_octet,
     "round_star": draw_round_star,
     "sharp_nodes": draw_sharp_nodes,
+    "united": draw_united,
     "cells": draw_cells,
     "options": draw_options,
     "layers": draw_layers,
