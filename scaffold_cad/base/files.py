@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all."""
+"""Files that are written whole or not at all, and what is told of those that cannot be read."""
 
 from __future__ import annotations
 
@@ -9,6 +9,38 @@ from pathlib import Path
 from secrets import token_hex
 
 from scaffold_cad.errors import FormatError
+
+
+def check_there(path: Path) -> None:
+    """Raise a FormatError if a file that is to be read is missing or a folder."""
+    if path.is_dir():
+        raise FormatError(f"{path} is a folder; need a file")
+    if not path.exists():
+        raise FormatError(f"{path} cannot be read: there is no such file")
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[None]:
+    """Tell what fails in the block, which reads a file, in the package's words.
+
+    Raises
+    ------
+    FormatError
+        If the file is missing, is a folder, or cannot be read.
+
+    Examples
+    --------
+    >>> with reading(Path("absent.stl")):
+    ...     pass
+    Traceback (most recent call last):
+    ...
+    scaffold_cad.errors.FormatError: absent.stl cannot be read: there is no such file
+    """
+    check_there(path)
+    try:
+        yield
+    except OSError as error:
+        raise FormatError(f"{path} cannot be read: {error.strerror or error}") from None
 
 
 def check_target(path: Path) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from scaffold_cad.base.apart import Arrays, run_apart
 from scaffold_cad.base.arrays import Points
 from scaffold_cad.base.backends import need
+from scaffold_cad.base.files import check_there
 from scaffold_cad.errors import FormatError
 
 
@@ -35,8 +36,7 @@ def read_wires(path: Path, sagitta: float) -> Wires:
     FormatError
         If the file cannot be read.
     """
-    if not path.is_file():
-        raise FormatError(f"{path} cannot be read: there is no such file")
+    check_there(path)
     need("build123d", f"a {path.suffix[1:].upper()} file")
     found = run_apart(wire_arrays, path, repr(sagitta))
     ends = found["ends"]

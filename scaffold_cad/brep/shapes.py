@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arguments import check_choice
 from scaffold_cad.base.backends import need
+from scaffold_cad.base.files import check_there
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.base.vectors import length
 from scaffold_cad.brep.analytic import AnalyticBrep
@@ -184,8 +185,7 @@ def read_shape(path: Path) -> Shape:
     FormatError
         If it cannot be read.
     """
-    if not path.is_file():
-        raise FormatError(f"{path} cannot be read: there is no such file")
+    check_there(path)
     need("build123d", f"a {path.suffix[1:].upper()} file")
     from scaffold_cad.brep import occt
 

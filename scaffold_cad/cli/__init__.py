@@ -29,7 +29,7 @@ from scaffold_cad.cli import (
 from scaffold_cad.cli.completion import add_completion
 from scaffold_cad.cli.config import with_config
 from scaffold_cad.cli.parsing import Parser
-from scaffold_cad.errors import OptionError
+from scaffold_cad.errors import ScaffoldCadError
 
 COMMANDS = (build, lattice, slicing, convert, cells, check, strength, view, formats, info)
 
@@ -40,7 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
         words = with_config(words, commands)
-    except OptionError as error:
+    except ScaffoldCadError as error:
         parser.error(str(error))
     return running.run(parser.parse_args(words))
 

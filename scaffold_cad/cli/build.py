@@ -11,7 +11,7 @@ import numpy as np
 
 from scaffold_cad.base.arguments import as_number
 from scaffold_cad.brep import BREP_SUFFIXES
-from scaffold_cad.cli import sizes, source, streams, tiled
+from scaffold_cad.cli import fields, processes, sizes, source, streams, tiled
 from scaffold_cad.cli.progress import Progress
 from scaffold_cad.errors import OptionError
 from scaffold_cad.io.write import check_writable, write
@@ -19,7 +19,7 @@ from scaffold_cad.products.assembly import Assembly, assembly_solid
 from scaffold_cad.products.breps import to_brep
 from scaffold_cad.products.overlaps import Overlaps
 from scaffold_cad.scaffold import Scaffold, build_scaffold
-from scaffold_cad.scaffold.stars import Fit, Section
+from scaffold_cad.scaffold.stars import APOTHEM, Fit, Section
 from scaffold_cad.solid import frame_skeleton
 from scaffold_cad.solid.rounds import SIDES
 from scaffold_cad.struts import Ends, Joints, Nodes, round_struts
@@ -71,6 +71,7 @@ def add_parser(
         "mm; for several sockets several times",
     )
     add_overlaps_argument(parser)
+    processes.add_process(parser)
     tiled.add_arguments(parser, of="an .stl file")
     parser.set_defaults(run=run)
 
@@ -89,10 +90,10 @@ def add_strut_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of round struts: those that `round_options` reads, and their sides."""
     parser.add_argument(
         "--blend",
-        type=float,
+        type=fields.number,
         metavar="R",
-        help="fillet radius at the nodes of round struts, mm (default: half of the thinnest "
-        "strut's radius)",
+        help="fillet radius at the nodes of round struts, mm, a number or a file as for --radius "
+        "(default: half of the thinnest strut's radius)",
     )
     parser.add_argument(
         "--ends", choices=get_args(Ends), help="how round struts end (default: flat)"
@@ -174,14 +175,19 @@ def run(options: argparse.Namespace) -> None:
     progress = Progress()
     assembly = source.assembly_from(options) if _takes_assemblies(options) else None
     if assembly is not None:
+        for lattice in assembly.lattices:
+            processes.check_struts(options, lattice.skeleton)
         _build_assembly(assembly, options.output, progress)
         return
     skeleton = source.skeleton_from(options)
+    if options.product != "frame":
+        _check_process(options, skeleton)
     if options.product == "frame" or not options.round:
         with progress.stage("scaffold", len(skeleton.edges), "struts"):
             scaffold = scaffold_from(options, skeleton)
         if options.product == "frame":
             skeleton = frame_skeleton(scaffold, frame_radius(options, skeleton))
+            processes.check_struts(options, skeleton)
             if not options.round:
                 with progress.stage("frame", len(skeleton.edges), "struts"):
                     scaffold = build_scaffold(skeleton, collars=True)
@@ -206,9 +212,16 @@ def _build_tiles(options: argparse.Namespace) -> None:
     """Write the solid tile by tile."""
     tiled.check_stl(options)
     skeleton = source.skeleton_from(options)
+    _check_process(options, skeleton)
     scaffold = _scaffold_options(options)
     work = tiled.surface_work(options, round_options(options), scaffold, options.sides or SIDES)
     tiled.make(tiled.cut(skeleton, options), work, options)
+
+
+def _check_process(options: argparse.Namespace, skeleton: Skeleton) -> None:
+    """Raise if struts of the section that is asked for cannot be printed."""
+    apothem = 1.0 if options.round else APOTHEM[options.section or "circumscribed"]
+    processes.check_struts(options, skeleton, apothem)
 
 
 def round_options(options: argparse.Namespace) -> dict[str, Any]:
@@ -277,6 +290,8 @@ def _check_combination(options: argparse.Namespace) -> None:
     cad = options.output.suffix.lower() in BREP_SUFFIXES
     if options.round and options.product == "shell":
         raise OptionError("--as shell is for the coarse quads; need it without --round")
+    if options.process is not None and options.product == "shell":
+        raise OptionError("--process looks at struts; need it without --as shell")
     check_round_options(options)
     if options.round and options.product != "frame":
         source.refuse(options, SQUARE_OPTIONS, "is for square struts; need it without --round")

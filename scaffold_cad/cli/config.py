@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from scaffold_cad.base.arguments import did_you_mean
+from scaffold_cad.base.files import reading
 from scaffold_cad.errors import OptionError
 
 if sys.version_info >= (3, 11):
@@ -56,10 +57,9 @@ def _table(
 ) -> dict[str, Any]:
     """Return what a file has for a command."""
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise OptionError(f"cannot read {path}: {error.strerror}") from error
-    except ValueError as error:
+        with reading(path):
+            content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise OptionError(f"{path} is no TOML file: {error}") from error
     for name, value in content.items():
         if name not in commands or not isinstance(value, dict):

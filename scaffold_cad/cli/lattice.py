@@ -4,37 +4,31 @@ from __future__ import annotations
 
 import argparse
 import logging
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.brep import BREP_SUFFIXES, read_brep
 from scaffold_cad.cli import (
     build,
+    fields,
+    foams,
     latticelayers,
+    latticestruts,
     latticetiles,
+    processes,
     sizes,
     slicing,
     source,
     streams,
     tiled,
 )
+from scaffold_cad.cli.latticestruts import box_mesh
 from scaffold_cad.cli.maps import add_maps, map_of
 from scaffold_cad.cli.progress import Progress
 from scaffold_cad.errors import FormatError, OptionError
-from scaffold_cad.filling import fill
-from scaffold_cad.filling.fill import cells_around
+from scaffold_cad.filling.models import Section
 from scaffold_cad.filling.parts import flush_box
-from scaffold_cad.io import BYTES_PER_EDGE, read_triangles
 from scaffold_cad.io.write import check_writable, write
-from scaffold_cad.lattice import CellMap, UnitCell, lattice_on
-from scaffold_cad.lattice.maps.cellmap import extents
-from scaffold_cad.lattice.registry import unit_cell
-from scaffold_cad.lattice.tiling import cell_size
-from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.parts import lattice_part, lattice_solid
 from scaffold_cad.scaffold import Scaffold, build_scaffold
@@ -42,11 +36,6 @@ from scaffold_cad.struts import RoundStruts, round_struts
 
 if TYPE_CHECKING:
     from scaffold_cad.skeleton import Skeleton
-
-BOX_QUADS = np.array(
-    [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
-)
-"""Faces of a box whose corners are numbered by x, y and z, x fastest."""
 
 BEAM_SUFFIXES = (".3mf", ".json", ".obj", ".swc")
 """Suffixes of the formats that hold struts as lines."""
@@ -68,16 +57,21 @@ def add_parser(
         description="Struts are straight and of constant section between their nodes' blends, as "
         "those of `build --collars`.",
     )
-    parser.add_argument("--cell", required=True, help="unit cell; `scaffold-cad cells` lists them")
+    what = parser.add_mutually_exclusive_group(required=True)
+    what.add_argument("--cell", help="unit cell; `scaffold-cad cells` lists them")
+    foams.add_arguments(what, parser)
     parser.add_argument(
         "--size",
-        required=True,
-        type=sizes.size,
+        type=fields.size,
         metavar="A",
-        help="size of a cell, mm: 8 or 8x8x12",
+        help="size of a cell, mm: 8 or 8x8x12, or a file as for --radius",
     )
     parser.add_argument(
-        "--radius", required=True, type=float, metavar="R", help="radius of the struts, mm"
+        "--radius",
+        required=True,
+        type=fields.number,
+        metavar="R",
+        help=f"radius of the struts, mm: {fields.ABOUT}",
     )
     where = parser.add_mutually_exclusive_group(required=True)
     where.add_argument(
@@ -98,6 +92,7 @@ def add_parser(
     )
     build.add_round_arguments(parser)
     build.add_overlaps_argument(parser)
+    processes.add_process(parser)
     parser.add_argument(
         "--beams",
         action="store_true",
@@ -116,6 +111,7 @@ def add_parser(
 
 def run(options: argparse.Namespace) -> None:
     """Fill, build and write."""
+    foams.check(options)
     if options.tiles is not None:
         latticetiles.run(options, LATTICE_SIDES)
         return
@@ -135,15 +131,17 @@ def run(options: argparse.Namespace) -> None:
 def _write_layers(options: argparse.Namespace) -> None:
     """Write layers, of which no mesh is made."""
     latticelayers.check(options)
-    mapping = map_of(options)
-    if mapping is not None:
-        _check_bodies(options)
-        latticelayers.write(options, _on_map(mapping, options))
-    elif options.inside is not None:
-        _check_bodies(options)
-        latticelayers.write(options, _body(options.inside))
-    elif options.trim or options.skin is not None or not latticelayers.fills(options.box, options):
-        latticelayers.write(options, _box_mesh(options.box))
+    _check_bodies(options)
+    part = latticestruts.part_of(options)
+    flush = options.trim or options.skin is not None
+    if latticelayers.made_whole(options):
+        skeleton = latticestruts.skeleton(part, options)
+        processes.check_struts(options, skeleton)
+        latticelayers.write(options, skeleton, box_mesh(options.box) if flush else part)
+    elif part is not None:
+        latticelayers.write(options, part)
+    elif flush or not latticelayers.fills(options.box, options):
+        latticelayers.write(options, box_mesh(options.box))
     else:
         latticelayers.write(options, options.box)
 
@@ -184,6 +182,8 @@ def _check_bodies(options: argparse.Namespace) -> None:
         raise OptionError("--trim cuts struts flush with a box; need --box")
     if options.skin is not None and options.box is None and options.inside is None:
         raise OptionError("--skin is the wall of a box or a part; need --box or --inside")
+    if options.skin is not None and callable(options.size) and options.layer is None:
+        raise OptionError("--skin is for cells of one size; need --size as a number")
 
 
 def _is_filled_solid(options: argparse.Namespace) -> bool:
@@ -199,84 +199,33 @@ def _is_filled_solid(options: argparse.Namespace) -> bool:
 
 def _product(options: argparse.Namespace, progress: Progress) -> Any:
     """Return what to write."""
-    bodied = options.inside is not None or options.skin is not None
-    mapping = map_of(options)
-    if mapping is not None:
-        skeleton = _on_map(mapping, options)
+    part = latticestruts.part_of(options)
+    flush = options.trim or options.skin is not None
+    if not flush or options.foam is not None or map_of(options) is not None:
+        skeleton = latticestruts.skeleton(part, options)
+        processes.check_struts(options, skeleton)
         return skeleton if options.beams else _struts(skeleton, options, progress)
-    part = None if options.inside is None else _body(options.inside)
-    cells = _cell_count(options.box if part is None else part.vertices, options)
-    if _is_filled_solid(options):
-        with progress.stage("lattice", cells, "cells"):
-            return lattice_solid(
-                read_brep(options.inside),
-                options.cell,
-                options.size,
-                options.radius,
-                skin=options.skin,
-                section="round" if options.round else "square",
-                **build.round_options(options),
-            )
-    sides = (options.sides or LATTICE_SIDES) if options.round else 4
-    given = build.round_options(options)
-    if options.trim:
-        with progress.stage("lattice", cells, "cells"):
-            return flush_box(
-                options.box, options.cell, options.size, options.radius, sides=sides, **given
-            )
-    if options.beams or not bodied:
-        skeleton = fill(
-            options.box if part is None else part, options.cell, options.size, options.radius
-        )
-        _log.info("%d struts", len(skeleton.edges))
-        return skeleton if options.beams else _struts(skeleton, options, progress)
-    body = _box_mesh(options.box) if part is None else part
+    if options.process is not None:
+        processes.check_struts(options, latticestruts.skeleton(part, options))
+    cells = latticestruts.check_cells(part, options)
     with progress.stage("lattice", cells, "cells"):
-        return lattice_part(
-            body,
-            options.cell,
-            options.size,
-            options.radius,
-            skin=options.skin,
-            sides=sides,
-            **given,
-        )
+        return _bodied(part, options)
 
 
-def _cell_count(corners: Points, options: argparse.Namespace) -> int:
-    """Return how many cells the box around points (n, 3) meets; refuse what memory may not hold."""
-    cell = unit_cell(options.cell)
-    bounds = np.stack([corners.min(axis=0), corners.max(axis=0)])
-    counts, _ = cells_around(bounds, cell, cell_size(cell, options.size))
-    return _allowed(math.prod(counts), cell, options)
-
-
-def _on_map(mapping: CellMap, options: argparse.Namespace) -> Skeleton:
-    """Return the lattice on a map; refuse what memory may not hold."""
-    cell = unit_cell(options.cell)
-    sizes_of_cell = cell_size(cell, options.size)
-    _allowed(mapping.patches * int(np.prod(extents(mapping) / sizes_of_cell)), cell, options)
-    lattice = lattice_on(mapping, cell, radius=options.radius, size=options.size)
-    _log.info(
-        "%d struts, %.3g to %.3g times as long as in a cell of the mean size",
-        len(lattice.skeleton.edges),
-        lattice.least_stretch,
-        lattice.largest_stretch,
-    )
-    return lattice.skeleton
-
-
-def _allowed(cells: int, cell: UnitCell, options: argparse.Namespace) -> int:
-    """Return a number of cells; refuse what memory may not hold."""
-    most = source.max_nodes(options)
-    nodes, struts = cells * cell.site_count, cells * cell.strut_count
-    if nodes > most:
-        raise OptionError(
-            f"{cells} cells have some {nodes} nodes and {struts} struts; need at most {most} "
-            f"nodes: to build them takes about {struts * BYTES_PER_EDGE / 1e9:.3g} GB of memory, "
-            "and --max-nodes allows it"
-        )
-    return cells
+def _bodied(part: TriangleMesh | None, options: argparse.Namespace) -> Any:
+    """Return struts that are cut flush with a box, or are in a part or a box with a skin."""
+    lattice = options.cell, options.size, options.radius
+    given = build.round_options(options)
+    if _is_filled_solid(options):
+        section: Section = "round" if options.round else "square"
+        solid = read_brep(options.inside)
+        return lattice_solid(solid, *lattice, skin=options.skin, section=section, **given)
+    sides = (options.sides or LATTICE_SIDES) if options.round else 4
+    if options.trim:
+        on = latticestruts.map_of_sizes(part, options)
+        return flush_box(options.box, *lattice, on=on, sides=sides, **given)
+    body = box_mesh(options.box) if part is None else part
+    return lattice_part(body, *lattice, skin=options.skin, sides=sides, **given)
 
 
 def _struts(
@@ -289,17 +238,3 @@ def _struts(
             return round_struts(skeleton, **build.round_options(options))
     with progress.stage("scaffold", struts, "struts"):
         return build_scaffold(skeleton, collars=True)
-
-
-def _body(path: Path) -> TriangleMesh:
-    """Return the triangles of the part in a file."""
-    mesh = read_triangles(path)
-    if mesh is None:
-        raise FormatError(f"{path} holds no closed part; need .step, .brep, .stl, .3mf, .obj, .ply")
-    return mesh
-
-
-def _box_mesh(box: Floats) -> TriangleMesh:
-    corners = np.stack(np.meshgrid(*box.T[::-1], indexing="ij"), axis=-1).reshape(-1, 3)[:, ::-1]
-    mesh = QuadMesh(corners, BOX_QUADS)
-    return TriangleMesh(mesh.vertices, mesh.triangles)

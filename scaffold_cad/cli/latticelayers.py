@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Points
-from scaffold_cad.cli import build, slicing, source
+from scaffold_cad.base.summaries import counted
+from scaffold_cad.cli import build, processes, slicing, source
 from scaffold_cad.cli.progress import Progress
 from scaffold_cad.filling.fill import lattice_around
 from scaffold_cad.io.stacks import write_layers
@@ -21,6 +22,9 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts import round_struts
 
+NOT_PERIODIC = ("joints", "bend", "nodes")
+"""Options of round struts that are not for those that are made as they are cut."""
+
 WHOLE = 1e-9
 """Part of a cell by which a box may be off a whole number of cells."""
 
@@ -31,18 +35,32 @@ def check(options: argparse.Namespace) -> None:
     """Raise where an option is out of its range, or would do nothing."""
     slicing.check_layers(options)
     source.refuse(options, ["beams", "overlaps", "max_nodes"], "is not for --layer")
-    if options.box is not None or options.inside is not None:
-        source.refuse(options, ["joints"], "is not for layers of a box or a part")
+    if made_whole(options):
+        return
+    source.refuse(options, NOT_PERIODIC, "is not for layers of a box or a part")
 
 
-def write(options: argparse.Namespace, where: Skeleton | TriangleMesh | Floats) -> None:
+def made_whole(options: argparse.Namespace) -> bool:
+    """Return whether all struts are made before they are cut: those of endless cells are not."""
+    bodied = options.box is not None or options.inside is not None
+    return not bodied or options.foam is not None or callable(options.size)
+
+
+def write(
+    options: argparse.Namespace,
+    where: Skeleton | TriangleMesh | Floats,
+    region: TriangleMesh | None = None,
+) -> None:
     """Cut and write.
 
     Parameters
     ----------
-    where : a lattice on a map; a part to fill; or the box around a box
+    where : a foam or a lattice on a map; a part to fill; or the box around a box
+    region : what a foam is cut to
     """
     given: dict[str, Any] = {"skin": options.skin, "sides": options.sides}
+    if region is not None:
+        given["region"] = region
     if isinstance(where, Skeleton):
         what: Any = round_struts(where, **build.round_options(options))
         struts = len(where.edges)
@@ -53,11 +71,14 @@ def write(options: argparse.Namespace, where: Skeleton | TriangleMesh | Floats) 
         given_struts = build.round_options(options)
         size = cell_size(cell, options.size)
         what = lattice_around(bounds, cell, size, options.radius, **given_struts)
+        processes.check_lattice(options, what)
         struts = what.strut_count
         if isinstance(where, TriangleMesh):
             given["region"] = where
     layers = slices(what, thickness=options.layer, **given)
-    _log.info("%d struts, %d layers of %g mm", struts, len(layers), options.layer)
+    _log.info(
+        "%s, %s of %g mm", counted(struts, "strut"), counted(len(layers), "layer"), options.layer
+    )
     with Progress().stage("layers", struts * len(layers), "sections"):
         write_layers(layers, options.output, text=options.text, pixel=options.pixel)
     _log.info("%s written", options.output)

@@ -7,7 +7,8 @@ import logging
 
 from scaffold_cad.base.arguments import as_count
 from scaffold_cad.base.backends import need
-from scaffold_cad.cli import build, latticelayers, source, tiled
+from scaffold_cad.base.summaries import counted
+from scaffold_cad.cli import build, latticelayers, processes, source, tiled
 from scaffold_cad.errors import OptionError
 from scaffold_cad.filling.fill import lattice_around
 from scaffold_cad.lattice.registry import unit_cell
@@ -17,6 +18,9 @@ from scaffold_cad.solid.rounds import SIDES
 
 BLOCK = 10
 """Cells along the sides of a tile where none are given."""
+
+NOT_TILED = ("trim", "skin", "beams", "max_nodes", *latticelayers.NOT_PERIODIC)
+"""Options that are not for tiles of lattices."""
 
 _log = logging.getLogger(__name__)
 
@@ -45,6 +49,7 @@ def run(options: argparse.Namespace, sides: int) -> None:
     size = cell_size(cell, options.size)
     given = build.round_options(options)
     lattice = lattice_around(options.box, cell, size, options.radius, **given)
+    processes.check_lattice(options, lattice)
     if options.layer is None:
         work = tiled.surface_work(options, {}, {"collars": True}, options.sides or sides)
     else:
@@ -52,7 +57,7 @@ def run(options: argparse.Namespace, sides: int) -> None:
         first = float(slices(lattice, thickness=options.layer, sides=sides).heights[0])
         work = tiled.layer_work(options, first - options.layer / 2, {}, sides)
     parts = tiles(lattice, block=_block(options))
-    _log.info("%d struts, %d tiles", lattice.strut_count, len(parts))
+    _log.info("%s, %s", counted(lattice.strut_count, "strut"), counted(len(parts), "tile"))
     tiled.make(parts, work, options)
 
 
@@ -67,11 +72,11 @@ def _block(options: argparse.Namespace) -> int:
 
 def _check(options: argparse.Namespace) -> None:
     """Raise where an option is out of its range, or would do nothing."""
+    if callable(options.size):
+        raise OptionError("--tiles is for cells of one size; need --size as a number")
     if options.box is None or not latticelayers.fills(options.box, options):
         raise OptionError("--tiles is for a --box that whole cells fill; need one")
-    source.refuse(
-        options, ["trim", "skin", "beams", "joints", "max_nodes"], "is not for lattices by --tiles"
-    )
+    source.refuse(options, NOT_TILED, "is not for lattices by --tiles")
     if options.layer is not None:
         latticelayers.check(options)
         return

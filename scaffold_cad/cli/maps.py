@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from scaffold_cad.brep import read_brep
-from scaffold_cad.cli import sizes
+from scaffold_cad.cli import fields, sizes
 from scaffold_cad.errors import OptionError
 from scaffold_cad.filling import face_map
 from scaffold_cad.lattice import CellMap, CylinderMap, SphereMap
@@ -34,9 +34,9 @@ def add_maps(where: argparse._MutuallyExclusiveGroup, parser: argparse.ArgumentP
     )
     parser.add_argument(
         "--thickness",
-        type=float,
+        type=fields.number,
         metavar="T",
-        help="of the layer on the face, mm; < 0 for its back",
+        help="of the layer on the face, mm, a number or a file as for --radius; < 0 for its back",
     )
 
 

@@ -70,7 +70,7 @@ def run(options: argparse.Namespace) -> None:
     progress = Progress()
     mesh = source.triangles_from(options)
     if mesh is not None:
-        given = (*source.OPTIONS, "blend", "ends", "wall", "sides")
+        given = (*source.OPTIONS, *build.ROUND_OPTIONS, "sides")
         source.refuse(options, given, "is for skeletons; a mesh is cut as it is")
         what: TriangleMesh | RoundStruts = mesh
         sections = len(mesh.triangles)

@@ -7,10 +7,11 @@ import logging
 from collections.abc import Iterable
 from pathlib import Path
 
-from scaffold_cad.cli import sizes
+from scaffold_cad.base.summaries import counted
+from scaffold_cad.cli import fields, sizes
 from scaffold_cad.cli.sizes import AXES
 from scaffold_cad.errors import OptionError
-from scaffold_cad.io import read_assembly, read_skeleton, read_triangles
+from scaffold_cad.io import BYTES_PER_EDGE, read_assembly, read_skeleton, read_triangles
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.products.assembly import Assembly
 from scaffold_cad.skeleton import Skeleton
@@ -46,7 +47,10 @@ def add_arguments(parser: argparse.ArgumentParser, several: bool = False) -> Non
     """Add the arguments that `skeleton_from` reads."""
     add_input(parser, several)
     parser.add_argument(
-        "--radius", type=float, metavar="R", help="radius of every node, mm (instead of the file's)"
+        "--radius",
+        type=fields.number,
+        metavar="R",
+        help=f"radius of every node, mm (instead of the file's): {fields.ABOUT}",
     )
     add_max_nodes(parser)
     add_units(parser)
@@ -103,6 +107,17 @@ def add_max_nodes(parser: argparse.ArgumentParser, what: str = "file") -> None:
 def max_nodes(options: argparse.Namespace) -> int:
     """Return how many nodes are taken at most."""
     return MAX_NODES if options.max_nodes is None else int(options.max_nodes)
+
+
+def check_memory(options: argparse.Namespace, cells: int, nodes: int, struts: int) -> None:
+    """Raise if a lattice of so many cells, nodes and struts may not fit into memory."""
+    most = max_nodes(options)
+    if nodes > most:
+        raise OptionError(
+            f"{counted(cells, 'cell')} have some {nodes} nodes and {struts} struts; need at most "
+            f"{most} nodes: to build them takes about {struts * BYTES_PER_EDGE / 1e9:.3g} GB of "
+            "memory, and --max-nodes allows it"
+        )
 
 
 def refuse(options: argparse.Namespace, names: Iterable[str], why: str) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from scaffold_cad.base.arguments import as_path
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.base.fields import Field, PointField
+from scaffold_cad.base.files import reading
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._binary import as_doubles
 from scaffold_cad.io._text import LARGEST_FILE, Row, check_size, float_columns, is_number, read_text
@@ -43,10 +44,11 @@ def read_field(path: str | Path, name: str | None = None) -> Field | PointField:
     suffix = source.suffix.lower()
     if suffix not in FIELD_SUFFIXES:
         raise FormatError(f"{source} holds no field; need one of {', '.join(FIELD_SUFFIXES)}")
-    check_size(source, LARGEST_FILE)
-    if suffix in TABLES:
-        return _table(source)
-    return _image(source, name) if suffix == ".vti" else _mesh(source, name)
+    with reading(source):
+        check_size(source, LARGEST_FILE)
+        if suffix in TABLES:
+            return _table(source)
+        return _image(source, name) if suffix == ".vti" else _mesh(source, name)
 
 
 def _table(path: Path) -> PointField:

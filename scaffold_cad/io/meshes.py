@@ -5,6 +5,7 @@ from __future__ import annotations
 from os import PathLike
 
 from scaffold_cad.base.arguments import as_path
+from scaffold_cad.base.files import reading
 from scaffold_cad.errors import FormatError, MeshError, OptionError, SkeletonError
 from scaffold_cad.io._units import factor_of
 from scaffold_cad.io.register import mesh_format_of
@@ -42,9 +43,8 @@ def read_triangles(
     if units is not None and known.names_unit:
         raise OptionError(f"{known.name} files say in which unit they are; need no units ({path})")
     try:
-        mesh = known.read(path)
-    except OSError as error:
-        raise FormatError(f"{path} cannot be read: {error.strerror or error}") from None
+        with reading(path):
+            mesh = known.read(path)
     except (MeshError, SkeletonError) as error:
         raise FormatError(f"{path}: {error}") from None
     if len(mesh.triangles) == 0:

@@ -8,8 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from scaffold_cad.base.arguments import as_count, as_number, as_path, checks_keywords
+from scaffold_cad.base.arguments import as_count, as_path, checks_keywords
 from scaffold_cad.base.arrays import Floats
+from scaffold_cad.base.files import reading
+from scaffold_cad.base.radii import Radius, radii_at
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import FormatError, OptionError, SkeletonError
 from scaffold_cad.io._raw import RawSkeleton
@@ -27,7 +29,7 @@ _log = logging.getLogger("scaffold_cad.io")
 @checks_keywords()
 def read_skeleton(
     path: str | PathLike[str],
-    radius: float | None = None,
+    radius: Radius | None = None,
     strict: bool = False,
     *,
     weld_distance: float | None = None,
@@ -43,8 +45,9 @@ def read_skeleton(
     Parameters
     ----------
     path : a file of a format in `known_suffixes`
-    radius : mm, > 0; the radius of every node and strut, instead of what the file holds; needed
-        for formats without radii
+    radius : mm, > 0; the radius of every node and strut, or a function of positions (n, 3) that
+        returns radii (n,), such as a `Field`, instead of what the file holds; needed for formats
+        without radii
     strict : whether to refuse what needs repair, and what a skeleton does not keep of the file;
         then no option of repair may be given
     weld_distance, split_contacts : options of `Skeleton.cleaned`
@@ -109,7 +112,7 @@ def read_skeleton(
 
 def read_with_repairs(
     path: str | PathLike[str],
-    radius: float | None = None,
+    radius: Radius | None = None,
     *,
     weld_distance: float | None = None,
     split_contacts: bool = False,
@@ -153,11 +156,10 @@ def read_raw(path: str | PathLike[str], max_nodes: int | None = None) -> RawSkel
     """
     path = as_path(path)
     try:
-        raw = reader_of(path, _head(path))(path)
+        with reading(path):
+            raw = reader_of(path, _head(path))(path)
     except SkeletonError as error:
         raise FormatError(f"{path}: {error}") from None
-    except OSError as error:
-        raise FormatError(f"{path} cannot be read: {error.strerror or error}") from None
     if len(raw.edges) == 0:
         raise FormatError(f"{path} has {len(raw.nodes)} nodes but no edges; need at least one")
     if max_nodes is not None and len(raw.nodes) > as_count(max_nodes, "max_nodes"):
@@ -214,8 +216,6 @@ def _warn_of_radii(path: str | PathLike[str], skeleton: Skeleton) -> None:
 
 def _head(path: Path) -> bytes:
     """Return the first bytes of a file, which must not be empty."""
-    if path.is_dir():
-        raise FormatError(f"{path} is a folder; need a file")
     with path.open("rb") as stream:
         head = stream.read(HEAD_SIZE)
     if not head:
@@ -224,11 +224,11 @@ def _head(path: Path) -> bytes:
 
 
 def _radii(
-    path: Path, raw: RawSkeleton, radius: float | None
+    path: Path, raw: RawSkeleton, radius: Radius | None
 ) -> tuple[Floats | None, Floats | None]:
-    """Return the radii of nodes and of edges: the one given for all, or what the file holds."""
+    """Return the radii of nodes and of edges: those given for all, or what the file holds."""
     if radius is not None:
-        return np.full(len(raw.nodes), as_number(radius, "radius")), None
+        return np.broadcast_to(radii_at(raw.nodes, radius), len(raw.nodes)), None
     if not raw.has_radii:
         raise FormatError(f"{path} has no radii; need radius=, the radius of every node in mm")
     return raw.radii, raw.edge_radii

@@ -21,7 +21,8 @@ from scaffold_cad.printability.standing import (
     best_direction,
     standing_size,
 )
-from scaffold_cad.printability.struts import strut_findings
+from scaffold_cad.printability.struts import as_wide, strut_findings
+from scaffold_cad.printability.thickness import thickness_of
 from scaffold_cad.printability.surface import surface_findings
 from scaffold_cad.printability.triangletopology import TriangleTopology
 from scaffold_cad.products.surfaces import triangles_of
@@ -80,11 +81,8 @@ def check_printability(
     apothem, given = 1.0, skeleton is not None
     if isinstance(what, Scaffold):
         if skeleton is None:
-            # Radii become half the width of the square sections.
             apothem = APOTHEM[what.options.section]
-            skeleton = what.skeleton.with_edge_radii(
-                what.skeleton.edge_radii * apothem, what.skeleton.radii * apothem
-            )
+            skeleton = as_wide(what.skeleton, apothem)
         what = to_solid(what)
     if isinstance(what, RoundStruts) and skeleton is None:
         skeleton = what.skeleton
@@ -100,7 +98,7 @@ def check_printability(
     if skeleton is not None and len(skeleton.edges):
         if given and surface.closed:
             findings.append(match_finding(skeleton, mesh))
-        findings += strut_findings(skeleton, mesh, process, apothem)
+        findings += strut_findings(skeleton, thickness_of(skeleton, mesh), process, apothem)
     findings += direction_findings(surface, facets, upwards, process, skeleton, supports)
     findings.append(drainage_finding(surface, process))
     findings += part_findings(

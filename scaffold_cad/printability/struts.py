@@ -12,10 +12,9 @@ from scaffold_cad.base.arrays import Floats, Ints, Points
 from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import length
-from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.printability.processes import Process
 from scaffold_cad.printability.report import MOST_PLACES, Finding, counted
-from scaffold_cad.printability.thickness import Thickness, thickness_of
+from scaffold_cad.printability.thickness import Thickness
 from scaffold_cad.skeleton import Skeleton
 
 RADIUS_STEP = 1e-3
@@ -23,19 +22,29 @@ RADIUS_STEP = 1e-3
 
 
 def strut_findings(
-    skeleton: Skeleton, mesh: TriangleMesh, process: Process, apothem: float = 1.0
+    skeleton: Skeleton, thickness: Thickness, process: Process, apothem: float = 1.0
 ) -> Iterator[Finding]:
     """Yield what there is to say of struts with the radii of `skeleton`, at least one.
 
     Parameters
     ----------
-    mesh : of the part, in which struts are measured
+    thickness : of the struts, as measured in a mesh or as asked for
     apothem : what the radii asked for were multiplied by
     """
-    thickness = thickness_of(skeleton, mesh)
     yield _diameter(skeleton, thickness, process, apothem)
     yield _slenderness(skeleton, thickness.diameters, process)
     yield _gap(skeleton, process)
+
+
+def as_wide(skeleton: Skeleton, apothem: float) -> Skeleton:
+    """Return a skeleton whose radii are half the width of the sections that struts get."""
+    return skeleton.with_edge_radii(skeleton.edge_radii * apothem, skeleton.radii * apothem)
+
+
+def radius_for(process: Process, apothem: float = 1.0) -> float:
+    """Return the least radius that a process prints, rounded up, mm."""
+    needed = process.least_diameter / 2 / apothem
+    return math.ceil(needed / RADIUS_STEP * (1 - 1e-9)) * RADIUS_STEP
 
 
 def _diameter(
@@ -57,11 +66,10 @@ def _diameter(
             f"{thinnest[worst]:.4g} mm near {place} mm, not {asked[worst]:.4g}"
         )
     elif len(thin):
-        # Rounded up, so that it is enough.
-        radius = math.ceil(needed / 2 / apothem / RADIUS_STEP * (1 - 1e-9)) * RADIUS_STEP
         advice = (
             f"{counted(len(thin), 'strut')} too thin: strut {first} is {thinnest[first]:.4g} mm, "
-            f"{process.name.upper()} needs {needed:g}: raise --radius to {radius:g} or more"
+            f"{process.name.upper()} needs {needed:g}: raise --radius to "
+            f"{radius_for(process, apothem):g} or more"
         )
     return Finding(
         "strut_diameter",

@@ -70,6 +70,13 @@ def thickness_of(skeleton: Skeleton, mesh: TriangleMesh) -> Thickness:
     )
 
 
+def thickness_asked(skeleton: Skeleton) -> Thickness:
+    """Return how thick the struts of a skeleton are by their radii, for want of a mesh."""
+    end = skeleton.edges[np.arange(len(skeleton.edges)), skeleton.edge_radii.argmin(axis=1)]
+    none = np.zeros(0, dtype=np.intp)
+    return Thickness(2 * skeleton.edge_radii.min(axis=1), skeleton.nodes[end], none)
+
+
 def _stations(skeleton: Skeleton) -> _Stations:
     radii = skeleton.edge_radii  # (m, 2)
     count = np.ceil(skeleton.lengths / radii.mean(axis=1)).clip(1, MOST_STATIONS).astype(np.intp)

@@ -214,8 +214,8 @@ def test_info_needs_no_radii(tmp_path: Path, capsys: pytest.CaptureFixture[str])
 
 
 BAD_INPUT = [
-    (["build", "missing.swc", "-o", "x.stl"], "missing.swc cannot be read: No such file"),
-    (["info", "missing.swc"], "missing.swc cannot be read: No such file"),
+    (["build", "missing.swc", "-o", "x.stl"], "missing.swc cannot be read: there is no such file"),
+    (["info", "missing.swc"], "missing.swc cannot be read: there is no such file"),
     (["build", "FIGURE", "-o", "x.dwg"], "cannot write x.dwg: its suffix is '.dwg'; need .3mf"),
     (["build", "FIGURE", "-o", "nowhere/x.stl"], "there is no folder nowhere"),
     (["build", "FIGURE", "-o", "x.stl", "--radius", "-1"], "radius is -1 mm; need > 0"),
@@ -225,6 +225,19 @@ BAD_INPUT = [
         "--strut-radius is 0 mm; need > 0",
     ),
 ]
+
+
+@pytest.mark.parametrize("suffix", ["stl", "3mf", "step", "json", "obj", "vtu"])
+@pytest.mark.parametrize("command", ["check", "info", "build"])
+def test_folders_are_told_from_files(
+    command: str, suffix: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / f"folder.{suffix}"
+    folder.mkdir()
+    words = ["-o", str(tmp_path / "out.stl")] if command == "build" else []
+    assert main([command, str(folder), *words]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.endswith(f"{folder} is a folder; need a file")
 
 
 @pytest.mark.parametrize(("arguments", "message"), BAD_INPUT)

@@ -38,7 +38,7 @@ LINES = {
         f"tripod.json {ROUND} --overlaps unite --socket 1:1.8:5 --socket 2:1.7:4 -o c.stl",
         "tripod.json --as frame --strut-radius 0.3 -o d.stl",
         "tripod.json --tiles tiles --block 20 --jobs 1 -o e.stl",
-        "tripod.json --round --nodes sharp -o f.step",
+        "tripod.json --round --nodes sharp --process sls -o f.step",
     ],
     "lattice": [
         f"--quiet --cell bcc --size 8 --radius 0.6 --box 8x8x8 {ROUND} --overlaps unite -o a.stl",
@@ -54,6 +54,10 @@ LINES = {
         "--cell bcc --size 8 --radius 0.6 --box 8x8x8 --layer 0.5 --pixel 0.2 -o g.zip",
         "--cell bcc --size 8 --radius 0.6 --box 8x8x8 --layer 0.5 --text -o h.cli",
         "--cell bcc --size 8 --radius 0.6 --box 8x8x8 --round --nodes sharp -o i.stl",
+        (
+            "--foam voronoi --count 20 --seed 1 --regularity 0.5 --stretch 1,1,2 --periodic"
+            " --radius 0.5 --box 12 --process lpbf -o j.stl"
+        ),
     ],
     "cells": ["--quiet --output cells.html", "--stiffness 0.05"],
     "check": [

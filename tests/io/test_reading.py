@@ -160,7 +160,7 @@ def test_what_no_repair_can_mend_is_refused_with_the_name_of_the_file(tmp_path: 
 
 
 def test_a_missing_file_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(FormatError, match=r"none\.swc cannot be read: No such file"):
+    with pytest.raises(FormatError, match=r"none\.swc cannot be read: there is no such file"):
         read_skeleton(tmp_path / "none.swc")
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import overload
 
 from scaffold_cad.base.arguments import as_path
+from scaffold_cad.base.files import reading
 from scaffold_cad.errors import FormatError, MeshError, SkeletonError
 from scaffold_cad.io._mesh import joined_meshes
 from scaffold_cad.io._raw import RawSkeleton
@@ -58,9 +59,8 @@ def read_assembly(path: str | PathLike[str]) -> Assembly:
     """
     path = as_path(path)
     try:
-        return assembly_of(read_package(path))
-    except OSError as error:
-        raise FormatError(f"{path} cannot be read: {error.strerror or error}") from None
+        with reading(path):
+            return assembly_of(read_package(path))
     except (MeshError, SkeletonError) as error:
         raise FormatError(f"{path}: {error}") from None
 
