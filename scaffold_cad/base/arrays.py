@@ -251,6 +251,7 @@ def as_floats(
     SkeletonError, or another `error`
         If they are not real numbers.
     """
+    _check_unmasked(values, name, error)
     try:
         raw = _as_one_array(values)
         if raw.dtype.kind in "SU":
@@ -262,6 +263,20 @@ def as_floats(
         return np.array(raw, dtype=np.float64, order="C")
     except (TypeError, ValueError, OverflowError) as reason:
         raise error(f"{name} is not an array of numbers: {reason}") from None
+
+
+def _check_unmasked(values: ArrayLike, name: str, error: type[ScaffoldCadError]) -> None:
+    """Raise if numpy's mask hides an item, which a plain array would show; the first is named."""
+    rows: list[Any] = list(values) if isinstance(values, list | tuple) else [values]
+    if not any(issubclass(kind, np.ma.MaskedArray) for kind in set(map(type, rows))):
+        return
+    hidden = [np.ma.getmaskarray(row) for row in rows]
+    first = next((k for k, mask in enumerate(hidden) if mask.any()), None)
+    if first is None:
+        return
+    item = np.argwhere(hidden[first])[0].tolist()
+    at = [first, *item] if isinstance(values, list | tuple) else item
+    raise error(f"{name}{at} is masked; need a number, or an array without that item")
 
 
 def _as_one_array(values: ArrayLike) -> NDArray[Any]:
@@ -297,6 +312,7 @@ def as_indices(values: ArrayLike, name: str, error: type[ScaffoldCadError]) -> I
 
 
 def _as_array(values: ArrayLike, name: str, error: type[ScaffoldCadError]) -> NDArray[Any]:
+    _check_unmasked(values, name, error)
     try:
         return np.asarray(values)
     except ValueError as reason:

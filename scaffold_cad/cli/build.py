@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 
 from scaffold_cad.base.arguments import as_number
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.brep import BREP_SUFFIXES
 from scaffold_cad.cli import fields, processes, sizes, source, streams, tiled
 from scaffold_cad.cli.progress import Progress
@@ -256,7 +257,11 @@ def _takes_assemblies(options: argparse.Namespace) -> bool:
 def _build_assembly(assembly: Assembly, output: Path, progress: Progress) -> None:
     """Write the solid of beams and of what is beside them in a 3MF file."""
     beams = assembly.beam_count
-    _log.info("%d beams are united with %s", beams, ", ".join(assembly.beyond_skeleton()))
+    _log.info(
+        "%s united with %s",
+        counted(beams, "beam is", "beams are"),
+        ", ".join(assembly.beyond_skeleton()),
+    )
     with progress.stage("solid", beams, "struts"):
         solid = assembly_solid(assembly)
     with progress.stage("file", beams, "struts"):

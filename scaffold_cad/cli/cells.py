@@ -77,9 +77,10 @@ def _print_stiffness(density: float) -> None:
     """Print how stiff each cell is, over relative density times the material's Young's modulus."""
     from scaffold_cad.mechanics import cell_table
 
+    rows = cell_table(density)
     print(f"{'':<22}{'E x':>8}{'E y':>8}{'E z':>8}{'G yz':>8}{'G xz':>8}{'G xy':>8}", end="")
     print(f"{'K':>8}{'Zener':>9}{'Maxwell':>9}")
-    for row in cell_table(density):
+    for row in rows:
         moduli = "".join(f"{value:>8.4f}" for value in (*row.young, *row.shear, row.bulk))
         print(f"{row.name:<22}{moduli}{row.zener:>9.3g}{row.maxwell:>9}")
 

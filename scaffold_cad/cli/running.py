@@ -63,16 +63,20 @@ def _run_one(options: argparse.Namespace, folder: str, several: bool = False) ->
     def work() -> int:
         return options.run(with_fields(options)) or 0  # most commands give none: they are done
 
-    return _guarded(work, folder, str(options.input) if several else "")
+    named = str(options.input) if several else ""
+    return _guarded(work, folder, named, getattr(options, "sides", None))
 
 
-def _guarded(work: Callable[[], int], folder: str = "", named: str = "") -> int:
+def _guarded(
+    work: Callable[[], int], folder: str = "", named: str = "", sides: int | None = None
+) -> int:
     """Return the exit code of some work, with one line on standard error where it fails."""
 
     def tell(message: str) -> None:
         text = message if message.startswith(named) else f"{named}: {message}"
         print(_prefix(sys.stderr, RED) + _without(text, folder), file=sys.stderr)
 
+    fewer = "" if sides is None else f", or fewer --sides than {sides}"
     try:
         code = work()
         sys.stdout.flush()
@@ -80,7 +84,7 @@ def _guarded(work: Callable[[], int], folder: str = "", named: str = "") -> int:
         tell(with_flags(str(error)))
         return BAD_INPUT
     except MemoryError:
-        tell("out of memory; need a smaller skeleton")
+        tell(f"out of memory; need a smaller skeleton{fewer}")
         return BAD_INPUT
     except OSError as error:  # of standard output: files raise a FormatError
         # What is left in its buffer has nowhere to go.

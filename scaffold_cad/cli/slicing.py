@@ -11,6 +11,7 @@ import numpy as np
 
 from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.files import check_target
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.cli import build, source, streams, tiled
 from scaffold_cad.cli.progress import Progress
 from scaffold_cad.errors import FormatError, OptionError
@@ -83,7 +84,12 @@ def run(options: argparse.Namespace) -> None:
     with progress.stage("layers", sections, "sections"):
         layers = _layers(what, options)
         write_layers(layers, options.output, text=options.text, pixel=options.pixel)
-    _log.info("%s written: %d layers of %g mm", options.output, len(layers), options.layer)
+    _log.info(
+        "%s written: %s of %g mm",
+        options.output,
+        counted(len(layers), "layer"),
+        options.layer,
+    )
 
 
 def _slice_tiles(options: argparse.Namespace) -> None:

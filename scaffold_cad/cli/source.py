@@ -169,7 +169,7 @@ def skeleton_from(options: argparse.Namespace, path: Path | None = None) -> Skel
     )
     if options.join is not None:
         joined = skeleton.joined(options.join)
-        _log.info("joined: %d edges became %d", len(skeleton.edges), len(joined.edges))
+        _log.info("joined: %s became %d", counted(len(skeleton.edges), "edge"), len(joined.edges))
         skeleton = joined
     for axis, angle in options.turn or []:
         skeleton = skeleton.turned(angle, AXES[axis])
@@ -178,5 +178,5 @@ def skeleton_from(options: argparse.Namespace, path: Path | None = None) -> Skel
     if options.simplify is None:
         return skeleton
     thin = skeleton.simplified(options.simplify)
-    _log.info("simplified from %d to %d edges", len(skeleton.edges), len(thin.edges))
+    _log.info("simplified from %d to %s", len(skeleton.edges), counted(len(thin.edges), "edge"))
     return thin

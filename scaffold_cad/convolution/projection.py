@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, Quads, Radii
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.base.vectors import dot, length, normalize, sums_by_row
 from scaffold_cad.convolution.field import ConvolutionField, FieldSamples
@@ -97,15 +98,16 @@ def project(mesh: QuadMesh, field: ConvolutionField) -> QuadMesh:
     if len(missed):
         raise MeshError(
             f"vertex {missed[0]} at {mesh.vertices[missed[0]].tolist()} mm finds no place on the "
-            f"convolution surface ({len(missed)} vertices in all do not); need a mesh near it"
+            f"convolution surface ({counted(len(missed), 'vertex does', 'vertices do')} not, in "
+            "all); need a mesh near it"
         )
     folded = np.flatnonzero(_facing(placed, mesh.quads) <= 0)
     if len(folded):
         _log.warning(
-            "%d quads of the mesh on the convolution surface are folded, the first is quad %d: the "
+            "%s of the mesh on the convolution surface folded, the first is quad %d: the "
             "mesh was too far from the surface (build the scaffold with collars); whether quads "
             "cross was not checked",
-            len(folded),
+            counted(len(folded), "quad"),
             folded[0],
         )
     return mesh.moved(placed.points)

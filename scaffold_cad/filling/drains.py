@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.arrays import Points, UnitVectors, as_points
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import any_perpendicular, length
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.mesh.nearest import NearestPlace
@@ -72,7 +73,8 @@ def drained(
     if closed:
         place = np.round(closed[0].vertices.mean(axis=0), 3).tolist()
         raise MeshError(
-            f"{len(closed)} voids stay closed, one around {place} mm; need a hole there "
+            f"{counted(len(closed), 'void stays', 'voids stay')} closed, one around {place} "
+            "mm; need a hole there "
             "(more places, or a larger diameter)"
         )
     return part

@@ -12,6 +12,7 @@ from scaffold_cad.base.arguments import as_real, checks_keywords
 from scaffold_cad.base.arrays import as_floats
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import BoxRegion, Region
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 from scaffold_cad.filling.drains import drained
 from scaffold_cad.filling.fill import HasTriangles, as_region, fill
@@ -287,8 +288,8 @@ def _without_crumbs(part: Manifold) -> Manifold:
         return part
     low = np.round(pieces[int(crumbs[0])].bounding_box()[:3], 3).tolist()
     _log.info(
-        "%d loose crumbs of %.3g mm³ left out, as at %s mm: the surface cuts them off",
-        len(crumbs),
+        "%s of %.3g mm³ left out, as at %s mm: the surface cuts them off",
+        counted(len(crumbs), "loose crumb"),
         float(volumes[crumbs].sum()),
         low,
     )

@@ -15,6 +15,7 @@ from scaffold_cad.base.arrays import Floats, Frozen, as_floats
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.builders import built
 from scaffold_cad.base.radii import Radius
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import BrepError, OptionError
 from scaffold_cad.filling.fill import as_region, struts_touching
 from scaffold_cad.filling.models import Make, Model, RoundOptions, Section, maker
@@ -220,7 +221,7 @@ def _united(solid: Solid, inner: Solid, inside: Manifold, model: Model) -> tuple
     if not part.is_valid:
         return "the solid is not valid", None
     if loose:
-        _log.info("%d pieces of struts that do not reach the skin are left out", loose)
+        _log.info("%s of struts left out: the skin is out of their reach", counted(loose, "piece"))
     return "", part
 
 

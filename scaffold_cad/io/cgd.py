@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 from scaffold_cad.base.arguments import as_path
 from scaffold_cad.base.arrays import Edges, Floats, Ints, Points
 from scaffold_cad.base.backends import need
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.errors import FormatError, SkeletonError
 from scaffold_cad.io._raw import RawSkeleton
@@ -154,7 +155,7 @@ def _net(path: Path, block: _Block) -> UnitCell:
             sites,
             edges,
             moves,
-            f"Net of {len(sites)} nodes, group {block.group}.",
+            f"Net of {counted(len(sites), 'node')}, group {block.group}.",
             proportions=np.array(block.cell[:3]) / a,
             angles=np.radians(block.cell[3:]),
         )

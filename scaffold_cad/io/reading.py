@@ -161,10 +161,12 @@ def read_raw(path: str | PathLike[str], max_nodes: int | None = None) -> RawSkel
     except SkeletonError as error:
         raise FormatError(f"{path}: {error}") from None
     if len(raw.edges) == 0:
-        raise FormatError(f"{path} has {len(raw.nodes)} nodes but no edges; need at least one")
+        raise FormatError(
+            f"{path} has {counted(len(raw.nodes), 'node')} but no edges; need at least one"
+        )
     if max_nodes is not None and len(raw.nodes) > as_count(max_nodes, "max_nodes"):
         size = len(raw.edges) * BYTES_PER_EDGE / 1e9
-        found = f"{path} has {len(raw.nodes)} nodes and {len(raw.edges)} edges"
+        found = f"{path} has {' and '.join(_counts(raw))}"
         raise FormatError(
             f"{found}; need at most {max_nodes} nodes: to build it takes about {size:.2g} GB of "
             "memory, and max_nodes (--max-nodes) allows it"

@@ -9,6 +9,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import (
@@ -107,7 +108,9 @@ def write_swc(skeleton: Skeleton, path: Path, unit: str = "mm") -> None:
         If the skeleton has a loop.
     """
     if skeleton.loop_count:
-        raise FormatError(f"SWC holds trees only; the skeleton has {skeleton.loop_count} loops")
+        raise FormatError(
+            f"SWC holds trees only; the skeleton has {counted(skeleton.loop_count, 'loop')}"
+        )
     order, parent = _walk(skeleton)
     number = np.empty(len(order), dtype=np.intp)
     number[order] = np.arange(1, len(order) + 1)

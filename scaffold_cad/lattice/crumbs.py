@@ -7,6 +7,7 @@ import logging
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.lattice.unitcell import UnitCell
@@ -35,9 +36,9 @@ def without_crumbs(struts: Struts, cell: UnitCell, size: Floats) -> Struts:
         lost = np.unique(piece[~keep])
         place = np.round(struts.middles[~keep][0], 3).tolist()
         _log.info(
-            "%d loose crumbs of %d struts left out, as at %s mm: the surface cuts them off",
-            len(lost),
-            len(keep) - int(keep.sum()),
+            "%s of %s left out, as at %s mm: the surface cuts them off",
+            counted(len(lost), "loose crumb"),
+            counted(len(keep) - int(keep.sum()), "strut"),
             place,
         )
     return struts.kept(keep)

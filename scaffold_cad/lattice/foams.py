@@ -11,6 +11,7 @@ from scipy.spatial import Delaunay
 from scaffold_cad.base.arrays import Bools, Floats
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import BoxRegion, Keep, Region
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice.clipping import clipped, least_length
@@ -120,8 +121,8 @@ def _largest_piece(struts: Struts) -> Struts:
     keep = piece == np.argmax(np.bincount(piece, weights=struts.lengths))
     if not keep.all():
         _log.info(
-            "%d of %d struts of the foam left out: they hang loose from the largest piece",
+            "%d of %s of the foam left out: they hang loose from the largest piece",
             len(keep) - int(keep.sum()),
-            len(keep),
+            counted(len(keep), "strut"),
         )
     return struts.kept(keep)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_flag, check_choice, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, as_chosen, as_floats, read_only
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton
 
@@ -192,7 +193,7 @@ def check_held(nodes: Points, label: Ints, fixed: Bools) -> None:
         rows = modes[fixed[inside]]  # (held, 6)
         if len(rows) == 0:
             raise OptionError(
-                f"the part of {len(inside)} nodes with node {inside[0]} has no support; "
+                f"the part of {counted(len(inside), 'node')} with node {inside[0]} has no support; "
                 "need one that holds it"
             )
         _, values, axes = np.linalg.svd(rows, full_matrices=True)
@@ -200,7 +201,7 @@ def check_held(nodes: Points, label: Ints, fixed: Bools) -> None:
         if rank < 6:
             free = FREEDOMS[int(np.argmax(np.abs(axes[-1])))]
             raise OptionError(
-                f"the part of {len(inside)} nodes with node {inside[0]} can still move "
+                f"the part of {counted(len(inside), 'node')} with node {inside[0]} can still move "
                 f"{_motion(free)}: its supports hold {rank} of 6 motions; need all 6"
             )
 

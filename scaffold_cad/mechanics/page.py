@@ -8,6 +8,7 @@ import numpy as np
 
 from scaffold_cad.base.arguments import as_path, check_kind, checks_keywords
 from scaffold_cad.base.files import check_page, replacing
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.mechanics.beams import BeamSolution
 from scaffold_cad.webpage.layers import GRAY, ShownLayer
 from scaffold_cad.webpage.page import layers_page
@@ -74,7 +75,7 @@ def _used_layer(solution: BeamSolution) -> ShownLayer:
             pairs = skeleton.edges[rows[thick[rows] == width]]
             parts.append(Lines(skeleton.nodes, pairs, color, width=1.5 * width))
         name = f"{low:g} to {high:g}" if np.isfinite(high) else f"above {low:g}: overloaded"
-        legend.append((color, f"{len(rows)} struts, {name}"))
+        legend.append((color, f"{counted(len(rows), 'strut')}, {name}"))
         low = high
     return ShownLayer(Layer("utilization", tuple(parts)), "utilization", tuple(legend))
 
@@ -99,6 +100,6 @@ def _node_layers(solution: BeamSolution) -> list[ShownLayer]:
         nodes = np.flatnonzero(marked)
         if len(nodes):
             dots = Dots(model.skeleton.nodes[nodes], color, 8.0)
-            legend = ((color, f"{len(nodes)} nodes"),)
+            legend = ((color, counted(len(nodes), "node")),)
             layers.append(ShownLayer(Layer(name, (dots,)), name, legend))
     return layers

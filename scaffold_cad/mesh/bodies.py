@@ -7,6 +7,7 @@ import logging
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, Triangles
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.base.vectors import any_perpendicular, dot, normalize
 from scaffold_cad.errors import MeshError
@@ -76,7 +77,9 @@ def parted(mesh: TriangleMesh) -> TriangleMesh:
     for edge in crowded.tolist():
         sides = order[starts[edge] : starts[edge] + uses[edge]]
         pairs.append(_with_material_between(mesh, edges[edge], sides, forward[sides]))
-    _log.info("the body touches itself along %d edges; its parts are taken apart", len(crowded))
+    _log.info(
+        "the body touches itself along %s; its parts are taken apart", counted(len(crowded), "edge")
+    )
     return _split_at(mesh, np.concatenate(pairs))
 
 

@@ -11,6 +11,7 @@ import logging
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import BrepError
 from scaffold_cad.filling.models import Make, Model, overlapping
 from scaffold_cad.skeleton import Skeleton
@@ -49,7 +50,9 @@ def without_overlapping_stubs(skeleton: Skeleton, make: Make) -> Model:
             break
         skeleton = skeleton.with_edges(keep)
     if dropped:
-        _log.warning("%d of %d struts left out: they end free and overlap others", dropped, count)
+        _log.warning(
+            "%d of %s left out: they end free and overlap others", dropped, counted(count, "strut")
+        )
     return model
 
 

@@ -22,8 +22,8 @@ from scaffold_cad.printability.standing import (
     standing_size,
 )
 from scaffold_cad.printability.struts import as_wide, strut_findings
-from scaffold_cad.printability.thickness import thickness_of
 from scaffold_cad.printability.surface import surface_findings
+from scaffold_cad.printability.thickness import thickness_of
 from scaffold_cad.printability.triangletopology import TriangleTopology
 from scaffold_cad.products.surfaces import triangles_of
 from scaffold_cad.scaffold import Scaffold, build_scaffold

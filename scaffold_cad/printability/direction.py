@@ -8,9 +8,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, UnitVectors
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.printability.processes import Process
-from scaffold_cad.printability.report import MOST_PLACES, Finding, Verdict, counted
+from scaffold_cad.printability.report import MOST_PLACES, Finding, Verdict
 from scaffold_cad.printability.standing import (
     Facets,
     Standing,

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import length
 from scaffold_cad.printability.nesting import winding_numbers
 from scaffold_cad.printability.processes import Process
-from scaffold_cad.printability.report import Finding, counted
+from scaffold_cad.printability.report import Finding
 from scaffold_cad.printability.triangletopology import TriangleTopology
 
 GRID_STEPS = 6

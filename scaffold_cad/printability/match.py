@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.lattice.meshregion import MeshRegion
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.printability.report import MOST_PLACES, Finding, counted
+from scaffold_cad.printability.report import MOST_PLACES, Finding
 from scaffold_cad.skeleton import Skeleton
 
 

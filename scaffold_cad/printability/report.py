@@ -152,8 +152,3 @@ class Report(Frozen):
     def to_json(self) -> str:
         """Return the report as JSON text."""
         return json.dumps(self.as_dict(), indent=2, allow_nan=False)
-
-
-def counted(number: int, what: str) -> str:
-    """Return "1 strut", "2 struts"."""
-    return f"{number} {what}" if number == 1 else f"{number} {what}s"

@@ -11,9 +11,10 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Ints, Points
 from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.segments import nearest_on_segments
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import length
 from scaffold_cad.printability.processes import Process
-from scaffold_cad.printability.report import MOST_PLACES, Finding, counted
+from scaffold_cad.printability.report import MOST_PLACES, Finding
 from scaffold_cad.printability.thickness import Thickness
 from scaffold_cad.skeleton import Skeleton
 

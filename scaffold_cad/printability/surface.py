@@ -6,11 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.printability.crossings import meeting_places
 from scaffold_cad.printability.nesting import nesting
 from scaffold_cad.printability.processes import Process
-from scaffold_cad.printability.report import MOST_PLACES, Finding, Verdict, counted
+from scaffold_cad.printability.report import MOST_PLACES, Finding, Verdict
 from scaffold_cad.printability.triangletopology import TriangleTopology
 
 MOST_CROSSINGS = 100_000
@@ -87,8 +88,7 @@ def _vertices(surface: TriangleTopology) -> Finding:
         "mesh",
         "warning" if count else "ok",
         {"pinched_vertices": count},
-        f"{counted(count, 'vertex') if count == 1 else f'{count} vertices'} where parts of the "
-        "surface meet in a point"
+        f"{counted(count, 'vertex', 'vertices')} where parts of the surface meet in a point"
         if count
         else "the triangles at each vertex make one fan",
         "parts that meet in a point only break apart there: unite them deeper" if count else "",

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from scaffold_cad.base.arguments import as_count, check_kind
 from scaffold_cad.base.arrays import Frozen
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.skeleton.beams import BUTT, BeamLattice
@@ -55,17 +56,20 @@ class Assembly(Frozen):
         found = []
         if meshes:
             triangles = sum(len(mesh.triangles) for mesh in meshes)
-            found.append(f"{len(meshes)} meshes of {triangles} triangles")
+            found.append(
+                f"{counted(len(meshes), 'mesh', 'meshes')} of {counted(triangles, 'triangle')}"
+            )
         for clipping in ("inside", "outside"):
             clipped = [o for o in self.lattices if o.clip is not None and o.clipping == clipping]
             if clipped:
-                found.append(f"the clipping of {len(clipped)} lattices (what is {clipping} stays)")
+                lattices = counted(len(clipped), "lattice")
+                found.append(f"the clipping of {lattices} (what is {clipping} stays)")
         balls = sum(int((one.balls > 0).sum()) for one in self.lattices)
         if balls:
-            found.append(f"{balls} balls")
+            found.append(counted(balls, "ball"))
         flat = sum(int((one.caps == BUTT).sum()) for one in self.lattices)
         if flat:
-            found.append(f"{flat} flat ends of beams")
+            found.append(f"{counted(flat, 'flat end')} of beams")
         return found
 
 

@@ -12,6 +12,7 @@ from typing import Literal, TypeAlias, get_args
 
 from scaffold_cad.base.arguments import check_choice
 from scaffold_cad.base.arrays import Ints
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import BrepError
 from scaffold_cad.skeleton import Skeleton
 
@@ -64,6 +65,7 @@ def described(edges: Ints, skeleton: Skeleton) -> str:
     more = "" if len(edges) <= NAMED else ", ..."
     near = ", ".join(f"{value:.6g}" for value in place.tolist())
     return (
-        f"{len(edges)} of {len(skeleton.edges)} struts overlap others or their nodes "
+        f"{len(edges)} of {counted(len(skeleton.edges), 'strut')} "
+        f"{'overlaps' if len(edges) == 1 else 'overlap'} others or their nodes "
         f"(edges {named}{more}; the first near [{near}] mm)"
     )

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Floats, Frames, Ints, UnitVectors, as_floats, as_points
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import any_perpendicular, dot, length, normalize
 from scaffold_cad.errors import OptionError
 
@@ -131,7 +132,7 @@ def rotation_minimizing_frames(points: ArrayLike, first_x: ArrayLike | None = No
     """
     points = as_points(points, "points", OptionError)
     if len(points) < 2:
-        raise OptionError(f"the polyline has {len(points)} points; need 2 or more")
+        raise OptionError(f"the polyline has {counted(len(points), 'point')}; need 2 or more")
     chords = normalize(np.diff(points, axis=0))
     still = np.flatnonzero(~chords.any(axis=1))
     if len(still):

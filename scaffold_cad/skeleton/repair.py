@@ -6,6 +6,7 @@ radii of zero. `repaired` turns them into what a `Skeleton` needs, or says why i
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -16,6 +17,7 @@ from scipy.spatial import cKDTree
 from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, Radii
 from scaffold_cad.base.positions import equal_positions
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import SkeletonError
@@ -30,6 +32,10 @@ WELD_FRACTION = 1e-7
 
 LEAST_LENGTH = 1e-100
 """Distance within which nodes are always welded, mm: the square of a shorter one may be 0."""
+
+
+PLURAL = re.compile(r"radii|(node|edge|contact)s")
+"""What there are several of in the name of a repair."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +69,8 @@ class Repairs:
 
     def __str__(self) -> str:
         done = [(getattr(self, f.name), f.name.replace("_", " ")) for f in fields(self)]
-        return ", ".join(f"{count} {name}" for count, name in done if count) or "nothing"
+        texts = [counted(count, PLURAL.sub(_singular, name), name) for count, name in done if count]
+        return ", ".join(texts) or "nothing"
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,6 +161,10 @@ def repaired(
     struts = np.where(np.isnan(sizes), sized[edges], sizes)
     rank = np.cumsum(used) - 1
     return RepairedGraph(nodes[used], rank[edges], sized[used], struts, Repairs(**counts))
+
+
+def _singular(found: re.Match[str]) -> str:
+    return found[1] or "radius"
 
 
 def largest_at_nodes(edges: Edges, edge_radii: Floats, count: int) -> Floats:

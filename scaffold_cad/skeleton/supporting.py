@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_number, as_real, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, as_floats
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.skeleton.skeleton import Skeleton
 
@@ -73,7 +74,9 @@ def self_supporting(
             f"no strut rises at {np.degrees(angle):g} degrees or more from the lowest nodes; "
             "need one"
         )
-    _log.info("%d of %d struts go: nothing below holds them", np.sum(~kept), len(kept))
+    _log.info(
+        "%d of %s left out: nothing below holds them", np.sum(~kept), counted(len(kept), "strut")
+    )
     return skeleton.with_edges(kept)
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Points
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import any_perpendicular
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -59,7 +60,7 @@ def beam_solid(lattice: BeamLattice, sides: int, flat_joints: bool) -> Manifold:
         except FaultySurfaceError as error:
             fault = error
     raise MeshError(
-        f"the union of {len(lattice.skeleton.edges)} beams {fault}; need a clean surface"
+        f"the union of {counted(len(lattice.skeleton.edges), 'beam')} {fault}; need a clean surface"
     )
 
 

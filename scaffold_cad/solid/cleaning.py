@@ -14,6 +14,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Points
 from scaffold_cad.base.positions import equal_positions, in_single_precision
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import MeshError
@@ -113,7 +114,7 @@ def _uncrossed(mesh: TriangleMesh, least: float) -> TriangleMesh:
     if len(crossings) == 0:
         return mesh
     places = mesh.vertices[mesh.triangles[crossings[:, 0]]].mean(axis=1)
-    raise FaultySurfaceError(f"crosses itself in {len(crossings)} places", places)
+    raise FaultySurfaceError(f"crosses itself in {counted(len(crossings), 'place')}", places)
 
 
 def _without_twins(mesh: TriangleMesh, crossings: Edges) -> tuple[TriangleMesh, Edges]:
@@ -185,7 +186,8 @@ def parted(mesh: TriangleMesh, extent: float) -> TriangleMesh:
         if not _at_one_place(found).any() and len(self_intersections(found)) == 0:
             return found
     places = mesh.vertices[touching]
-    raise FaultySurfaceError(f"touches itself at {len(np.unique(places, axis=0))} places", places)
+    count = counted(len(np.unique(places, axis=0)), "place")
+    raise FaultySurfaceError(f"touches itself at {count}", places)
 
 
 def _at_one_place(mesh: TriangleMesh) -> Bools:

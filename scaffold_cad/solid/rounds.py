@@ -25,6 +25,10 @@ from scaffold_cad.struts.surface import Triangulated
 SIDES = 16
 """Sides of round struts in meshes where none are given."""
 
+MOST_SIDES = 8192
+"""Most sides of the polygons that stand for circles: these are 7e-8 of their radius from the
+circle, less than a step of 32-bit coordinates as large as the radius."""
+
 FIELD_STEPS = 2.0 * LEAST_STEPS
 """Least radius in steps of 32-bit coordinates: fields make thinner struts as thick as that."""
 
@@ -78,3 +82,7 @@ def check_sides(sides: int) -> None:
     """Raise unless a round strut can have so many sides."""
     if as_count(sides, "sides", 4) % 4:
         raise OptionError(f"sides is {sides}; need a multiple of 4")
+    if sides > MOST_SIDES:
+        raise OptionError(
+            f"sides is {sides}; need at most {MOST_SIDES}, which files cannot tell from a circle"
+        )

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.scaffold import Scaffold
@@ -56,7 +57,7 @@ def skeleton_layer(skeleton: Skeleton) -> ShownLayer:
     others = np.flatnonzero(skeleton.valency < 3)
     if len(others):
         parts.append(Dots(skeleton.nodes[others], GRAY, 0.6 * size))
-        legend.append((GRAY, f"{len(others)} joints and extremities"))
+        legend.append((GRAY, counted(len(others), "joint or extremity", "joints and extremities")))
     highest = max(VALENCIES)
     kinds = np.minimum(skeleton.valency, highest)
     for valency, color in VALENCIES.items():
@@ -71,12 +72,12 @@ def skeleton_layer(skeleton: Skeleton) -> ShownLayer:
 def quads_layer(mesh: QuadMesh, name: str) -> ShownLayer:
     """Return a quad mesh that one can see into: its edges, and its faces as if of glass."""
     parts = (Lines(mesh.vertices, mesh.edges, INK), Surface(mesh, SAND, 0.4))
-    return ShownLayer(Layer(name, parts), f"{name}, {len(mesh.quads)} quads")
+    return ShownLayer(Layer(name, parts), f"{name}, {counted(len(mesh.quads), 'quad')}")
 
 
 def solid_layer(mesh: QuadMesh | TriangleMesh, *, shown: bool) -> ShownLayer:
     """Return the surface of a solid; `shown` tells whether it is seen at first."""
-    label = f"solid, {len(mesh.triangles)} triangles"
+    label = f"solid, {counted(len(mesh.triangles), 'triangle')}"
     return ShownLayer(Layer("solid", (Surface(mesh, BLUE),), shown), label)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from scaffold_cad.base.arguments import as_path
 from scaffold_cad.base.files import replacing
 from scaffold_cad.base.notebook import Shown
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -141,7 +142,8 @@ def _surface(what: Model) -> QuadMesh | TriangleMesh:
 
 
 def _counts(skeleton: Skeleton) -> str:
-    return f"{len(skeleton.nodes)} nodes, {len(skeleton.edges)} edges, {skeleton.loop_count} loops"
+    nodes, edges = counted(len(skeleton.nodes), "node"), counted(len(skeleton.edges), "edge")
+    return f"{nodes}, {edges}, {counted(skeleton.loop_count, 'loop')}"
 
 
 def _scaffold_layers(scaffold: Scaffold, solid: QuadMesh | TriangleMesh) -> list[ShownLayer]:

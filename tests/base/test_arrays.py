@@ -243,3 +243,27 @@ def test_nothing_that_a_result_keeps_can_be_written_to() -> None:
     assert writable_arrays([*results, sc.solidified(scaffold)]) == []
     assert writable_arrays(pickle.loads(pickle.dumps(results))) == []
     assert writable_arrays(deepcopy(results)) == []
+
+
+MASKED = np.ma.masked_array([[0.0, 0, 0], [9, 0, 0]], mask=[[0, 0, 0], [0, 1, 0]])
+
+
+@pytest.mark.parametrize(
+    ("make", "item"),
+    [
+        (lambda: as_points(MASKED, "nodes"), "nodes[1, 1]"),
+        (lambda: as_points(list(MASKED), "nodes"), "nodes[1, 1]"),
+        (lambda: as_radii(np.ma.masked_array([1.0, 2.0], mask=[0, 1]), "radii", 2), "radii[1]"),
+        (lambda: as_radii([1.0, np.ma.masked], "radii", 2), "radii[1]"),
+        (lambda: as_edges(np.ma.masked_array([[0, 1]], mask=[[1, 0]]), "edges", 2), "edges[0, 0]"),
+    ],
+)
+def test_masked_items_are_named(make: Callable[[], Any], item: str) -> None:
+    with pytest.raises(SkeletonError) as caught:
+        make()
+    assert str(caught.value) == f"{item} is masked; need a number, or an array without that item"
+
+
+def test_masked_arrays_that_hide_nothing_are_arrays() -> None:
+    whole = np.ma.masked_array([[0.0, 0, 0], [9, 0, 0]])
+    assert as_points(whole, "nodes").tolist() == whole.tolist()

@@ -85,7 +85,7 @@ def test_the_skeleton_beside_a_mesh_is_read_with_the_options_of_skeletons(
     # What is left of the zigzag leaves the part.
     assert main([*command, "--radius", "2.5", "--simplify", "100", "--json"]) == 1
     captured = capsys.readouterr()
-    assert "simplified from 5 to 1 edges" in captured.err
+    assert "simplified from 5 to 1 edge" in captured.err
     findings = json.loads(captured.out)["findings"]
     assert "mm, not 5" in findings["strut_diameter"]["advice"]
     assert findings["struts_in_part"]["value"] == {"outside": 1, "struts": 1}
@@ -111,7 +111,7 @@ def test_the_beams_of_a_3mf_file_are_checked_as_they_are_built(
     write(BeamLattice(K4, mesh=CUBE), path)
     assert main(["check", str(path)]) == 0
     captured = capsys.readouterr()
-    assert "6 beams united with 1 meshes of 12 triangles" in captured.err
+    assert "6 beams united with 1 mesh of 12 triangles" in captured.err
     assert main(["check", str(path), "--radius", "0.1"]) == 1
     assert "raise --radius to 0.4" in capsys.readouterr().out
 

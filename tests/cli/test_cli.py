@@ -210,7 +210,7 @@ def test_info_needs_no_radii(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert main(["info", str(source)]) == 0
     out = capsys.readouterr().out
     assert "none in the file: build needs --radius" in out
-    assert "1 duplicate edges" in out
+    assert "1 duplicate edge" in out
 
 
 BAD_INPUT = [
@@ -219,6 +219,10 @@ BAD_INPUT = [
     (["build", "FIGURE", "-o", "x.dwg"], "cannot write x.dwg: its suffix is '.dwg'; need .3mf"),
     (["build", "FIGURE", "-o", "nowhere/x.stl"], "there is no folder nowhere"),
     (["build", "FIGURE", "-o", "x.stl", "--radius", "-1"], "radius is -1 mm; need > 0"),
+    (
+        ["build", "FIGURE", "-o", "x.stl", "--round", "--sides", "4000000000"],
+        "sides is 4000000000; need at most 8192",
+    ),
     (["build", "FIGURE", "-o", "x.stl", "--simplify", "-1"], "tolerance is -1 mm; need >= 0"),
     (
         ["build", "FIGURE", "-o", "x.stl", "--as", "frame", "--strut-radius", "0"],
@@ -274,7 +278,7 @@ def test_strict_refuses_what_needs_repair(
     assert main([*command, "--strict"]) == 2
     assert "need each edge once" in capsys.readouterr().err
     assert main(command) == 0
-    assert "was repaired: 1 duplicate edges" in capsys.readouterr().err
+    assert "was repaired: 1 duplicate edge" in capsys.readouterr().err
 
 
 def test_interrupted_work_exits_with_130(figure: str, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -285,7 +289,7 @@ def test_interrupted_work_exits_with_130(figure: str, monkeypatch: pytest.Monkey
     assert main(["build", figure, "-o", "x.stl"]) == 130
 
 
-@pytest.mark.parametrize("options", [[], ["--round"]])
+@pytest.mark.parametrize("options", [[], ["--round"], ["--round", "--sides", "4000"]])
 def test_a_lack_of_memory_is_one_line(
     options: list[str],
     figure: str,
@@ -298,7 +302,9 @@ def test_a_lack_of_memory_is_one_line(
 
     monkeypatch.setattr("scaffold_cad.cli.build.write", full)
     assert main(["build", figure, "--quiet", "-o", str(tmp_path / "x.stl"), *options]) == 2
-    assert capsys.readouterr().err == "scaffold-cad: out of memory; need a smaller skeleton\n"
+    fewer = ", or fewer --sides than 4000" if "--sides" in options else ""
+    told = capsys.readouterr().err
+    assert told == f"scaffold-cad: out of memory; need a smaller skeleton{fewer}\n"
     assert list(tmp_path.glob("*.stl")) == []
 
 

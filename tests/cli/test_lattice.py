@@ -201,6 +201,13 @@ def test_cells_are_listed_with_valency_and_density(capsys: pytest.CaptureFixture
     assert "53.31 (r/a)²" in octet
 
 
+def test_a_density_that_cannot_be_is_told_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["cells", "--stiffness", "-1"]) == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert told.err == "scaffold-cad: relative density is -1; need > 0\n"
+
+
 def test_cells_are_drawn_on_a_page(tmp_path: Path) -> None:
     page = tmp_path / "cells.html"
     assert main(["cells", "-o", str(page)]) == 0

@@ -55,7 +55,7 @@ def test_page_tells_how_many_struts_are_overloaded(arm: str, tmp_path: Path) -> 
     words = ["strength", arm, "--fix", "xmin", "--load", "xmax:0,0,-500", "--html", str(out)]
     assert main(words) == 0
     text = out.read_text("utf-8")
-    assert "1 struts, above 1: overloaded" in text
+    assert "1 strut, above 1: overloaded" in text
     assert 'value="supports"' in text
     assert main([*words[:-1], str(tmp_path / "arm.txt")]) == 2
 

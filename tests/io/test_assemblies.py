@@ -120,9 +120,9 @@ def test_an_assembly_goes_round(tmp_path: Path) -> None:
         assert part.signed_volume == pytest.approx(volume**3)
     assert again.beyond_skeleton() == [
         "2 meshes of 24 triangles",
-        "the clipping of 1 lattices (what is outside stays)",
-        "1 balls",
-        "1 flat ends of beams",
+        "the clipping of 1 lattice (what is outside stays)",
+        "1 ball",
+        "1 flat end of beams",
     ]
 
 
@@ -149,10 +149,10 @@ def test_what_is_beside_the_beams_is_told_and_left_out_of_a_cad_file(
     items = '<item objectid="1"/><item objectid="2"/>'
     path = str(packed(tmp_path, model([mesh(), SOLID], items)))
     assert main(["info", path]) == 0
-    assert "beside it      1 meshes of 4 triangles" in capsys.readouterr().out
+    assert "beside it      1 mesh of 4 triangles" in capsys.readouterr().out
     out = tmp_path / "out.step"
     assert main(["build", path, "-o", str(out)]) == 0
-    assert "left out 1 meshes of 4 triangles" in capsys.readouterr().err
+    assert "left out 1 mesh of 4 triangles" in capsys.readouterr().err
     assert main(["build", path, "--strict", "-o", str(tmp_path / "out.stl")]) == 2
-    assert "holds also 1 meshes of 4 triangles; need nothing" in capsys.readouterr().err
+    assert "holds also 1 mesh of 4 triangles; need nothing" in capsys.readouterr().err
     assert len(read_skeleton(path).edges) == 2

@@ -81,7 +81,7 @@ def test_faults_are_repaired_and_the_repairs_logged(
     assert len(skeleton.nodes) == 3
     assert [(r.levelname, r.getMessage()) for r in caplog.records] == [
         ("INFO", f"{path}: 4 nodes and 2 edges read"),
-        ("WARNING", f"{path} was repaired: 1 nodes welded"),
+        ("WARNING", f"{path} was repaired: 1 node welded"),
     ]
 
 

@@ -25,6 +25,8 @@ import os, signal, sys, threading
 from scaffold_cad.cli import main
 import {module}
 
+# Programs that a shell starts in the background are told to ignore it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 slow = {module}.{function}
 def interrupted(*arguments, **options):
     threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()

@@ -132,5 +132,5 @@ def test_a_file_of_comments_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_lone_sample_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(FormatError, match="has 1 nodes but no edges"):
+    with pytest.raises(FormatError, match="has 1 node but no edges"):
         read_skeleton(written(tmp_path, "lone.swc", "1 1 0 0 0 1 -1\n"))

@@ -179,7 +179,7 @@ def test_a_skeleton_leaves_clipping_out_says_so_and_is_refused_where_strict(
     lattice = f'radius="1" minlength="1" {name}="inside" clippingmesh="2"'
     path = packed(tmp_path, model([mesh(lattice=lattice), SOLID]))
     assert len(read_skeleton(path).edges) == 2
-    said = "the clipping of 1 lattices (what is inside stays)"
+    said = "the clipping of 1 lattice (what is inside stays)"
     assert f"left out {said}" in caplog.text
     with pytest.raises(FormatError, match=rf"lattice\.3mf holds also {re.escape(said)}; need"):
         read_skeleton(path, strict=True)

@@ -60,7 +60,7 @@ def test_bodies_that_touch_along_an_edge_are_taken_apart(
     assert len(body.vertices) == 16
     assert int(shells_of(body.triangles, len(body.vertices)).max()) == 1
     assert body.signed_volume == pytest.approx(16)
-    assert "touches itself along 1 edges" in caplog.text
+    assert "touches itself along 1 edge" in caplog.text
 
 
 def test_bodies_that_touch_in_a_row_of_edges_are_taken_apart() -> None:

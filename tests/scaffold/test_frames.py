@@ -104,7 +104,7 @@ def test_frames_along_steps_of_a_grid_are_right_handed_and_along_it(steps: list[
     ("points", "first_x", "message"),
     [
         ([], None, "the polyline has 0 points; need 2 or more"),
-        ([[0, 0, 0]], None, "the polyline has 1 points; need 2 or more"),
+        ([[0, 0, 0]], None, "the polyline has 1 point; need 2 or more"),
         ([0, 1, 2], None, r"points has shape \(3,\); need \(n, 3\)"),
         ("line", None, "points is not an array of numbers"),
         ([[0, 0, 0], [0, 0, np.nan]], None, r"points\[1\] is .*; need finite numbers"),

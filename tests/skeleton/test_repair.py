@@ -333,6 +333,6 @@ def test_named_skeletons_have_no_overlap(skeleton: Skeleton) -> None:
 
 def test_the_report_says_what_was_done() -> None:
     repairs = Repairs(nodes_welded=3, duplicate_edges=1)
-    assert str(repairs) == "3 nodes welded, 1 duplicate edges"
+    assert str(repairs) == "3 nodes welded, 1 duplicate edge"
     assert repairs.total == 4
     assert str(Repairs()) == "nothing"

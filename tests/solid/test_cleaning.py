@@ -103,6 +103,6 @@ def test_a_place_that_cannot_be_parted_is_named(monkeypatch: pytest.MonkeyPatch)
         return mesh
 
     monkeypatch.setattr(cleaning, "_drawn_in", as_it_is)
-    with pytest.raises(FaultySurfaceError, match="touches itself at 1 places") as caught:
+    with pytest.raises(FaultySurfaceError, match="touches itself at 1 place") as caught:
         clean_surface(TOUCHING["at a vertex"])
     assert caught.value.places.tolist() == [[2.0, 2.0, 2.0]] * 2

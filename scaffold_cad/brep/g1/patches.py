@@ -10,6 +10,7 @@ import numpy as np
 
 from scaffold_cad.base.arguments import as_count, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import dot, normalize
 from scaffold_cad.brep.bernstein import bernstein, elevation
 from scaffold_cad.brep.beziermesh import BezierMesh
@@ -135,8 +136,8 @@ def smooth_patches(surface: QuadMesh, degree: int = 5, split: int | None = None)
             patches = patches if len(finer.turned) else finer
     if len(patches.turned):
         _log.warning(
-            "%d patches turn over, that on quad %d first; a finer mesh may help",
-            len(patches.turned),
+            "%s over, that on quad %d first; a finer mesh may help",
+            counted(len(patches.turned), "patch turns", "patches turn"),
             patches.quad_of_patch[patches.turned[0]],
         )
     return patches

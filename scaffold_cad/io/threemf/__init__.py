@@ -10,6 +10,7 @@ from typing import overload
 
 from scaffold_cad.base.arguments import as_path
 from scaffold_cad.base.files import reading
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import FormatError, MeshError, SkeletonError
 from scaffold_cad.io._mesh import joined_meshes
 from scaffold_cad.io._raw import RawSkeleton
@@ -78,7 +79,7 @@ def read_3mf_triangles(path: Path) -> TriangleMesh:
     if assembly.is_skeleton:
         return joined_meshes([])
     found = ", ".join(assembly.beyond_skeleton())
-    _log.info("%s: %d beams united with %s", path, assembly.beam_count, found)
+    _log.info("%s: %s united with %s", path, counted(assembly.beam_count, "beam"), found)
     return manifold_triangles(assembly_solid(assembly))
 
 

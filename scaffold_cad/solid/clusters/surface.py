@@ -13,6 +13,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
 from scaffold_cad.base.blocks import CACHE, blocks
 from scaffold_cad.base.positions import in_single_precision
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.intersections import self_intersections
@@ -282,8 +283,8 @@ def _surface(
         _log.debug("%d of %d seams failed", len(failed), len(rest.cuts.node))
         core, seeds = grown(struts, clusters, failed)
     _log.info(
-        "%d struts have too little room for rings of their own: made as a field",
-        len(struts.skeleton.edges),
+        "%s too little room for rings of their own: made as a field",
+        counted(len(struts.skeleton.edges), "strut has", "struts have"),
     )
     every = whole_struts(struts)
     report_thickened(every, factor)

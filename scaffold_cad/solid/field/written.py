@@ -8,6 +8,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.base.positions import single_steps
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.field.solid import field_solid, held_by_grids
 from scaffold_cad.solid.field.struts import FieldStruts
@@ -43,10 +44,10 @@ def report_thickened(struts: FieldStruts, factor: float = 1.0) -> None:
     ends = struts.ends[thick[worst]]
     near = ", ".join(f"{value:.6g}" for value in ends.mean(axis=0).tolist())
     _log.warning(
-        "%d struts are too thin for the coordinates of mesh files and made thicker: that near "
+        "%s too thin for the coordinates of mesh files and made thicker: that near "
         "[%s] mm has a radius of %.3g mm instead of %.3g mm, as 32-bit numbers are %.3g mm apart "
         "there and the whole is %.4g mm large",
-        len(thick),
+        counted(len(thick), "strut is", "struts are"),
         near,
         got[worst],
         wanted[worst],
