@@ -6,7 +6,6 @@ The groups of symmetry other than P1 come from the package gemmi.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +16,7 @@ from scaffold_cad.base.arrays import Edges, Floats, Ints, Points
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.topology import component_labels
-from scaffold_cad.errors import FormatError, SkeletonError
+from scaffold_cad.errors import FormatError, OptionError, SkeletonError
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import line_error, read_text
 from scaffold_cad.io.register import register_reader
@@ -28,6 +27,9 @@ SAME_SITE = 2e-3
 
 UNIT_BOX = np.ones(3)
 """Periods along the sides of a cell."""
+
+LARGEST = 1e6
+"""Largest number of a cell or a position: what is larger leaves fewer than 5 digits of a site."""
 
 IDENTITY = (np.eye(3), np.zeros(3))
 """The operation that leaves all as it is."""
@@ -114,8 +116,10 @@ def _take(path: Path, block: _Block, line: int, keyword: str, words: list[str]) 
         block.group = "".join(words)
     elif keyword == "CELL":
         block.cell = _numbers(path, line, words, 6, "a, b, c, alpha, beta, gamma")
+        if min(block.cell) < 1 / LARGEST:
+            raise line_error(path, line, " ".join(words), f"numbers of at least {1 / LARGEST:g}")
     elif keyword in ("NODE", "ATOM"):
-        if len(words) != 5 or not words[1].isdigit():
+        if len(words) != 5 or not words[1].isdecimal():
             raise line_error(path, line, f"{' '.join(words)!r}", "name, valency, x, y, z")
         place = _numbers(path, line, words[2:], 3, "x, y, z of a node")
         block.nodes[words[0]] = (int(words[1]), place)
@@ -125,13 +129,21 @@ def _take(path: Path, block: _Block, line: int, keyword: str, words: list[str]) 
 
 def _numbers(path: Path, line: int, words: list[str], count: int, need_: str) -> list[float]:
     """Return words as numbers, fractions such as 1/3 among them."""
-    try:
-        values = [float(Fraction(word)) for word in words]
-    except (ValueError, ZeroDivisionError):
-        values = []
-    if len(values) != count:
-        raise line_error(path, line, f"{' '.join(words)!r}", f"{count} numbers: {need_}")
+    values = [_number(word) for word in words]
+    # What is no number is NaN, which no comparison holds for.
+    if len(values) != count or not all(abs(value) <= LARGEST for value in values):
+        needed = f"{count} numbers of at most {LARGEST:g}: {need_}"
+        raise line_error(path, line, f"{' '.join(words)!r}", needed)
     return values
+
+
+def _number(word: str) -> float:
+    """Return a word as a number; NaN if it is none."""
+    above, slash, below = word.partition("/")
+    try:
+        return float(above) / float(below) if slash else float(above)
+    except (ValueError, ZeroDivisionError):
+        return float("nan")
 
 
 def _net(path: Path, block: _Block) -> UnitCell:
@@ -159,8 +171,9 @@ def _net(path: Path, block: _Block) -> UnitCell:
             proportions=np.array(block.cell[:3]) / a,
             angles=np.radians(block.cell[3:]),
         )
-    except SkeletonError as error:
-        raise SkeletonError(f"{path}: {error}") from None
+    except (OptionError, SkeletonError) as error:
+        kind = FormatError if isinstance(error, OptionError) else SkeletonError
+        raise kind(f"{path}: {error}") from None
 
 
 def _ends(path: Path, block: _Block, line: int, words: list[str]) -> Points:

@@ -15,6 +15,7 @@ from tempfile import TemporaryDirectory
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
+from tests.fuzz.members import APART, sample_apart
 from tests.fuzz.mutation import mutated
 from tests.fuzz.reading import outcome
 from tests.fuzz.samples import SAMPLES
@@ -31,7 +32,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--only", default="", help="part of the samples' names")
+    parser.add_argument(
+        "--only", default="", help="part of the samples' names; .msh, .med, .step: with it only"
+    )
     parser.add_argument("--keep", type=Path, help="folder for the files that failed")
     options = parser.parse_args()
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
@@ -43,14 +46,20 @@ def main() -> int:
     with TemporaryDirectory() as folder:
         round_number = options.seed
         while time.monotonic() < stop:
-            for name, content in SAMPLES.items():
-                if options.only in name and time.monotonic() < stop:
+            for name, content in _chosen(options.only).items():
+                if time.monotonic() < stop:
                     _read_some(Path(folder), name, content, round_number, counts, faults, options)
             round_number += 1
     print(", ".join(f"{count} {what}" for what, count in sorted(counts.items())))
     for place, name in faults.items():
         print(f"{name}: {place}")
     return 1 if faults else 0
+
+
+def _chosen(part: str) -> dict[str, bytes]:
+    """Return the samples whose names have a part; those read in processes only if there is one."""
+    apart = {name: sample_apart(name) for name in APART if part and part in name}
+    return {name: content for name, content in SAMPLES.items() if part in name} | apart
 
 
 def _read_some(

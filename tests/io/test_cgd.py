@@ -102,7 +102,12 @@ def test_a_skeleton_is_one_cell_of_the_first_net(tmp_path: Path) -> None:
     [
         ("PERIODIC_GRAPH\nEND\n", "has no block CRYSTAL"),
         (PCU.replace("CELL", "#"), "net 'pcu' of line 1 has no CELL, NODE or EDGE"),
-        (PCU.replace("90.0 90.0 90.0", "90.0"), "line 4.*need 6 numbers: a, b, c, alpha"),
+        (PCU.replace("90.0 90.0 90.0", "90.0"), "line 4.*need 6 numbers .*: a, b, c, alpha"),
+        (PCU.replace("1.0 1.0 1.0", "0 5.0 5.0"), "line 4: 0 5.0 .*need numbers of at least 1e-06"),
+        (PCU.replace("1.0 1.0 1.0", "1 5 1e999999999"), "line 4.*need 6 numbers of at most 1e"),
+        (PCU.replace("90.0 90.0 90.0", "90 90 200"), r"cgd: .*\[90.0, 90.0, 200.0\] degrees; need"),
+        (PCU.replace("NODE 1 6  0 0 0", "NODE 1 6 0 0 1e30"), "line 5.*need 3 numbers of at most"),
+        (PCU.replace("NODE 1 6", "NODE 1 \u00b2"), "line 5.*need name, valency, x, y, z"),
         (PCU.replace("NODE 1 6", "NODE 1"), "line 5.*need name, valency, x, y, z"),
         (PCU.replace("NODE 1 6  0 0 0", "NODE 1 6 0 0 1/0"), "line 5.*need 3 numbers"),
         (PCU.replace("0 0 0   0 0 1", "0 0 0   0 0"), "line 6.*need 3 numbers"),
