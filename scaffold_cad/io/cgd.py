@@ -171,9 +171,10 @@ def _net(path: Path, block: _Block) -> UnitCell:
             proportions=np.array(block.cell[:3]) / a,
             angles=np.radians(block.cell[3:]),
         )
-    except (OptionError, SkeletonError) as error:
-        kind = FormatError if isinstance(error, OptionError) else SkeletonError
-        raise kind(f"{path}: {error}") from None
+    except OptionError as error:
+        raise FormatError(f"{path}: {error}") from None
+    except SkeletonError as error:
+        raise SkeletonError(f"{path}: {error}") from None
 
 
 def _ends(path: Path, block: _Block, line: int, words: list[str]) -> Points:
