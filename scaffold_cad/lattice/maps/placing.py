@@ -125,10 +125,11 @@ def lattice_on(
     corners = np.tile(grid_corners(numbers), (mapping.patches, 1))
     of_corner = np.repeat(np.arange(mapping.patches), len(corners) // mapping.patches)
     places = np.concatenate([struts.nodes / numbers, corners])
+    of_place = np.concatenate([patch, of_corner])
     if grading is not None:
-        places = grading.moved(places)
+        places = grading.moved(places, of_place)
     # Both at once: a surface is asked for each place only once.
-    positions = mapping.positions(places, np.concatenate([patch, of_corner]))
+    positions = mapping.positions(places, of_place)
     nodes = positions[: len(patch)]
     check_folds(positions[len(patch) :], numbers, mapping.patches)
     mean = whole / numbers
