@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
+from numpy.typing import ArrayLike
+
 from scaffold_cad.base.arguments import as_number, checks_keywords
+from scaffold_cad.base.arrays import Points
 from scaffold_cad.base.backends import need
 from scaffold_cad.filling.fill import HasTriangles
 from scaffold_cad.lattice.maps import BetweenMap, QuadMap, SurfaceMap
+from scaffold_cad.lattice.maps.grading import sizes_at
 from scaffold_cad.lattice.maps.surfaces import Height
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.remeshing import quadrangulated
@@ -93,7 +99,7 @@ def mesh_map(
     thickness: Height,
     offset: Height = 0.0,
     *,
-    size: float | None = None,
+    size: float | Callable[[Points], ArrayLike] | None = None,
 ) -> QuadMap:
     """Return the map of cells on the quads of a mesh.
 
@@ -103,7 +109,8 @@ def mesh_map(
         build123d shape, which is made anew in quads of about `size`, one a cell (`counts=(1, 1,
         k)`); its sharp edges are rounded
     thickness, offset : of the layer, see `face_map`
-    size : of the quads, mm; for triangles only
+    size : of the quads, mm, or a function of positions (n, 3) that returns (n,) sizes, as a `Field`
+        is; for triangles only
 
     Raises
     ------
@@ -122,6 +129,7 @@ def mesh_map(
     """
     if isinstance(mesh, QuadMesh) and size is None:
         return QuadMap(mesh, thickness, offset)
-    side = as_number(size, "size of the quads that the surface is made anew with")
+    name = "size of the quads that the surface is made anew with"
+    side = partial(sizes_at, size) if callable(size) else as_number(size, name)
     surface = without_repeated_corners(welded(triangles_of(mesh)))
     return QuadMap(quadrangulated(surface, side), thickness, offset)

@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import TypeAlias
+
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Edges, Triangles
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Points, Triangles
 from scaffold_cad.base.vectors import length
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted, have_distinct_corners
 
 
+Lengths: TypeAlias = "float | Callable[[Points], Floats]"
+"""A length everywhere, or a function of positions (n, 3) that returns lengths (n,), mm."""
+
+
+def lengths_at(size: Lengths, points: Points) -> float | Floats:
+    """Return the length that is asked for at positions (n, 3), mm."""
+    return size(points) if callable(size) else size
+
+
 def without_short_edges(
-    mesh: TriangleMesh, shortest: float, *, is_open: bool = False, near: Bools | None = None
+    mesh: TriangleMesh, shortest: Lengths, *, is_open: bool = False, near: Bools | None = None
 ) -> TriangleMesh:
-    """Return a closed mesh with its edges shorter than `shortest` (mm) drawn together.
+    """Return a closed mesh with its edges shorter than `shortest` (mm, at their middles) drawn together.
 
     An edge stays where drawing it together would pinch the surface: where a vertex beside both of
     its ends belongs to neither of its two triangles. The lower end of an edge keeps its place.
@@ -40,12 +52,13 @@ def without_short_edges(
         mesh = compacted(mesh.vertices, triangles)
 
 
-def _short_edges(mesh: TriangleMesh, shortest: float) -> Edges:
+def _short_edges(mesh: TriangleMesh, shortest: Lengths) -> Edges:
     """Return the edges shorter than `shortest`, lower vertex first, the shortest first, (k, 2)."""
     ends = np.stack([mesh.triangles, np.roll(mesh.triangles, -1, axis=1)], axis=2).reshape(-1, 2)
     ends = ends[ends[:, 0] < ends[:, 1]]  # each edge once: its other triangle runs back along it
     spans = length(mesh.vertices[ends[:, 1]] - mesh.vertices[ends[:, 0]])
-    short = np.flatnonzero(spans < shortest)
+    least = lengths_at(shortest, mesh.vertices[ends].mean(axis=1)) if len(ends) else 0.0
+    short = np.flatnonzero(spans < least)
     return ends[short[np.argsort(spans[short], kind="stable")]]
 
 

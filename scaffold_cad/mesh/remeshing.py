@@ -8,7 +8,7 @@ from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, Triangles, UnitVectors
 from scaffold_cad.base.vectors import dot, length, normalize, sums_by_row
 from scaffold_cad.errors import MeshError
-from scaffold_cad.mesh.collapse import without_short_edges
+from scaffold_cad.mesh.collapse import Lengths, lengths_at, without_short_edges
 from scaffold_cad.mesh.nearest import NearestPlace
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -53,12 +53,13 @@ def remeshed(mesh: TriangleMesh, size: float) -> TriangleMesh:
     return _remeshed(mesh, as_number(size, "size of triangles"))[0]
 
 
-def quadrangulated(mesh: TriangleMesh, size: float) -> QuadMesh:
-    """Return the surface in quads about as large as squares of `size` mm.
+def quadrangulated(mesh: TriangleMesh, size: Lengths) -> QuadMesh:
+    """Return the surface in quads about as large as squares of `size` mm, or that at their places.
 
     It is made anew with triangles of one size, and each is cut into three quads.
     """
-    even, target = _remeshed(mesh, QUAD_SIDE * as_number(size, "size of quads"))
+    side = size if callable(size) else as_number(size, "size of quads")
+    even, target = _remeshed(mesh, _times(QUAD_SIDE, side))
     quads = three_quads_each(even)
     return quads.moved(target.nearest(quads.vertices))
 
@@ -91,32 +92,41 @@ def three_quads_each(mesh: TriangleMesh) -> QuadMesh:
     return QuadMesh(vertices, np.stack(quads, axis=1).reshape(-1, 4))
 
 
-def _remeshed(mesh: TriangleMesh, size: float) -> tuple[TriangleMesh, NearestPlace]:
+def _remeshed(mesh: TriangleMesh, size: Lengths) -> tuple[TriangleMesh, NearestPlace]:
     """Return the surface made anew, and the old one."""
-    area = float(length(_double_areas(mesh.vertices, mesh.triangles)).sum()) / 2
-    if not area > 0:
+    areas = length(_double_areas(mesh.vertices, mesh.triangles)) / 2
+    if not areas.sum() > 0:
         raise MeshError("the mesh has no area; need one to make it anew")
-    if area / (size**2 * 0.433) > MOST_TRIANGLES:
+    sides = lengths_at(size, mesh.vertices[mesh.triangles].mean(axis=1))
+    if float((areas / (sides**2 * 0.433)).sum()) > MOST_TRIANGLES:
         raise MeshError(
-            f"triangles of {size:g} mm on a surface of {area:.4g} mm²: more than "
+            f"triangles of {np.min(sides):g} mm on a surface of {areas.sum():.4g} mm²: more than "
             f"{MOST_TRIANGLES}; need larger ones"
         )
     is_open = len(mesh.faulty_sides()[1]) > 0
     mesh = split_to(mesh, size)
     target = NearestPlace(mesh)
     for _ in range(ROUNDS):
-        mesh = split_to(mesh, LONGEST * size)
-        mesh = without_short_edges(mesh, SHORTEST * size, is_open=is_open)
+        mesh = split_to(mesh, _times(LONGEST, size))
+        mesh = without_short_edges(mesh, _times(SHORTEST, size), is_open=is_open)
         mesh = _turned(_turned(mesh))
         mesh = _relaxed(mesh, target)
     return mesh, target
 
 
-def split_to(mesh: TriangleMesh, longest: float) -> TriangleMesh:
-    """Return the mesh with edges halved until none is longer than `longest`."""
+def _times(factor: float, size: Lengths) -> Lengths:
+    """Return so many times a length."""
+    if not callable(size):
+        return factor * size
+    return lambda points: factor * size(points)
+
+
+def split_to(mesh: TriangleMesh, longest: Lengths) -> TriangleMesh:
+    """Return the mesh with edges halved until none is longer than `longest` at its middle."""
     while True:
         edges, of_side = _edges(mesh.triangles)
-        long = length(np.diff(mesh.vertices[edges], axis=1)[:, 0]) > longest
+        ends = mesh.vertices[edges]  # (e, 2, 3)
+        long = length(np.diff(ends, axis=1)[:, 0]) > lengths_at(longest, ends.mean(axis=1))
         if not long.any():
             return mesh
         middle = len(mesh.vertices) + np.cumsum(long) - 1

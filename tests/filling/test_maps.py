@@ -148,6 +148,24 @@ def test_a_triangle_mesh_is_made_anew_in_quads() -> None:
     assert len(shell.extremities) == 0
 
 
+def test_quads_are_as_large_as_a_function_of_position_asks() -> None:
+    ball = trimesh.creation.icosphere(3, 20.0)
+    graded = mesh_map(ball, 2.0, size=lambda points: 3.0 + points[:, 2] / 10.0)
+    corners = graded.surface.vertices[graded.surface.quads]  # (f, 4, 3)
+    across = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    height = corners[:, :, 2].mean(axis=1)
+    ratio = np.sqrt(np.linalg.norm(across, axis=1) / 2) / (3.0 + height / 10.0)
+    assert ratio.mean() == pytest.approx(1.1, abs=0.1)  # as of quads of one size
+    assert ratio.std() < 0.2
+    low, high = ratio[height < -10].mean(), ratio[height > 10].mean()
+    assert low == pytest.approx(high, rel=0.1)  # where sizes are 1.5 and 4.5 mm
+    lattice = tile("bcc", counts=1, radius=0.1, on=graded)
+    check_skeleton(lattice)
+    assert lattice.component_count == 1
+    with pytest.raises(OptionError, match="the cell size is -1 mm at"):
+        mesh_map(ball, 2.0, size=lambda points: np.full(len(points), -1.0))
+
+
 def test_quads_are_taken_as_they_are() -> None:
     quads = QuadMesh([[0, 0, 0], [9, 0, 0], [9, 9, 0], [0, 9, 0]], [[0, 1, 2, 3]])
     lattice = tile("sc", counts=(3, 3, 1), radius=0.3, on=mesh_map(quads, 3.0))
