@@ -11,7 +11,6 @@ from scaffold_cad.base.arrays import Bools, Edges, Floats, Points, Triangles
 from scaffold_cad.base.vectors import length
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted, have_distinct_corners
 
-
 Lengths: TypeAlias = "float | Callable[[Points], Floats]"
 """A length everywhere, or a function of positions (n, 3) that returns lengths (n,), mm."""
 
@@ -24,7 +23,7 @@ def lengths_at(size: Lengths, points: Points) -> float | Floats:
 def without_short_edges(
     mesh: TriangleMesh, shortest: Lengths, *, is_open: bool = False, near: Bools | None = None
 ) -> TriangleMesh:
-    """Return a closed mesh with its edges shorter than `shortest` (mm, at their middles) drawn together.
+    """Return a closed mesh with its edges shorter than `shortest` at their middles drawn together.
 
     An edge stays where drawing it together would pinch the surface: where a vertex beside both of
     its ends belongs to neither of its two triangles. The lower end of an edge keeps its place.
