@@ -20,8 +20,8 @@ from tests.fuzz.mutation import mutated
 from tests.fuzz.reading import outcome
 from tests.fuzz.samples import SAMPLES
 
-BATCH = 200
-"""Files a sample and a round."""
+BATCH, BATCH_APART = 200, 20
+"""Files a sample and a round; of those that are read in processes of their own."""
 
 MEMORY = 3 * 2**30
 """Address space of the process, bytes: about 2 GB of it is libraries."""
@@ -75,7 +75,7 @@ def _read_some(
 
     @seed(round_number)
     @settings(
-        max_examples=BATCH,
+        max_examples=BATCH_APART if name in APART else BATCH,
         deadline=None,
         database=None,
         phases=[Phase.generate],
