@@ -139,7 +139,7 @@ class Solved(Frozen):
 
     @staticmethod
     def joined(parts: Sequence[Solved]) -> Solved:
-        """Return `parts` of the same layout one after another."""
+        """Return `parts` with as many pieces a patch one after another."""
         rest = fields(parts[0])[1:]
         return Solved(
             parts[0].layout,

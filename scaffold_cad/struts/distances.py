@@ -48,16 +48,22 @@ class Planes(Frozen):
     slopes: Floats
     """Its gradient, shape (3, M, S)."""
 
-    def reached(self, points: Floats, urge: float = 0.0) -> Floats:
+    def reached(self, points: Floats, urge: float = 0.0, lift: Floats | None = None) -> Floats:
         """Return points (3, M, S), near those of the planes, moved to f = 0 along the gradient.
 
-        Points inside go further than Newton's step, by the part `urge` of it.
+        Parameters
+        ----------
+        points : (3, M, S) float64
+        urge : part of Newton's step by which points inside go further
+        lift : (M, S) float64, how far each one goes beyond f = 0, mm; not at all if None
         """
         values = self.values
         if points is not self.points:
             values = values + _dot(points - self.points, self.slopes)
         if urge:
             values = np.where(values < 0, (1 + urge) * values, values)
+        if lift is not None:
+            values = values - lift
         found: Floats = points - values / self._squares * self.slopes
         return found
 
@@ -100,6 +106,22 @@ class Union(Frozen):
         """Return the distance of `points` (3, M, S) to the union without fillets, (M, S)."""
         distances, ball = self._distances(points, np.sqrt(_square(points)))
         return np.asarray(np.minimum(distances.min(axis=0), ball))
+
+    def excess(self, points: Floats, most: float) -> Floats:
+        """Return by how much `points` (3, M, S) are deeper in a strut or ball than allowed, (M, S).
+
+        That is in mm, and negative where they are not.
+
+        Parameters
+        ----------
+        most : depth that is allowed, over the radius of the strut
+        """
+        size = np.sqrt(_square(points))
+        distances, ball = self._distances(points, size)
+        for distance, radii in zip(distances, self.radii.T, strict=True):
+            distance += most * radii[:, None]
+        nearest = distances.min(axis=0)
+        return np.asarray(-np.minimum(nearest, (1 - most) * ball + most * size))
 
     def deepest(self, points: Floats) -> Floats:
         """Return how deep `points` (3, M, S) are in a strut or ball, over its radius, (M, S)."""

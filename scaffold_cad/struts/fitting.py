@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -18,13 +20,18 @@ from scaffold_cad.struts.fits import TypeFit
 from scaffold_cad.struts.joins import valences
 from scaffold_cad.struts.layouts import Layout
 from scaffold_cad.struts.proof import prove
-from scaffold_cad.struts.recipes import FIRST_STEPS, RAY_STEPS, Recipe
+from scaffold_cad.struts.recipes import AIM, FIRST_STEPS, RAY_STEPS, Recipe, Stage
 from scaffold_cad.struts.rows import Rings, given_rows, rings
 
 BEHIND = 0.3
 """How far a collar stands beyond the corners of its patches, in radii, where there is room."""
-CHECKED = 6
-"""Samples of each piece in either direction at which the fit is measured."""
+CHECKED = 15
+"""Parts of a patch in either direction between which depths are measured, its rim included: the
+deepest places are often there."""
+LEAST_CHECKED = 7
+"""Least number of them in a piece."""
+MISFIT_STRIDE = 7
+"""Of how many of these the distance from the filleted union is measured at one: it costs most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +65,7 @@ def collars_of(stars: Stars, swell: float) -> Collars:
     return collars(union_of(stars, swell * stars.blends), stars.most)
 
 
-def solve(turned: Turned, fitted: Collars, recipe: Recipe) -> Solved:
+def solve(turned: Turned, fitted: Collars, recipe: Recipe, begun: Solved | None = None) -> Solved:
     """Return the blends of m nodes.
 
     Parameters
@@ -66,6 +73,7 @@ def solve(turned: Turned, fitted: Collars, recipe: Recipe) -> Solved:
     turned : the nodes
     fitted : their collars, in their own order of struts
     recipe : how to fit
+    begun : their blends of the same vertices and collars from which to begin
     """
     stars, own_order = turned.stars, turned.struts
     corners = corners_of(turned.vertices, stars.quads)[turned.corners]  # (m, N, 4, 3)
@@ -78,7 +86,8 @@ def solve(turned: Turned, fitted: Collars, recipe: Recipe) -> Solved:
         fitted.blends,
     )
     fitted = replace(fitted, distances=fitted.distances[own_order], radii=fitted.radii[own_order])
-    at = np.concatenate([[0.0, 0.5], recipe.layout.at_u])
+    first = recipe.stages[0].layout
+    at = np.concatenate([[0.0, 0.5], first.at_u])
     arcs = _arcs(_leading(corners), at)  # (3, m, N, 4, n + 2) directions
     reached = union.reached(arcs.reshape(3, len(stars), -1), RAY_STEPS)
     on_arcs = reached.reshape(arcs.shape[1:]) * arcs
@@ -91,8 +100,13 @@ def solve(turned: Turned, fitted: Collars, recipe: Recipe) -> Solved:
     shares = np.empty(corners.shape[:3])
     for part, twins in turned.parts:
         shares[part] = share(valences(twins)).reshape(-1, 4)
-    rows = _rows(union, fitted, ring, on_arcs[..., :2], shares, recipe)
-    control = _fitted(union, rows, on_arcs[..., 2:], turned, recipe)  # (3, m, 4 N, n_u, n_v)
+    given = partial(_rows, union, fitted, ring, on_arcs[..., :2], shares, recipe.pinch)
+    if begun is None:
+        wanted = _first_samples(union, given(first)[..., -1], on_arcs[..., 2:], first)
+    else:
+        control = np.moveaxis(begun.control[own_order[0], turned.sides], -1, 0)
+        wanted = _resampled(union, control, begun.layout, first)
+    control = _fitted(union, given, wanted, turned, recipe)  # (3, m, 4 N, n_u, n_v)
     misfit, depth = _errors(union, control, recipe.layout)
     control = np.moveaxis(control, 0, -1)
     proof = prove(pieces_of_patches(control, recipe.layout), fitted.distances, fitted.radii)
@@ -156,7 +170,13 @@ def _arcs(corners: Floats, at: Floats) -> Floats:
 
 
 def _rows(
-    union: Union, fitted: Collars, ring: Rings, on_arcs: Floats, shares: Floats, recipe: Recipe
+    union: Union,
+    fitted: Collars,
+    ring: Rings,
+    on_arcs: Floats,
+    shares: Floats,
+    pinch: float,
+    layout: Layout,
 ) -> Floats:
     """Return the given rows among control points (3, m, 4 N, n_u, n_v); the others are 0.
 
@@ -170,44 +190,67 @@ def _rows(
     start, end = ring.corners, np.roll(ring.corners, -1, axis=3)
     halfway = ring.centers[..., None] + fitted.radii[:, :, None] * (start + end) / np.sqrt(2)
     straight = np.sqrt(((on_arcs[..., 1] - halfway) ** 2).sum(axis=0))
-    pinch = recipe.pinch
     wanted = lengths[..., 0], pinch * lengths[..., 1] + (1 - pinch) * straight
-    last, before = given_rows(union, fitted, ring, wanted, shares, recipe.layout)
-    rows = np.zeros((*last.shape, recipe.layout.v.count))
+    last, before = given_rows(union, fitted, ring, wanted, shares, layout)
+    rows = np.zeros((*last.shape, layout.v.count))
     rows[..., -1], rows[..., -2] = last, before
     return rows.reshape(3, last.shape[1], -1, *rows.shape[-2:])
 
 
-def _fitted(union: Union, rows: Floats, on_arcs: Floats, turned: Turned, recipe: Recipe) -> Floats:
+def _fitted(
+    union: Union,
+    given: Callable[[Layout], Floats],
+    wanted: Floats,
+    turned: Turned,
+    recipe: Recipe,
+) -> Floats:
     """Return the control points (3, m, 4 N, n_u, n_v) that fit the union.
 
     Parameters
     ----------
-    rows : (3, m, 4 N, n_u, n_v) float64, the given control points
-    on_arcs : (3, m, N, 4, n) float64, where the samples in u lie on the arcs
+    given : returns the given control points (3, m, 4 N, n_u, n_v) of a layout
+    wanted : (3, m, samples of all patches) float64, the first samples
     """
-    layout = recipe.layout
-    fits = [TypeFit(twins, layout, rows[:, part]) for part, twins in turned.parts]
-    wanted = _first_samples(union, rows[..., -1], on_arcs, layout)
-    before, planes, number = None, None, 0
-    for stiffness, rounds in recipe.rounds:
-        for fit in fits:
+    control, layout = np.empty(0), recipe.stages[0].layout
+    for stage in recipe.stages:
+        if stage.layout != layout:
+            wanted = _resampled(union, control, layout, stage.layout)
+        layout = stage.layout
+        rows = given(layout)
+        fits = [TypeFit(twins, layout, rows[:, part]) for part, twins in turned.parts]
+        parts = [part for part, _ in turned.parts]
+        _settle(union, list(zip(fits, parts, strict=True)), wanted, stage, recipe)
+        control = np.concatenate([fit.control() for fit in fits], axis=1)
+    return control
+
+
+def _settle(
+    union: Union,
+    fits: list[tuple[TypeFit, slice]],
+    wanted: Floats,
+    stage: Stage,
+    recipe: Recipe,
+) -> None:
+    """Fit to wanted samples (3, m, S), and to where they are moved, as a stage says.
+
+    Samples that are deep inside a strut are lifted more each round, until they are no more: the
+    multipliers of a condition on one side.
+    """
+    before, planes, lift, number = None, None, None, 0
+    for stiffness, rounds in stage.rounds:
+        for fit, _ in fits:
             fit.stiffen(stiffness)
         for _ in range(rounds):
-            samples = np.concatenate(
-                [
-                    fit.samples(wanted[:, part])
-                    for fit, (part, _) in zip(fits, turned.parts, strict=True)
-                ],
-                axis=1,
-            )
+            samples = np.concatenate([fit.samples(wanted[:, part]) for fit, part in fits], axis=1)
             ahead = samples if before is None else samples + recipe.momentum * (samples - before)
             before = samples
             if planes is None or number % recipe.kept == 0:
                 planes = union.planes_at(ahead)
-            wanted = planes.reached(ahead, recipe.urge)
+                if stage.lifted:
+                    more = union.excess(ahead, AIM)
+                    lift = np.maximum(more if lift is None else lift + more, 0.0)
+            wanted = planes.reached(ahead, recipe.urge, lift)
             number += 1
-    return np.concatenate([fit.control() for fit in fits], axis=1)
 
 
 def _first_samples(union: Union, last: Floats, on_arcs: Floats, layout: Layout) -> Floats:
@@ -224,14 +267,42 @@ def _first_samples(union: Union, last: Floats, on_arcs: Floats, layout: Layout) 
     return union.projected(samples.reshape(3, last.shape[1], -1), FIRST_STEPS)
 
 
+def _resampled(union: Union, control: Floats, was: Layout, layout: Layout) -> Floats:
+    """Return samples for a layout of surfaces of another one, moved to the union, (3, m, S)."""
+    samples = was.u.values_at(layout.at_u) @ (control @ was.v.values_at(layout.at_v).T)
+    return union.projected(samples.reshape(3, control.shape[1], -1), 1)
+
+
 def _errors(union: Union, control: Floats, layout: Layout) -> tuple[Floats, Floats]:
     """Return how far samples are from the filleted union, mm, and how deep in a strut, both (m,).
 
     The depth is that over the strut's radius.
     """
-    at = (np.arange(CHECKED) + 0.5) / CHECKED
-    points = layout.u.values(at) @ (control @ layout.v.values(at).T)
-    points = points.reshape(3, control.shape[1], -1)
-    value, gradient = union.value_and_slope(points)
+    along_u, along_v = (
+        spline.values_at(np.linspace(0.0, 1.0, 1 + max(CHECKED, LEAST_CHECKED * spline.pieces)))
+        for spline in (layout.u, layout.v)
+    )
+    grid = along_u @ (control @ along_v.T)  # (3, m, 4 N, a, b)
+    points = grid.reshape(3, control.shape[1], -1)
+    value, gradient = union.value_and_slope(points[..., ::MISFIT_STRIDE])
     size = np.sqrt(np.maximum((gradient**2).sum(axis=0), 0.01))
-    return np.abs(value / size).max(axis=1), union.deepest(points).max(axis=1)
+    deepest = _peaks(union.deepest(points).reshape(grid.shape[1:]))
+    return np.abs(value / size).max(axis=1), deepest.max(axis=(1, 2, 3))
+
+
+def _peaks(values: Floats) -> Floats:
+    """Return what `values` (m, patches, a, b) come to near each point of their grids.
+
+    Where one is a peak along a line of the grid, it is that of the parabola through it and its
+    neighbors.
+    """
+    around = np.pad(values, ((0, 0), (0, 0), (1, 1), (1, 1)), mode="reflect")
+    found = values.copy()
+    for before, after in (
+        (around[..., :-2, 1:-1], around[..., 2:, 1:-1]),
+        (around[..., 1:-1, :-2], around[..., 1:-1, 2:]),
+    ):
+        bend = 2 * values - before - after
+        is_peak = (values >= before) & (values >= after) & (bend > 0)
+        found += np.where(is_peak, (after - before) ** 2 / (8 * np.where(is_peak, bend, 1.0)), 0.0)
+    return found

@@ -52,7 +52,7 @@ class InsideRecipe:
     """One way to fit the inside of a node."""
 
     layout: Layout
-    """How patches are cut and sampled; never coarser than those outside."""
+    """How patches are cut and sampled; into more pieces where those outside are."""
     settling: tuple[tuple[float, int], ...]
     """Weights of the thin-plate energy, and for how many rounds each, as patches settle."""
     pushing: int
@@ -155,9 +155,10 @@ def insides(skins: Skins, wall: float) -> list[tuple[Ints, Solved]]:
     for recipe in RECIPES:
         if len(open_nodes) == 0:
             break
-        if recipe.layout.along_arc < outside.along_arc:
+        if recipe.layout.along_arc == 1 < outside.along_arc:
             continue
-        found, least = _solved(skins[open_nodes], wall, recipe)
+        layout = recipe.layout.at_least(outside)
+        found, least = _solved(skins[open_nodes], wall, replace(recipe, layout=layout))
         value = np.where(found.proved, least, -np.inf)
         better = value > score[open_nodes]
         trial[open_nodes[better]], place[open_nodes[better]] = len(best), np.flatnonzero(better)

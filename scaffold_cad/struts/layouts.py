@@ -21,6 +21,16 @@ class Layout:
     samples: int
     """Samples of each piece in either direction, at the nodes of Gauss and Legendre."""
 
+    def at_least(self, other: Layout) -> Layout:
+        """Return this one with as many pieces as another where that has more."""
+        along_arc = max(self.along_arc, other.along_arc)
+        return Layout(along_arc, max(self.along_strut, other.along_strut), self.samples)
+
+    @property
+    def pieces(self) -> tuple[int, int]:
+        """Pieces in both directions: blends that agree in them go together."""
+        return self.along_arc, self.along_strut
+
     @property
     def u(self) -> Spline:
         """The splines in u."""

@@ -23,7 +23,7 @@ from scaffold_cad.struts.collars import LEAST_BLEND, Collars, collar_distances
 from scaffold_cad.struts.evenness import even
 from scaffold_cad.struts.fitting import Turned, collars_of, solve, union_of
 from scaffold_cad.struts.joins import types_of
-from scaffold_cad.struts.recipes import MOST_DEPTH, RECIPES, Recipe
+from scaffold_cad.struts.recipes import FINER, MOST_DEPTH, RECIPES, ROUGH, Recipe
 
 SAMPLE_BYTES = 64
 """What a sample of a blend takes where it is treated."""
@@ -65,31 +65,82 @@ def blends(stars: Stars, recipes: Iterable[Recipe] = RECIPES) -> tuple[Blends, .
     """
     first, shape_of = _distinct(stars)
     own = _rounded(stars[first])
-    best: list[Solved] = []
+    best = _Best(len(own))
     fitted: dict[float, Collars] = {}
-    chosen = np.full(len(own), -1, dtype=np.intp)
-    place = np.zeros(len(own), dtype=np.intp)
-    score = np.full(len(own), np.inf)
     open_nodes = np.arange(len(own))
     for trial, recipe in enumerate(recipes):
-        if len(open_nodes) == 0:
-            break
         if recipe.swell > 1:
-            open_nodes = open_nodes[score[open_nodes] > UNPROVED]
-            if len(open_nodes) == 0:
-                continue
+            open_nodes = open_nodes[~best.proved[open_nodes]]
+        if len(open_nodes) == 0:
+            continue
         if recipe.swell not in fitted:
             fitted[recipe.swell] = collars_of(own, recipe.swell)
+        if trial == 0:
+            open_nodes = _with_room(best, own, fitted[recipe.swell], recipe, open_nodes)
+            if len(open_nodes) == 0:
+                break
         found = _solved(own[open_nodes], fitted[recipe.swell][open_nodes], recipe)
-        best.append(found)
-        value = np.where(found.proved, 0.0, UNPROVED) + np.maximum(found.depth, MOST_DEPTH)
-        better = value < score[open_nodes]
-        chosen[open_nodes[better]], place[open_nodes[better]] = trial, np.flatnonzero(better)
-        score[open_nodes[better]] = value[better]
-        open_nodes = open_nodes[(score[open_nodes] > MOST_DEPTH) & found.has_room]
+        best.take(open_nodes, found)
+        _refine(best, own, fitted[recipe.swell], recipe, open_nodes, found)
+        open_nodes = open_nodes[~best.shallow[open_nodes] & found.has_room]
         if trial == 0:
             open_nodes = open_nodes[~_narrow(own[open_nodes])]
-    return tuple(_grouped(stars, first, shape_of, best, chosen, place))
+    return tuple(_grouped(stars, first, shape_of, best))
+
+
+def _with_room(best: _Best, own: Stars, fitted: Collars, recipe: Recipe, rows: Ints) -> Ints:
+    """Return which of the nodes `rows` (k,) have room; the others get a rough blend.
+
+    What has no room is crowded, whatever its surface: only its collars are needed.
+    """
+    without = rows[~fitted.has_room[rows]]
+    if len(without):
+        rough = replace(recipe, stages=ROUGH)
+        best.take(without, _solved(own[without], fitted[without], rough))
+    return rows[fitted.has_room[rows]]
+
+
+def _refine(
+    best: _Best, own: Stars, fitted: Collars, recipe: Recipe, rows: Ints, found: Solved
+) -> None:
+    """Try to lift blends (k) of the nodes `rows` (k,) that are proved but deep inside a strut."""
+    for stage in FINER:
+        is_deep = found.proved & found.has_room & ~best.shallow[rows]
+        rows, found = rows[is_deep], found[np.flatnonzero(is_deep)]
+        if len(rows):
+            finer = replace(recipe, stages=(stage,), kept=1)
+            best.take(rows, _solved(own[rows], fitted[rows], finer, found))
+
+
+class _Best:
+    """The best blend of each of U nodes so far."""
+
+    def __init__(self, count: int) -> None:
+        self.found: list[Solved] = []
+        """Blends of some of the nodes."""
+        self.which = np.full(count, -1, dtype=np.intp)
+        """Which of these has that of a node, shape (U,)."""
+        self.place = np.zeros(count, dtype=np.intp)
+        """Place in it, shape (U,)."""
+        self._score = np.full(count, np.inf)
+
+    @property
+    def proved(self) -> Bools:
+        """Whether each node's blend is proved, shape (U,)."""
+        return np.asarray(self._score < UNPROVED)
+
+    @property
+    def shallow(self) -> Bools:
+        """Whether it is nowhere deep inside a strut as well, shape (U,)."""
+        return np.asarray(self._score <= MOST_DEPTH)
+
+    def take(self, rows: Ints, found: Solved) -> None:
+        """Take those of the blends (k) of nodes `rows` (k,) that are better."""
+        value = np.where(found.proved, 0.0, UNPROVED) + np.maximum(found.depth, MOST_DEPTH)
+        better = value < self._score[rows]
+        self.which[rows[better]], self.place[rows[better]] = len(self.found), np.flatnonzero(better)
+        self._score[rows[better]] = value[better]
+        self.found.append(found)
 
 
 def nearest_collars(stars: Stars) -> tuple[Floats, Floats]:
@@ -111,19 +162,17 @@ def _narrow(stars: Stars) -> Bools:
     return np.asarray((np.triu(cosines, 1) > NARROW).any(axis=(1, 2)))
 
 
-def _grouped(
-    stars: Stars, first: Ints, shape_of: Ints, best: list[Solved], chosen: Ints, place: Ints
-) -> list[Blends]:
-    """Return the chosen blends by layout."""
+def _grouped(stars: Stars, first: Ints, shape_of: Ints, best: _Best) -> list[Blends]:
+    """Return the best blends, those together whose patches have as many pieces."""
     groups = []
     own, size = stars[first], _size(stars[first])
-    layouts = [found.layout for found in best]
-    for layout in dict.fromkeys(layouts):
-        trials = [trial for trial, other in enumerate(layouts) if other == layout]
-        shapes = np.concatenate([np.flatnonzero(chosen == trial) for trial in trials])
+    pieces = [found.layout.pieces for found in best.found]
+    for kind in dict.fromkeys(pieces):
+        trials = [trial for trial, other in enumerate(pieces) if other == kind]
+        shapes = np.concatenate([np.flatnonzero(best.which == trial) for trial in trials])
         if len(shapes) == 0:
             continue
-        parts = [best[trial][place[chosen == trial]] for trial in trials]
+        parts = [best.found[trial][best.place[best.which == trial]] for trial in trials]
         number = np.full(len(own), -1, dtype=np.intp)
         number[shapes] = np.arange(len(shapes))
         nodes = np.flatnonzero(number[shape_of] >= 0)
@@ -139,17 +188,17 @@ def _grouped(
     return groups
 
 
-def _solved(own: Stars, fitted: Collars, recipe: Recipe) -> Solved:
-    """Return the blends that a recipe gives."""
-    vertices = _evened(own, recipe.openness)
+def _solved(own: Stars, fitted: Collars, recipe: Recipe, begun: Solved | None = None) -> Solved:
+    """Return the blends that a recipe gives, from those `begun` if there are any."""
+    vertices = _evened(own, recipe.openness) if begun is None else begun.vertices
     kinds = types_of(own.quads)
-    samples = 4 * own.directions.shape[1] * len(recipe.layout.weights)  # of a star
+    samples = 4 * own.directions.shape[1] * recipe.samples  # of a star
     order = np.argsort(kinds.type_of, kind="stable")
     pieces = list(cut(order, samples * SAMPLE_BYTES, CACHE))
 
     def work(rows: Ints) -> Solved:
         turned = Turned(own[rows], vertices[rows], kinds.sides[rows], kinds.parts(rows))
-        return solve(turned, fitted[rows], recipe)
+        return solve(turned, fitted[rows], recipe, None if begun is None else begun[rows])
 
     made = counted("blends", in_order(work, pieces), [len(rows) for rows in pieces])
     solved = Solved.joined(list(made))

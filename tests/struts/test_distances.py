@@ -113,3 +113,23 @@ def test_planes_stand_for_the_surface_near_their_points() -> None:
     further = planes.reached(inward, urge=0.5) - planes.reached(inward)
     deep = planes.values - 0.05 * (planes.slopes**2).sum(axis=0) < 0
     assert ((further * planes.slopes).sum(axis=0)[deep] > 0).all()
+
+
+@pytest.mark.parametrize("ball", [0.0, 1.8])
+def test_excess_is_how_much_deeper_than_allowed_points_are(ball: float) -> None:
+    field = union(TRIPOD, 1.0, 0.0, ball)
+    points = normalize(RNG.normal(size=(200, 3))).T[:, None] * RNG.uniform(0.5, 3.0, 200)
+    depth = field.deepest(points)
+    excess = field.excess(points, 0.1)
+    assert ((excess > 1e-9) == (depth > 0.1 + 1e-9)).all()
+    if ball == 0:  # else depths are over one of two radii
+        inside = depth > 0
+        assert excess[inside] == pytest.approx(depth[inside] - 0.1)
+
+
+def test_lifted_points_go_beyond_the_surface() -> None:
+    field = union(TRIPOD, 1.0, 0.0)
+    points = field.projected(normalize(RNG.normal(size=(50, 3))).T[:, None] * 2, 20)
+    planes = field.planes_at(points)
+    lifted = planes.reached(points, lift=np.full((1, 50), 0.01))
+    assert np.quantile(np.abs(field.nearest(lifted) - 0.01), 0.5) < 1e-3

@@ -149,8 +149,8 @@ def test_what_is_past_the_collars_is_measured_to_the_struts() -> None:
 
 
 def test_nodes_whose_wall_no_inside_leaves_are_told(caplog: pytest.LogCaptureFixture) -> None:
-    foam = delaunay_foam(8, [[0, 0, 0], [60, 60, 60]], 1.0, seed=0)
-    struts = round_struts(foam.with_radii(2.0), wall=0.8, ends="open")
+    foam = delaunay_foam(8, [[0, 0, 0], [60, 60, 60]], 1.0, seed=3)
+    struts = round_struts(foam.with_radii(2.0), wall=1.4, ends="open")
     assert struts.inner is not None
     told = np.flatnonzero(struts.inner.crowded & ~struts.crowded)
     assert len(told) == 1
@@ -158,4 +158,4 @@ def test_nodes_whose_wall_no_inside_leaves_are_told(caplog: pytest.LogCaptureFix
     found = walls(struts).nodes
     assert np.isnan(found[told]).all()
     assert np.isfinite(found).sum() == 6
-    assert np.nanmin(found) >= 0.95 * 0.8
+    assert np.nanmin(found) >= 0.95 * 1.4
