@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
-from build123d import Compound, Shape, Shell, Solid, Unit
+from build123d import Compound, PrecisionMode, Shape, Shell, Solid, Unit
 from build123d import export_brep as write_brep_file
 from build123d import export_step as write_step_file
 from build123d import import_brep as read_brep_file
@@ -35,6 +35,7 @@ from OCP.gp import gp_Ax3, gp_Dir, gp_Dir2d, gp_Pnt, gp_Pnt2d
 from OCP.IMeshTools import IMeshTools_Parameters
 from OCP.Interface import Interface_Static
 from OCP.Message import Message, Message_Gravity
+from OCP.ShapeAnalysis import ShapeAnalysis_ShapeTolerance
 from OCP.STEPControl import STEPControl_Controller
 from OCP.TopAbs import TopAbs_Orientation
 from OCP.TopLoc import TopLoc_Location
@@ -68,6 +69,9 @@ except ImportError:  # OCP 7.9, of build123d 0.12
 
 TOLERANCE = 1e-7
 """Tolerance of every vertex, edge and face, mm: OCCT's Precision::Confusion."""
+
+UNCERTAINTY = 2.0
+"""What STEP files say of how exact they are, over the greatest tolerance of a shape."""
 
 UNIT_SQUARE = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
 """Parameters (u, v) of a patch's corners in the order of its quad."""
@@ -313,10 +317,24 @@ def import_brep(path: Path) -> Shape:
 
 
 def export_step(shape: Shape, path: Path, *, write_pcurves: bool) -> bool:
-    """Write `shape` to a STEP file in mm; return whether that worked."""
+    """Write `shape` to a STEP file in mm; return whether that worked.
+
+    The file says how exact it is: ends of edges that a boolean left some nanometers apart are one
+    vertex of the shape, and readers must take them for one too. OCCT by default says less.
+    """
+    greatest = ShapeAnalysis_ShapeTolerance().Tolerance(shape.wrapped, 1)
     with _quiet(), _restored("write.surfacecurve.mode", "write.precision.mode"):
+        Interface_Static.SetRVal_s("write.precision.val", UNCERTAINTY * greatest)
         try:
-            return bool(write_step_file(shape, path, Unit.MM, write_pcurves=write_pcurves))
+            return bool(
+                write_step_file(
+                    shape,
+                    path,
+                    Unit.MM,
+                    write_pcurves=write_pcurves,
+                    precision_mode=PrecisionMode.SESSION,
+                )
+            )
         except RuntimeError:
             return False
 
@@ -343,14 +361,19 @@ def collector_paused() -> Iterator[None]:
 
 @contextmanager
 def _restored(*settings: str) -> Iterator[None]:
-    """Give OCCT's integer `settings`, which all of a process shares, back their values."""
+    """Give OCCT's integer `settings`, which all of a process shares, back their values.
+
+    The precision that files are written with, too.
+    """
     STEPControl_Controller.Init_s()  # before it they have no values
     before = {name: Interface_Static.IVal_s(name) for name in settings}
+    precision = Interface_Static.RVal_s("write.precision.val")
     try:
         yield
     finally:
         for name, value in before.items():
             Interface_Static.SetIVal_s(name, value)
+        Interface_Static.SetRVal_s("write.precision.val", precision)
 
 
 @contextmanager

@@ -132,7 +132,10 @@ class Slice:
 @checks_keywords()
 @dataclass(frozen=True)
 class Check:
-    """What a printing process asks of struts: thick, stout, apart, none overlapping."""
+    """What a printing process asks of struts: thick, stout, apart, none overlapping.
+
+    Struts have the radii asked for: no mesh is made in which they could be measured.
+    """
 
     process: str = "sls"
     """A name in `PROCESSES`."""

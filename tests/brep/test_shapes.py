@@ -321,3 +321,18 @@ def test_without_build123d_the_error_says_how_to_get_it(monkeypatch) -> None:
     message = "a B-rep needs build123d; run: pip install build123d"
     with pytest.raises(MissingBackendError, match=message):
         to_brep(CUBE)
+
+
+def test_step_files_say_how_exact_their_shape_is(tmp_path: Path) -> None:
+    # Else ends of edges that a boolean left apart are read as edges without a length.
+    from OCP.BRep import BRep_Builder
+    from OCP.Interface import Interface_Static
+
+    box = build123d.Box(10, 10, 10) - build123d.Cylinder(3, 20)
+    vertex = box.vertices()[0].wrapped
+    BRep_Builder().UpdateVertex(vertex, 7e-6)
+    export_step(box, tmp_path / "box.step")
+    text = (tmp_path / "box.step").read_text("utf-8")
+    (told,) = re.findall(r"UNCERTAINTY_MEASURE_WITH_UNIT\(LENGTH_MEASURE\(([^)]*)\)", text)
+    assert 7e-6 < float(told) < 2e-5
+    assert Interface_Static.RVal_s("write.precision.val") == 1e-3  # as it is for others
