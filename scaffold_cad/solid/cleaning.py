@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Points
-from scaffold_cad.base.positions import equal_positions, in_single_precision
+from scaffold_cad.base.positions import equal_positions, in_single_precision, single_steps
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.topology import component_labels
-from scaffold_cad.base.vectors import length
+from scaffold_cad.base.vectors import length, sums_by_row
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.collapse import without_short_edges
 from scaffold_cad.mesh.intersections import self_intersections
@@ -24,6 +24,7 @@ from scaffold_cad.mesh.intersections.faces import boxes_of
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.mesh.welding import with_fans_apart
 from scaffold_cad.solid import manifolds
+from scaffold_cad.solid.field.pieces import pieces_of
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -34,6 +35,9 @@ SINGLE_PRECISION = 2.0**-20
 MENDINGS = (8.0, 64.0)
 """Lengths of edges that are drawn together where a union crosses itself, in least lengths, in
 turn."""
+
+LEAST_THICKNESS = 1.0
+"""Least mean thickness of a shell, in steps of 32-bit coordinates: vertices are off by half one."""
 
 MOST_BOXES = 100
 """With more places that were changed all triangles are looked at again."""
@@ -63,7 +67,8 @@ def clean_surface(manifold: Manifold) -> TriangleMesh:
     """Return the surface of a union in 32-bit coordinates, as files hold it.
 
     Edges and slivers that these cannot hold, which would be written with two ends at one place or
-    turned over, are drawn together before; where it touches itself, it is parted.
+    turned over, are drawn together before; what that leaves of cracks and crests goes; where it
+    touches itself, it is parted.
 
     Raises
     ------
@@ -101,7 +106,8 @@ def _uncrossed(mesh: TriangleMesh, least: float) -> TriangleMesh:
     FaultySurfaceError
         If it crosses itself where no edges are short.
     """
-    mesh, crossings = _without_twins(mesh, self_intersections(mesh))
+    mesh = without_flakes(mesh)
+    crossings = self_intersections(mesh)
     for longer in MENDINGS:
         if len(crossings) == 0:
             return mesh
@@ -109,7 +115,7 @@ def _uncrossed(mesh: TriangleMesh, least: float) -> TriangleMesh:
         near[mesh.triangles[crossings]] = True
         near[mesh.triangles[near[mesh.triangles].any(axis=1)]] = True
         low, high = _boxes_around(mesh, near)
-        mesh = without_short_edges(mesh, longer * least, near=near)
+        mesh = without_flakes(without_short_edges(mesh, longer * least, near=near))
         crossings = _crossings_within(mesh, low, high)
     if len(crossings) == 0:
         return mesh
@@ -117,19 +123,26 @@ def _uncrossed(mesh: TriangleMesh, least: float) -> TriangleMesh:
     raise FaultySurfaceError(f"crosses itself in {counted(len(crossings), 'place')}", places)
 
 
-def _without_twins(mesh: TriangleMesh, crossings: Edges) -> tuple[TriangleMesh, Edges]:
-    """Return a mesh and its crossings without two triangles that are each other's back.
+def without_flakes(mesh: TriangleMesh) -> TriangleMesh:
+    """Return a closed mesh without the shells that 32-bit coordinates give no thickness.
 
-    They are all that is left of a small piece whose edges were drawn together.
+    They are all that is left of a crack or a crest whose edges were drawn together: rounding would
+    make a body of a void, or two triangles that are each other's back.
     """
-    first, second = (np.sort(mesh.triangles[crossings[:, side]], axis=1) for side in (0, 1))
-    twins = (first == second).all(axis=1)
-    if not twins.any():
-        return mesh, crossings
-    kept = np.ones(len(mesh.triangles), dtype=np.bool_)
-    kept[crossings[twins]] = False
-    crossings = crossings[kept[crossings].all(axis=1)]
-    return compacted(mesh.vertices, mesh.triangles[kept]), (np.cumsum(kept) - 1)[crossings]
+    pieces = pieces_of(mesh)
+    if len(pieces.volumes) < 2:
+        return mesh
+    shell = pieces.piece_of[mesh.triangles[:, 0]]  # (t,)
+    corners = mesh.vertices[mesh.triangles]  # (t, 3, 3)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas = sums_by_row(length(normals) / 2.0, shell, len(pieces.volumes))
+    step = np.zeros(len(areas))
+    np.maximum.at(step, pieces.piece_of, single_steps(mesh.vertices))
+    # A plate has half its area on each side.
+    flat = 2.0 * np.abs(pieces.volumes) < LEAST_THICKNESS * step * areas
+    if not flat.any():
+        return mesh
+    return compacted(mesh.vertices, mesh.triangles[~flat[shell]])
 
 
 def _boxes_around(mesh: TriangleMesh, near: Bools) -> tuple[Points, Points]:

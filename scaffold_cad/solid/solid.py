@@ -27,7 +27,7 @@ from scaffold_cad.skeleton.checking import check_single_precision
 from scaffold_cad.solid import manifolds
 from scaffold_cad.solid.cleaning import FaultySurfaceError, clean_surface
 from scaffold_cad.solid.field.nets import skeleton_struts
-from scaffold_cad.solid.field.pieces import without_voids
+from scaffold_cad.solid.field.pieces import pieces_of, without_voids
 from scaffold_cad.solid.field.written import field_as_written, report_thickened
 from scaffold_cad.solid.pieces import solid_pieces
 from scaffold_cad.solid.rounds import SIDES, round_mesh
@@ -206,15 +206,12 @@ def _clean_union(
     while tries.max() < len(WOBBLES):
         filled, voids = manifolds.without_voids(united(WOBBLES[tries]))
         try:
-            mesh = clean_surface(filled.scale((factor, factor, factor)))
+            mesh, more = _cleaned(filled, skeleton.component_count, factor)
         except FaultySurfaceError as fault:
             _log.debug("the union of %d struts %s", len(edges), fault)
             told = str(fault)
             tries[_nodes_near(fault.places / factor, skeleton, edges)] += 1
             continue
-        mesh = TriangleMesh(mesh.vertices / factor, mesh.triangles)
-        # What touched the outside along an edge alone is a void of its own once it is parted.
-        mesh, more = without_voids(mesh)
         if len(mesh.triangles):
             return Solidified(manifolds.to_manifold(mesh), edges, voids + more)
         told = "is turned inside out"
@@ -226,6 +223,34 @@ def _clean_union(
         told,
     )
     return None
+
+
+def _cleaned(
+    manifold: Manifold, components: int, factor: float
+) -> tuple[TriangleMesh, list[float]]:
+    """Return the surface of a union as files hold it, and the volumes of voids filled, mm³.
+
+    Parameters
+    ----------
+    components : of the skeleton: most bodies that the union may have
+
+    Raises
+    ------
+    FaultySurfaceError
+        If it has a fault or more bodies; its places are in the lengths of the file.
+    """
+    surface = clean_surface(manifold.scale((factor, factor, factor)))
+    # What touched the outside along an edge alone is a void of its own once it is parted.
+    mesh, voids = without_voids(TriangleMesh(surface.vertices / factor, surface.triangles))
+    pieces = pieces_of(mesh)
+    extra = np.argsort(-pieces.volumes)[components:]
+    extra = extra[pieces.volumes[extra] > 0]
+    if len(extra) == 0:
+        return mesh, voids
+    places = [mesh.vertices[pieces.piece_of == piece].mean(axis=0) for piece in extra]
+    bodies = counted(components + len(extra), "body", "bodies")
+    message = f"comes apart in {bodies} where the skeleton has {components}"
+    raise FaultySurfaceError(message, factor * np.asarray(places))
 
 
 def _nodes_near(places: Points, skeleton: Skeleton, edges: Ints) -> Ints:

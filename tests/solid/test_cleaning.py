@@ -9,7 +9,7 @@ from manifold3d import Manifold
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid import cleaning, manifolds
-from scaffold_cad.solid.cleaning import FaultySurfaceError, clean_surface
+from scaffold_cad.solid.cleaning import FaultySurfaceError, clean_surface, without_flakes
 from tests.crossings import INSTALLED, check_as_written, faults_by_cgal
 
 
@@ -84,6 +84,22 @@ def test_a_crossing_without_short_edges_is_named() -> None:
     with pytest.raises(FaultySurfaceError, match="crosses itself in") as caught:
         cleaning._uncrossed(folded(1.0), LEAST)
     assert (caught.value.places[:, 0] >= 5.0).any()
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_shells_thinner_than_32_bit_coordinates_tell_are_left_out(turned: bool) -> None:
+    block = manifolds.manifold_triangles(BLOCK)
+    count = len(block.vertices)
+    step = float(np.spacing(np.float32(9.0)))
+    flake = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    corners = np.array([[9, 0, 0], [9, 1, 0], [9, 0, 1], [9, 0.5, 0.5]])
+    for thickness, left in ((step, 0), (20 * step, 4)):
+        corners[3, 0] = 9.0 + thickness
+        rows = count + (flake[:, ::-1] if turned else flake)
+        mesh = TriangleMesh(
+            np.concatenate([block.vertices, corners]), np.concatenate([block.triangles, rows])
+        )
+        assert len(without_flakes(mesh).triangles) == len(block.triangles) + left
 
 
 def test_two_triangles_back_to_back_are_left_out() -> None:

@@ -126,6 +126,26 @@ def test_only_struts_near_a_fault_are_made_anew(monkeypatch: pytest.MonkeyPatch)
         np.testing.assert_array_equal(wobble, expected)
 
 
+def test_a_union_that_comes_apart_is_made_anew(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    calls: list[float] = []
+    clean = solid.clean_surface
+
+    def apart_once(manifold: Manifold) -> TriangleMesh:
+        calls.append(manifold.volume())
+        crumb = Manifold.cube([0.1] * 3).translate([0.0, 0.0, 9.0])
+        return clean(manifold + crumb if len(calls) == 1 else manifold)
+
+    monkeypatch.setattr(solid, "clean_surface", apart_once)
+    caplog.set_level("DEBUG", "scaffold_cad")
+    result = solid.solidified(build_scaffold(OVERLAPPING_SPHERES), factor=0.5)
+    bodies = OVERLAPPING_SPHERES.component_count
+    assert f"comes apart in {bodies + 1} bodies where the skeleton has {bodies}" in caplog.text
+    assert len(calls) == 2
+    check_solid_of(OVERLAPPING_SPHERES, result.manifold)
+
+
 @pytest.mark.parametrize("factor", [1.0, 0.001])
 def test_where_no_union_is_clean_struts_are_round_of_the_same_section(
     factor: float, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
