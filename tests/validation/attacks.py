@@ -2,7 +2,7 @@
 
 ``python -m tests.validation.attacks [--count 2000] [--seed 1] [--kinds NAME …]`` makes the square
 and the round solid of each in turn, and prints what CGAL finds in the file, what was refused and
-why, and the least and largest share of points inside struts that are inside the solid.
+why, and where too few of the points inside struts are inside the solid.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from scaffold_cad import Skeleton, build_scaffold, round_struts, write
+from scaffold_cad import Scaffold, Skeleton, build_scaffold, round_struts, write
 from scaffold_cad.base.arrays import Points
 from scaffold_cad.errors import ScaffoldCadError
 from scaffold_cad.filling import delaunay_foam, voronoi_foam
@@ -30,9 +30,10 @@ from tests.solids import contains
 
 Random = np.random.Generator
 BOX = ((0.0, 0.0, 0.0), (40.0, 40.0, 40.0))
-LEAST_INSIDE = {"round": 0.99, "square": 0.85}
+LEAST_INSIDE = {"round": 0.99, "square": 0.98}
 """Share of points deep in the struts that are inside a solid. Curves pass beside the middles of
-their edges; the quads of square struts are twisted beside branch points."""
+their edges. Of square struts, whose quads are twisted beside branch points, only points inside the
+scaffold count; where they cross themselves, straight struts take their place."""
 
 
 def directions(count: int, random: Random) -> Points:
@@ -243,7 +244,10 @@ def faults(skeleton: Skeleton, kind: str) -> tuple[str, float]:
         read = trimesh.load_mesh(path, process=False)
     found = faults_by_cgal(np.asarray(read.vertices, np.float64), read.faces)
     whole = trimesh.Trimesh(read.vertices, read.faces)
-    inside = contains(TriangleMesh(whole.vertices, whole.faces), deep_points(skeleton)).mean()
+    points = deep_points(skeleton)
+    if isinstance(made, Scaffold):
+        points = points[contains(TriangleMesh(made.mesh.vertices, made.mesh.triangles), points)]
+    inside = contains(TriangleMesh(whole.vertices, whole.faces), points).mean()
     if whole.body_count > skeleton.component_count:
         found = found or f"{whole.body_count} bodies for {skeleton.component_count}"
     if inside < LEAST_INSIDE[kind]:
