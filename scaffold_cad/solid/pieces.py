@@ -29,7 +29,7 @@ PLASTIC = 1.32471795724474602596
 PLUG = 0.5
 """How far out the plug of a strut begins within a sphere of another share, in heights of stubs."""
 
-PLUG_WIDTH = 0.9
+PLUG_WIDTH = 0.97
 """Width of the ring that a plug begins with where its strut does not keep to its cone, in widths of
 its section."""
 

@@ -30,8 +30,9 @@ from tests.meshes import CUBE
 from tests.real_files import RADII, real_skeleton
 from tests.scaffold.test_embedding import CROSSING, DOUBLED_BACK, NARROW, OVERLAPPING_SPHERES
 from tests.skeletons import polyline
-from tests.solids import check_solid_of
+from tests.solids import check_solid_of, contains
 from tests.strategies import skeletons
+from tests.validation.attacks import deep_points, swallowed
 
 
 def test_an_embedded_scaffold_is_taken_as_it_is() -> None:
@@ -75,6 +76,16 @@ def test_bars_that_touch_along_an_edge_do_so_no_longer(tmp_path: Path) -> None:
     read = trimesh.load_mesh(tmp_path / "bars.stl")  # by the positions alone
     assert read.is_watertight
     assert read.volume == pytest.approx(80, rel=0.01)
+
+
+def test_struts_that_leave_their_cones_are_as_thick_as_in_the_scaffold() -> None:
+    skeleton = swallowed(np.random.default_rng([74, 170]))
+    scaffold = build_scaffold(skeleton)
+    assert not scaffold.embedding().within_cone[3].all()
+    points = deep_points(skeleton)
+    built = TriangleMesh(scaffold.mesh.vertices, scaffold.mesh.triangles)
+    held = contains(manifold_triangles(to_solid(scaffold)), points[contains(built, points)])
+    assert held.mean() > 0.99
 
 
 def test_a_ring_too_thick_for_its_hole_is_filled() -> None:
