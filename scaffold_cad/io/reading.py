@@ -7,6 +7,8 @@ from os import PathLike
 from pathlib import Path
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from scaffold_cad.base.arguments import as_count, as_path, checks_keywords
 from scaffold_cad.base.arrays import Floats
@@ -205,15 +207,32 @@ def in_millimeters(
 
 
 def _warn_of_radii(path: str | PathLike[str], skeleton: Skeleton) -> None:
-    """Log a warning if all struts are thicker than they are long: units may be mixed."""
-    radius, longest = float(skeleton.edge_radii.min()), float(skeleton.lengths.max())
-    if radius > longest:
+    """Log a warning if most edges are on paths that are thicker than long: units may be mixed."""
+    radii, lengths = skeleton.edge_radii.min(axis=1), _path_lengths(skeleton)  # (m,) both
+    thick = int((radii > lengths).sum())
+    if 2 * thick > len(radii):
         _log.warning(
-            "%s: radii of %g mm and more, edges of %g mm at most: check the units?",
+            "%s: %d of %s thicker than long (middle radius %g mm, length between branch points "
+            "%g mm): check the units?",
             path,
-            radius,
-            longest,
+            thick,
+            counted(len(radii), "edge"),
+            np.median(radii),
+            np.median(lengths),
         )
+
+
+def _path_lengths(skeleton: Skeleton) -> Floats:
+    """Return the length of each edge's path through joints, (m,): curves are many short edges."""
+    count = len(skeleton.edges)
+    node = skeleton.edges.ravel()  # (2 m,)
+    order = np.argsort(node, kind="stable")
+    at_joints = order[skeleton.valency[node[order]] == 2]  # two ends a joint, side by side
+    first, second = at_joints.reshape(-1, 2).T // 2
+    links = coo_array((np.ones(len(first)), (first, second)), shape=(count, count))
+    path = connected_components(links, directed=False)[1]
+    totals: Floats = np.bincount(path, weights=skeleton.lengths).astype(np.float64)
+    return totals[path]
 
 
 def _head(path: Path) -> bytes:

@@ -16,6 +16,7 @@ from scaffold_cad.io import read_skeleton, read_triangles
 from scaffold_cad.skeleton.beams import BeamLattice
 from tests.fuzz.samples import SWC
 from tests.io.test_reading import ELBOW_OBJ, written
+from tests.real_files import RADII, real_skeleton
 
 STRUT = Skeleton([[0, 0, 0], [10, 0, 0]], [[0, 1]], edge_radii=[[1.0, 2.0]])
 
@@ -74,10 +75,33 @@ def test_radii_larger_than_the_edges_ask_for_the_units(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     path = written(tmp_path, "x.obj", ELBOW_OBJ)
-    read_skeleton(path, 10.0)
+    read_skeleton(path, 20.0)  # a path of 20 mm
     assert "check the units" not in caplog.text
-    read_skeleton(path, 11.0)
-    assert "radii of 11 mm and more, edges of 10 mm at most: check the units?" in caplog.text
+    read_skeleton(path, 21.0)
+    wanted = "2 of 2 edges thicker than long (middle radius 21 mm, length between branch points 20"
+    assert f"{wanted} mm): check the units?" in caplog.text
+
+
+@pytest.mark.parametrize("strict", [False, True])
+def test_a_long_edge_does_not_hide_that_most_are_thicker_than_long(
+    strict: bool, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    star = "v 0 0 0\nv 10 0 0\nv 0 8 0\nv 0 0 2000\nl 1 2\nl 1 3\nl 1 4\n"
+    path = written(tmp_path, "x.obj", star)
+    read_skeleton(path, 9.0)
+    assert "check the units" not in caplog.text
+    read_skeleton(path, 500.0, strict=strict)
+    assert "2 of 3 edges thicker than long (middle radius 500 mm, length" in caplog.text
+
+
+@pytest.mark.parametrize("name", RADII)
+@pytest.mark.parametrize("factor", [1.0, 4.0])
+def test_real_files_do_not_ask_for_the_units(
+    name: str, factor: float, shared_data: Path, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    write(real_skeleton(shared_data, name, factor), tmp_path / "x.json")
+    read_skeleton(tmp_path / "x.json")
+    assert "check the units" not in caplog.text
 
 
 def test_options_out_of_range_are_refused(tmp_path: Path) -> None:
