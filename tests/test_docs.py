@@ -22,7 +22,7 @@ CONFIGURATION = DOCS / "site" / "mkdocs.yml"
 PAGES = sorted(DOCS.rglob("*.md"))
 
 SHOWN_APART = ("formats.md", "reliability.md", "hour.md")
-"""Pages whose programs are no whole ones, or each one by itself."""
+"""Pages whose programs are not whole ones, or each one by itself."""
 
 
 def name(page: Path) -> str:

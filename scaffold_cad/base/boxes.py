@@ -33,7 +33,7 @@ def overlapping_boxes(low: Points, high: Points) -> Iterator[tuple[Ints, Ints]]:
     """Yield blocks of pairs i < j of boxes that overlap, or nearly so; each pair comes once.
 
     Boxes that touch overlap. Boxes farther apart along any axis than two millionths of the extent
-    of all boxes are no pair.
+    of all boxes are not a pair.
 
     Parameters
     ----------

@@ -62,7 +62,7 @@ class FaceSurface(Frozen):
         Raises
         ------
         OptionError
-            If it is no face of build123d.
+            If it is not a face of build123d.
         BrepError
             If an edge of the face has no curve in its parameters, or the face has no area there.
         """

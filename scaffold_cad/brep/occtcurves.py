@@ -44,7 +44,7 @@ def sampled(edge: TopoDS_Edge, tolerance: float) -> Points:
 
 
 def free_edges(shape: TopoDS_Shape) -> list[TopoDS_Edge]:
-    """Return each edge of a shape once that bounds no face and is no single point."""
+    """Return each edge of a shape once that bounds no face and is not a single point."""
     known = _Shapes()
     for face in _parts(shape, FACE):
         for edge in _parts(face, EDGE):

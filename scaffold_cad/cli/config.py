@@ -75,7 +75,7 @@ def _words(path: Path, key: str, value: Any, parser: argparse.ArgumentParser) ->
     flag = f"--{key.replace('_', '-')}"
     if flag not in flags or flag in ("--config", "--help"):
         near = did_you_mean(flag, flags).replace("--", "")
-        raise OptionError(f"{path} has {key!r}, which is no option of the command{near}")
+        raise OptionError(f"{path} has {key!r}, which is not an option of the command{near}")
     is_switch = flags[flag].nargs == 0
     if is_switch != isinstance(value, bool):
         need = "true or false" if is_switch else "a text, a number or a list of them"

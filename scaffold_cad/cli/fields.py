@@ -38,7 +38,7 @@ def number(text: str) -> float | FieldFile:
     except ValueError:
         known = " ".join(FIELD_SUFFIXES)
         raise argparse.ArgumentTypeError(
-            f"{text!r} is no number; need one, or a file of values: {known}"
+            f"{text!r} is not a number; need one, or a file of values: {known}"
         ) from None
 
 

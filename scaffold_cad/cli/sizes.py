@@ -61,7 +61,7 @@ def bend(text: str) -> float | str:
         return float(text)
     except ValueError:
         raise argparse.ArgumentTypeError(
-            f"{text!r} is no bend; need blend, torus or a radius, mm"
+            f"{text!r} is not a bend; need blend, torus or a radius, mm"
         ) from None
 
 

@@ -55,7 +55,7 @@ def drained(
     Raises
     ------
     OptionError
-        If the diameter is not > 0, or places are no positions.
+        If the diameter is not > 0, or places are not positions.
     MeshError
         If a void stays closed; the place is named.
     """

@@ -243,7 +243,7 @@ def cells_around(
     Raises
     ------
     OptionError
-        If `origin` is no position, or the cells have too many struts, see `as_counts`.
+        If `origin` is not a position, or the cells have too many struts, see `as_counts`.
     """
     found, corner = _cells_around(bounds, cell, size, origin, axes)
     return as_counts(cell, found), corner

@@ -150,7 +150,7 @@ def filled_solid(
         fault, made = _united(solid, inner, inside, model)
         if made is not None:
             return FilledSolid(made, model)
-        _log.debug("with the lattice moved by %g cells %s", nudge, fault)
+        _log.info("with the lattice moved by %g cells %s", nudge, fault)
     raise BrepError(f"OCCT cannot unite the struts with the skin: {fault}; {_MESH}")
 
 

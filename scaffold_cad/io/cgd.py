@@ -130,7 +130,7 @@ def _take(path: Path, block: _Block, line: int, keyword: str, words: list[str]) 
 def _numbers(path: Path, line: int, words: list[str], count: int, need_: str) -> list[float]:
     """Return words as numbers, fractions such as 1/3 among them."""
     values = [_number(word) for word in words]
-    # What is no number is NaN, which no comparison holds for.
+    # What is not a number is NaN, which no comparison holds for.
     if len(values) != count or not all(abs(value) <= LARGEST for value in values):
         needed = f"{count} numbers of at most {LARGEST:g}: {need_}"
         raise line_error(path, line, f"{' '.join(words)!r}", needed)
@@ -138,7 +138,7 @@ def _numbers(path: Path, line: int, words: list[str], count: int, need_: str) ->
 
 
 def _number(word: str) -> float:
-    """Return a word as a number; NaN if it is none."""
+    """Return a word as a number; NaN if it is not one."""
     above, slash, below = word.partition("/")
     try:
         return float(above) / float(below) if slash else float(above)

@@ -87,7 +87,7 @@ class Content:
         return _single_precision(self.mesh())
 
     def patches(self) -> BezierMesh | None:
-        """Return the faces that a B-rep of `what` has, or None if it is no mesh of quads."""
+        """Return the faces that a B-rep of `what` has, or None if it is not a mesh of quads."""
         found = self._patches()
         if found is None or self.factor == 1.0:
             return found

@@ -59,7 +59,7 @@ def read_dxf(path: Path) -> RawSkeleton:
     except (OSError, MemoryError):
         raise
     except Exception as error:  # of the many things that ezdxf raises for damaged files
-        raise FormatError(f"{path} is no sound DXF file: {error}; need one") from None
+        raise FormatError(f"{path} is not a sound DXF file: {error}; need one") from None
     if left_out:
         names = ", ".join(f"{count} {name}" for name, count in sorted(left_out.items()))
         _log.warning("%s: left out %s", path, names)

@@ -46,7 +46,7 @@ def read_points_edges(path: Path) -> RawSkeleton:
     places = np.reshape([[*row, 0.0][:3] for row in points], (-1, 3)) * _unit(path, document)
     pairs = np.reshape(np.asarray(edges), (-1, 2))
     if (pairs != np.round(pairs)).any() or (np.abs(pairs) > 2**53).any():
-        raise FormatError(f"{path} has edges that are no pairs of whole numbers; need those")
+        raise FormatError(f"{path} has edges that are not pairs of whole numbers; need those")
     nodes, of_edges = _radii(path, document, len(points), len(edges))
     scale = _unit(path, document)
     nodes = None if nodes is None else nodes * scale

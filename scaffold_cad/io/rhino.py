@@ -60,9 +60,9 @@ def curve_arrays(path: Path) -> Arrays:
     try:
         document: Any = rhino3dm.File3dm.Read(str(path))
     except Exception as error:  # of a library in C++
-        raise FormatError(f"{path} is no sound 3DM file: {error!r:.200}; need one") from None
+        raise FormatError(f"{path} is not a sound 3DM file: {error!r:.200}; need one") from None
     if document is None:
-        raise FormatError(f"{path} is no sound 3DM file; need one of Rhino 3 or later")
+        raise FormatError(f"{path} is not a sound 3DM file; need one of Rhino 3 or later")
     lines, left_out = [], Counter[str]()
     for k in range(len(document.Objects)):
         item = document.Objects[k]

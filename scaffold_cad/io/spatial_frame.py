@@ -103,7 +103,7 @@ def _radii_of_bars(
 def _radius(path: Path, section: Any, key: str, unit: float) -> float | None:
     """Return the radius of a section, mm, or None if it has neither radius nor area."""
     if not isinstance(section, dict):
-        raise FormatError(f"{path} has a section that is no object; need one with {key!r}")
+        raise FormatError(f"{path} has a section that is not an object; need one with {key!r}")
     if "radius" in section:
         name = section.get("radius_unit")
         scale = unit if name is None else _unit(path, name)

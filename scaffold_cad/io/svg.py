@@ -60,7 +60,7 @@ def read_svg(path: Path) -> RawSkeleton:
     except (OSError, MemoryError):
         raise
     except Exception as error:  # of the many things that svgelements raises
-        raise FormatError(f"{path} is no sound drawing: {error!r:.200}; need one") from None
+        raise FormatError(f"{path} is not a sound drawing: {error!r:.200}; need one") from None
     if not lines:
         raise FormatError(f"{path} has no outlines; need paths, lines or shapes")
     return joined_polylines(lines)

@@ -101,7 +101,7 @@ def write(
         *_factor(known, units, scale),
     )
     if write_pcurves and path.suffix.lower() not in STEP_SUFFIXES:
-        raise OptionError(f"write_pcurves is for STEP files only; {path.name} is none")
+        raise OptionError(f"write_pcurves is for STEP files only; {path.name} is not one")
     if overlaps is not None and not isinstance(what, Scaffold | RoundStruts):
         kind = type(what).__name__
         raise OptionError(f"overlaps is for a Scaffold or RoundStruts; {path.name} gets a {kind}")

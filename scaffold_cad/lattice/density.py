@@ -32,7 +32,7 @@ def relative_density(cell: str | UnitCell, size: ArrayLike, radius: float) -> fl
     ------
     OptionError
         If the cell is not known, a size or the radius is not > 0, or the struts are so thick
-        that the formula gives 1 or more, which is no density.
+        that the formula gives 1 or more, which is not a density.
 
     Examples
     --------

@@ -75,7 +75,7 @@ def _cells(seeds: Seeds, space: Region, stretch: Floats, periodic: bool) -> Stru
     points, sizes, box = seeds.points, seeds.sizes, space.bounds
     if periodic:
         if not isinstance(space, BoxRegion):
-            raise OptionError("a periodic foam in a region that is no box; need a box")
+            raise OptionError("a periodic foam in a region that is not a box; need a box")
         points = repeated_around(points, box)
         sizes = None if sizes is None else np.tile(sizes, 27)
         box = np.stack([2 * box[0] - box[1], 2 * box[1] - box[0]])

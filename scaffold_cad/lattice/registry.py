@@ -44,7 +44,7 @@ def unit_cell(name: str) -> UnitCell:
     Raises
     ------
     OptionError
-        If no cell has that name, or it is no text.
+        If no cell has that name, or it is not text.
     """
     check_kind(name, str)
     key = ALSO_CALLED.get(_key(name), _key(name))
@@ -66,7 +66,7 @@ def register_cell(cell: UnitCell, *, periodic: bool = True) -> None:
     Raises
     ------
     OptionError
-        If it is no unit cell, or another one has that name.
+        If it is not a unit cell, or another one has that name.
     SkeletonError
         If the cell is not periodic, or a lattice of it is not a valid skeleton.
 

@@ -39,7 +39,7 @@ def write_beams(model: BeamModel | BeamSolution, path: str | Path) -> None:
     Raises
     ------
     OptionError
-        If it is no beam model.
+        If it is not a beam model.
     FormatError
         If the ending is none of these, or the file cannot be written.
     MissingBackendError

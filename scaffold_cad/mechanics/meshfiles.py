@@ -36,7 +36,7 @@ def write_hexahedra(mesh: Hexahedra, path: str | Path) -> None:
     Raises
     ------
     OptionError
-        If `mesh` is no mesh of hexahedra.
+        If `mesh` is not a mesh of hexahedra.
     FormatError
         If the ending is none of these, or the file cannot be written.
     MissingBackendError

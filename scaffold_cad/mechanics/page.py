@@ -38,7 +38,7 @@ def write_strength_page(solution: BeamSolution, path: str | PathLike[str]) -> No
     Raises
     ------
     OptionError
-        If it is no solution of a beam model.
+        If it is not a solution of a beam model.
     FormatError
         If the file cannot be written.
     """

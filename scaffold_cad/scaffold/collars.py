@@ -148,7 +148,7 @@ def collar_distances(
     # A wider clearance than a right angle leaves room at once.
     slope = np.tan(np.clip(stars.clearance, 1e-6, 1.5)).reshape(-1, 2)
     wide_enough = WIDER * corner_distance * radii.max(axis=1)[:, None] / slope
-    # (m, 2), nan where an end is no branch point
+    # (m, 2), nan where an end is not a branch point
     wanted: Floats = np.maximum(extents + BLEND * radii, wide_enough)
 
     lengths = skeleton.lengths

@@ -73,7 +73,7 @@ class SphericalQuads(Frozen):
     """Partition vertices seen from their nodes, shape (w, 3)."""
     corners: Ints
     """Rows in `vertices` of each half-edge's quad, counter-clockwise seen from outside;
-    -1 where the tail is no branch point, shape (2 m, 4)."""
+    -1 where the tail is not a branch point, shape (2 m, 4)."""
 
     def at(self, half_edges: Ints) -> Points:
         """Return the corners of the quads of `half_edges` (k,), shape (k, 4, 3)."""

@@ -57,10 +57,10 @@ class Stars(Frozen):
     """Number of partition vertices before those of each node, shape (n + 1,)."""
     corners: Ints
     """Row in `vertices` of the four corners of each half-edge's spherical quad,
-    counter-clockwise seen from outside; -1 where the tail is no branch point, shape (2 m, 4)."""
+    counter-clockwise seen from outside; -1 where the tail is not a branch point, shape (2 m, 4)."""
     clearance: Floats
     """Angle from each half-edge's direction to the nearest side of its spherical quad, rad;
-    nan where the tail is no branch point, shape (2 m,)."""
+    nan where the tail is not a branch point, shape (2 m,)."""
     directions: UnitVectors
     """Direction in which each half-edge leaves its node, shape (2 m, 3)."""
 

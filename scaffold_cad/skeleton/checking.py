@@ -22,7 +22,7 @@ def check_skeleton(skeleton: Skeleton) -> None:
     Raises
     ------
     OptionError
-        If it is no skeleton.
+        If it is not a skeleton.
     SkeletonError
         For the first of: no edge, a self-loop, an isolated node, coincident nodes, an edge too
         short for its direction to be computed, a repeated edge, a radius too small for the

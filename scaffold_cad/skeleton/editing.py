@@ -261,7 +261,7 @@ def _direction(values: ArrayLike, name: str) -> Floats:
     Raises
     ------
     OptionError
-        If it is no direction.
+        If it is not a direction.
     """
     three = _three(values, name)
     size = float(np.linalg.norm(three))

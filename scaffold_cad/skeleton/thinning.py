@@ -77,7 +77,7 @@ def _kept(nodes: Points, walk: _Walk, tolerance: float) -> Ints:
     stops, last = walk.stops, len(walk.stops) - 1
     third = (last + 1) // 3
     cuts = [0, last] if stops[0] != stops[-1] else [0, third, 2 * third, last]
-    # A step from one member to the next is no matter of sampling.
+    # A step from one member to the next is not a matter of sampling.
     steps = np.abs(walk.radii[1:, 0] - walk.radii[:-1, 1]) > tolerance
     cuts = sorted({*cuts, *(1 + np.flatnonzero(steps)).tolist()})
     keep = np.zeros(len(stops), dtype=np.bool_)

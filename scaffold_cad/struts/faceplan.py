@@ -39,7 +39,7 @@ class FacePlan(Frozen):
     run_face: Ints
     """Place of each run's face among those of all runs, cylinders first, shape (k,)."""
     curves: CurveParts
-    """Parts of curves that are no tori."""
+    """Parts of curves that are not tori."""
     tori: Tori
     """Elbows."""
 

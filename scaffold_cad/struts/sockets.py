@@ -50,14 +50,14 @@ def sockets_of(
     Raises
     ------
     OptionError
-        If a node is no extremity, or its edge has no room for the socket; it is named.
+        If a node is not an extremity, or its edge has no room for the socket; it is named.
     """
     rows = sorted((given or {}).items())
     nodes = np.array([node for node, _ in rows], dtype=np.intp)
     radii, depths = np.array([size for _, size in rows], dtype=np.float64).reshape(-1, 2).T
     wrong = [node for node in nodes.tolist() if node not in set(skeleton.extremities.tolist())]
     if wrong:
-        raise OptionError(f"sockets has node {wrong[0]}, which is no end of a strut; need one")
+        raise OptionError(f"sockets has node {wrong[0]}, which is not an end of a strut; need one")
     half = skeleton.incidence.half_edges[skeleton.incidence.offsets[nodes]]
     outer, other = (skeleton.edge_radii.reshape(-1)[each] for each in (half, half ^ 1))
     lengths = skeleton.lengths[half >> 1]

@@ -17,7 +17,7 @@ def doubled(path: Path, factor: str) -> Arrays:
 
 
 def refuses(path: Path) -> Arrays:
-    raise FormatError(f"{path} is no good; need another")
+    raise FormatError(f"{path} is not good; need another")
 
 
 def ends(path: Path) -> Arrays:
@@ -42,7 +42,7 @@ def test_arrays_come_back(path: Path) -> None:
 
 
 def test_an_error_of_the_package_is_raised_again(path: Path) -> None:
-    with pytest.raises(FormatError, match=r"numbers\.txt is no good; need another"):
+    with pytest.raises(FormatError, match=r"numbers\.txt is not good; need another"):
         run_apart(refuses, path)
 
 

@@ -1,4 +1,4 @@
-"""What callers may pass: a wrong kind of object and what is no number are refused by name."""
+"""What callers may pass: a wrong kind of object and what is not a number are refused by name."""
 
 from __future__ import annotations
 

@@ -137,4 +137,4 @@ def test_what_is_neither_a_number_nor_a_file_is_refused(
 ) -> None:
     with pytest.raises(SystemExit):
         main(["build", "strut.json", "--radius", "thick", "-o", "a.stl"])
-    assert "'thick' is no number; need one, or a file of values: .vti" in capsys.readouterr().err
+    assert "'thick' is not a number; need one, or a file of values: .vti" in capsys.readouterr().err

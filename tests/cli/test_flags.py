@@ -174,7 +174,10 @@ def test_sockets_are_bored_where_they_are_asked_for(folder: Path) -> None:
         ("--round --socket 1:1.8:5", "need --wall T --ends open"),
         ("--round --wall 0.5 --socket 1:1.8:5", "need --wall T --ends open"),
         ("--round --wall 0.5 --ends open --socket 1:1.8:5 --socket 1:1.7:5", "has node 1 twice"),
-        ("--round --wall 0.5 --ends open --socket 0:1.8:5", "node 0, which is no end of a strut"),
+        (
+            "--round --wall 0.5 --ends open --socket 0:1.8:5",
+            "node 0, which is not an end of a strut",
+        ),
         ("--round --wall 0.5 --ends open --socket 1:2.1:5", "the socket at node 1 has radius 2.1"),
     ],
 )

@@ -75,7 +75,7 @@ def test_a_damaged_file_does_not_end_the_program(tmp_path: Path, name: str) -> N
     content = sample_apart(name)
     half = content[: 2 * len(content) // 3]
     with pytest.raises(
-        FormatError, match=rf"{name} (cannot be read|holds 0 faces|is no sound|has no)"
+        FormatError, match=rf"{name} (cannot be read|holds 0 faces|is not a sound|has no)"
     ):
         read_raw(written(tmp_path, name, half))
 
@@ -110,5 +110,5 @@ def test_rhino_curves_are_in_the_unit_of_the_file(tmp_path: Path) -> None:
 
 
 def test_a_damaged_rhino_file_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(FormatError, match=r"x\.3dm is no sound 3DM file"):
+    with pytest.raises(FormatError, match=r"x\.3dm is not a sound 3DM file"):
         read_raw(written(tmp_path, "x.3dm", b"3D Geometry File Format and no more"))

@@ -364,7 +364,7 @@ def test_triangles_are_no_b_rep(tmp_path: Path, suffix, convert, kind) -> None:
 
 
 def test_pcurves_are_for_step_files(tmp_path: Path) -> None:
-    message = "write_pcurves is for STEP files only; cube.stl is none"
+    message = "write_pcurves is for STEP files only; cube.stl is not one"
     with pytest.raises(OptionError, match=message):
         write(CUBE, tmp_path / "cube.stl", write_pcurves=True)
 

@@ -70,7 +70,7 @@ def test_a_dxf_that_is_too_large_is_refused(
     ("old", "new", "message"),
     [
         (b"0\nEOF\n", b"", "does not end with EOF: it was cut short"),
-        (b"10\n0\n20", b"10\nzero\n20", "is no sound DXF file"),
+        (b"10\n0\n20", b"10\nzero\n20", "is not a sound DXF file"),
     ],
 )
 def test_damage_is_refused(tmp_path: Path, old: bytes, new: bytes, message: str) -> None:
@@ -81,5 +81,5 @@ def test_damage_is_refused(tmp_path: Path, old: bytes, new: bytes, message: str)
 
 def test_a_binary_file_that_ends_within_a_tag_is_refused(tmp_path: Path) -> None:
     content = b"AutoCAD Binary DXF\r\n\x1a\0\\\nlidONHEC\0^\0\0EOF\0"
-    with pytest.raises(FormatError, match="is no sound DXF file"):
+    with pytest.raises(FormatError, match="is not a sound DXF file"):
         read_raw(written(tmp_path, "bad.dxf", content))

@@ -53,7 +53,8 @@ def test_a_damaged_file_is_refused_and_nothing_is_printed(
 ) -> None:
     content = GMSH[: len(GMSH) // 2] if name == "x.msh" else b"\x89HDF\r\n\x1a\nand no more"
     with pytest.raises(
-        FormatError, match=r"x\.m\w\w (is no sound file|cannot be read|has no \$End\w+): .*; need"
+        FormatError,
+        match=r"x\.m\w\w (is not a sound file|cannot be read|has no \$End\w+): .*; need",
     ):
         read_raw(written(tmp_path, name, content))
     assert capfd.readouterr().out == ""

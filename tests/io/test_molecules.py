@@ -27,7 +27,7 @@ def test_bonds_without_conect_are_taken_from_distances(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     raw = read_raw(written(tmp_path, "bare.pdb", MEMBERS["bare.ent"]))
-    assert raw.edges.tolist() == [[0, 1], [1, 2]]  # 1.98 Å, from C to O, is no bond
+    assert raw.edges.tolist() == [[0, 1], [1, 2]]  # 1.98 Å, from C to O, is not a bond
     assert "names no bonds; 2 are taken from distances" in caplog.text
 
 

@@ -73,7 +73,11 @@ POINTS = {"points": [[0, 0, 0], [9, 0, 0]], "edges": [[0, 1]]}
             COMPAS.replace(b"node", b"vertex"),
             r"x\.json is a compas.datastructures/Graph; need a Network or a Graph",
         ),
-        ("x.json", json.dumps({**POINTS, "edges": [[0, 0.5]]}), "edges that are no pairs of whole"),
+        (
+            "x.json",
+            json.dumps({**POINTS, "edges": [[0, 0.5]]}),
+            "edges that are not pairs of whole",
+        ),
         ("x.json", json.dumps({**POINTS, "unit": "ell"}), "has the unit 'ell'; need mm, cm, m"),
         ("x.json", json.dumps({**POINTS, "radii": [1, 2, 3]}), r"has radii of shape \(3,\); need"),
         ("x.json", json.dumps({"points": [[0, 0, 0]]}), "has no list of edges; need one called"),

@@ -48,7 +48,7 @@ def test_a_frame_without_sections_has_no_radii(tmp_path: Path) -> None:
         ({"elements": [{}]}, 'has no list "end_node_inds" in element 0'),
         ({"elements": {}}, 'has no list "elements"'),
         ({"cross_secs": [{"elem_tags": [], "A": 1, "A_unit": "acre"}]}, "has the unit 'acre'"),
-        ({"cross_secs": [7]}, "has a section that is no object"),
+        ({"cross_secs": [7]}, "has a section that is not an object"),
     ],
 )
 def test_frame_errors_name_what_is_wrong(

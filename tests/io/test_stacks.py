@@ -253,9 +253,9 @@ def test_after_an_error_the_old_file_is_still_there(suffix: str, tmp_path: Path)
 def test_write_layers_refuses_what_it_cannot_write(tmp_path: Path) -> None:
     with pytest.raises(FormatError, match=r"its suffix is '.stl'; layers need .3mf, .cli, .svg"):
         write_layers(made(), tmp_path / "a.stl")
-    with pytest.raises(OptionError, match=r"text is for .cli files; a.svg is none"):
+    with pytest.raises(OptionError, match=r"text is for .cli files; a.svg is not one"):
         write_layers(made(), tmp_path / "a.svg", text=True)
-    with pytest.raises(OptionError, match=r"label is for .cli files; a.svg is none"):
+    with pytest.raises(OptionError, match=r"label is for .cli files; a.svg is not one"):
         write_layers(made(), tmp_path / "a.svg", label="a")
     with pytest.raises(OptionError, match=r"pixel is for .zip files: a.svg"):
         write_layers(made(), tmp_path / "a.svg", pixel=0.1)

@@ -206,7 +206,7 @@ def test_a_periodic_foam_meets_itself_on_opposite_faces() -> None:
         )
         assert len(low) == len(high) > 10
         assert cKDTree(low).query(high)[0].max() < 1e-6
-    with pytest.raises(OptionError, match="a periodic foam in a region that is no box"):
+    with pytest.raises(OptionError, match="a periodic foam in a region that is not a box"):
         voronoi_foam(60, ImplicitRegion(lambda p: p[:, 0] - 50, BOX), 0.5, periodic=True)
 
 

@@ -103,7 +103,7 @@ def test_inputs_are_left_as_they_were() -> None:
 def test_bad_arguments_are_named() -> None:
     with pytest.raises(OptionError, match="levels is -1; need 0 or more"):
         catmull_clark(BOX, -1)
-    with pytest.raises(MeshError, match=r"crease \[0, 7\] is no edge of the mesh"):
+    with pytest.raises(MeshError, match=r"crease \[0, 7\] is not an edge of the mesh"):
         catmull_clark(BOX, 1, creases=np.array([[0, 2], [0, 7]]))
     with pytest.raises(MeshError, match="belongs to one quad only"):
         catmull_clark(QuadMesh(BOX.vertices, BOX.quads[:5]), 1)
@@ -114,7 +114,9 @@ def test_bad_arguments_are_named() -> None:
 @pytest.mark.parametrize("crease", [[0, 10], [-1, 2], [0, 7], [3, 3], [0, 8]])
 def test_creases_that_are_no_edges_are_named(crease: list[int]) -> None:
     for made in (lambda: catmull_clark(BOX, 1, [[0, 1], crease]), lambda: limit(BOX, [crease])):
-        with pytest.raises(MeshError, match=re.escape(f"crease {crease} is no edge of the mesh")):
+        with pytest.raises(
+            MeshError, match=re.escape(f"crease {crease} is not an edge of the mesh")
+        ):
             made()
 
 

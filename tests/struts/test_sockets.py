@@ -70,7 +70,10 @@ def test_sockets_follow_moved_nodes() -> None:
     ("options", "message"),
     [
         ({"sockets": {1: (4.5, 6)}}, "sockets with ends='flat'; need ends='open', and a wall"),
-        ({"sockets": {0: (4.5, 6)}}, "sockets has node 0, which is no end of a strut; need one"),
+        (
+            {"sockets": {0: (4.5, 6)}},
+            "sockets has node 0, which is not an end of a strut; need one",
+        ),
         ({"sockets": {1: (6.5, 6)}}, "radius 6.5 mm; need > 0 and less than the 6 mm of its strut"),
         ({"sockets": {1: (5.5, 50)}}, "is 50 mm deep; need > 0 and less than the 40 mm"),
         ({"sockets": {1: (4.5, 5)}}, "has the 4.5 mm of the strut's inside, and so no shoulder"),

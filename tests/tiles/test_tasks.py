@@ -122,7 +122,7 @@ def test_what_is_there_is_not_made_again(tmp_path: Path) -> None:
 def test_another_work_or_other_struts_are_made_anew(tmp_path: Path) -> None:
     parts = tiles(LATTICE, block=2)
     first = run_tiles(parts, Build(), tmp_path)
-    len(parts)  # what is kept of an answer is no part of the key
+    len(parts)  # what is kept of an answer is not a part of the key
     assert run_tiles(tiles(LATTICE, block=2), Build(), tmp_path).key == first.key
     assert run_tiles(parts, Build(options={"collars": True}), tmp_path).key != first.key
     thicker = PeriodicLattice("bcc", 6.0, (3, 2, 2), radius=0.5)

@@ -56,7 +56,7 @@ def test_tiles_of_cells_with_long_struts_own_each_strut_once(cell: UnitCell) -> 
 def test_tiles_of_a_skeleton_own_each_strut_once() -> None:
     foam = FOAMS["Voronoi 1"]()
     parts = tiles(foam, block=(11, 12, 16))
-    assert 2 * 2 < len(parts) <= 3 * 3 * 2  # blocks without a strut are no tiles
+    assert 2 * 2 < len(parts) <= 3 * 3 * 2  # blocks without a strut are not tiles
     assert owned(parts) == ends_of(foam)
 
 

@@ -66,7 +66,7 @@ MOST_FACES = 4000
 JUDGED = "-"
 """What a process says when judges begin, and when they are done."""
 NOTE = "("
-"""What a line that is no fault begins with."""
+"""What a line that is not a fault begins with."""
 
 
 def skeletons() -> list[Path]:
@@ -140,7 +140,7 @@ def check(path: Path, factor: float, kind: str) -> Iterator[str]:
     """Yield what is wrong with the files of one skeleton, one line a fault.
 
     Before the judges begin it yields `JUDGED`, and once more when they are done; lines that begin
-    with `NOTE` are no faults.
+    with `NOTE` are not faults.
     """
     skeleton = skeleton_in(path)
     skeleton = skeleton.with_edge_radii(factor * skeleton.edge_radii)

@@ -70,9 +70,9 @@ def write_layers(
     path = as_path(path)
     suffix = check_stack(path)
     if as_flag(text, "text") and suffix != ".cli":
-        raise OptionError(f"text is for .cli files; {path.name} is none")
+        raise OptionError(f"text is for .cli files; {path.name} is not one")
     if label is not None and suffix != ".cli":
-        raise OptionError(f"label is for .cli files; {path.name} is none")
+        raise OptionError(f"label is for .cli files; {path.name} is not one")
     if (pixel is not None) != (suffix == ".zip"):
         need = "is for .zip files" if suffix != ".zip" else "is not given; need it, mm"
         raise OptionError(f"pixel {need}: {path.name}")

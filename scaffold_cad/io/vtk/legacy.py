@@ -49,7 +49,7 @@ def _recognises(head: bytes) -> bool:
 def read_vtk(path: Path) -> RawSkeleton:
     """Read the lines of a legacy VTK file; point data called "radius" are the radii.
 
-    Lengths are taken as mm. Cells that are no lines are left out.
+    Lengths are taken as mm. Cells that are not lines are left out.
     """
     check_size(path, LARGEST_FILE)
     return _LegacyFile(path).skeleton()

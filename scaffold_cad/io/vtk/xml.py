@@ -53,7 +53,7 @@ def read_vtk_xml(path: Path) -> RawSkeleton:
     """Read the lines of a .vtp or .vtu file; point or cell data called "radius" are the radii.
 
     Arrays may be text, base64, or appended, raw or base64; packed by zlib or not. Lengths are
-    taken as mm. Cells that are no lines are left out.
+    taken as mm. Cells that are not lines are left out.
     """
     check_size(path, LARGEST_FILE)
     reader = XmlFile(path)

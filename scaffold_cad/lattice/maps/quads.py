@@ -38,7 +38,7 @@ class QuadSurface(Frozen):
         Raises
         ------
         OptionError
-            If it is no quad mesh.
+            If it is not a quad mesh.
         MeshError
             If it has no quads, or two quads run along a side the same way.
         """

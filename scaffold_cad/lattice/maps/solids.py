@@ -299,7 +299,7 @@ def frame_along(axis: ArrayLike) -> Floats:
     Raises
     ------
     OptionError
-        If it is no direction.
+        If it is not a direction.
     """
     along = as_place(axis, "axis")
     if not along.any():
@@ -317,7 +317,7 @@ def _as_turn(angle: float) -> float:
     Raises
     ------
     OptionError
-        If it is no such number.
+        If it is not such a number.
     """
     turn = as_number(angle, "angle", unit=" rad")
     if turn > 2 * np.pi + FULL_TURN:

@@ -189,5 +189,5 @@ def _rows_of(mesh: QuadMesh, creases: ArrayLike) -> Ints:
     rows[rows == len(keys)] = 0
     strange = np.flatnonzero(keys[rows] != wanted)
     if len(strange):
-        raise MeshError(f"crease {pairs[strange[0]].tolist()} is no edge of the mesh")
+        raise MeshError(f"crease {pairs[strange[0]].tolist()} is not an edge of the mesh")
     return rows

@@ -41,7 +41,7 @@ def limit(mesh: QuadMesh, creases: ArrayLike = NO_CREASES) -> Limit:
     Raises
     ------
     MeshError
-        If the mesh is not closed, or a crease is no edge of it.
+        If the mesh is not closed, or a crease is not an edge of it.
     OptionError
         If `mesh` is not a QuadMesh.
     """

@@ -46,7 +46,7 @@ def catmull_clark(mesh: QuadMesh, levels: int = 1, creases: ArrayLike = NO_CREAS
     Raises
     ------
     MeshError
-        If the mesh is not closed, or a crease is no edge of it.
+        If the mesh is not closed, or a crease is not an edge of it.
     OptionError
         If `mesh` is not a QuadMesh, or `levels` is not a whole number ≥ 0.
     """

@@ -26,7 +26,7 @@ def near_spans(
     but for pieces that are `inner` (p,): those are in clusters already.
     """
     run = pieces.run[own]
-    keep = run >= 0  # balls are no stretches
+    keep = run >= 0  # balls are not stretches
     own, other, run = own[keep], other[keep], run[keep]
     reach, inner = reach[keep], inner[keep]
     tail, ahead = runs.nodes[runs.edges[run, 0]], runs.directions[2 * run]

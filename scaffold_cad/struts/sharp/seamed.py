@@ -87,7 +87,7 @@ def seamed(shape: SharpShape, seams: tuple[int, ...]) -> Seamed:
     Raises
     ------
     BrepError
-        If an edge is no spline of `PIECES` pieces.
+        If an edge is not a spline of `PIECES` pieces.
     """
     angles_of = seam_angles(shape.curves.stars.directions[0])  # (N, SEAMS)
     cuts = _cuts(shape, angles_of[np.arange(shape.valency), list(seams)])
