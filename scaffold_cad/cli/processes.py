@@ -1,4 +1,4 @@
-"""`--process` of what builds: struts that a printer cannot make are told before they are made."""
+"""The option `--process`: struts that a printer cannot make are refused before they are built."""
 
 from __future__ import annotations
 

@@ -95,7 +95,9 @@ def check_printability(
     findings: list[Finding] = []
     loops = None if skeleton is None else skeleton.loop_count
     findings += surface_findings(surface, process, loops)
-    if skeleton is not None and len(skeleton.edges):
+    if skeleton is not None and len(skeleton.edges) == 0:
+        skeleton = None  # there is nothing to say of struts
+    if skeleton is not None:
         if given and surface.closed:
             findings.append(match_finding(skeleton, mesh))
         findings += strut_findings(skeleton, thickness_of(skeleton, mesh), process, apothem)

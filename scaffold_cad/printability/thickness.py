@@ -84,7 +84,8 @@ def _stations(skeleton: Skeleton) -> _Stations:
     number = np.arange(len(strut)) - (np.cumsum(count) - count)[strut]
     along = (number + 0.5) / count[strut]
     start, end = np.moveaxis(skeleton.nodes[skeleton.edges], 1, 0)
-    axis = (end - start) / skeleton.lengths[:, None]
+    lengths = np.maximum(skeleton.lengths, np.finfo(np.float64).tiny)  # a strut may have none
+    axis = (end - start) / lengths[:, None]
     across = any_perpendicular(axis)
     frames = np.stack([axis, across, np.cross(axis, across)], axis=1)
     return _Stations(
@@ -92,7 +93,7 @@ def _stations(skeleton: Skeleton) -> _Stations:
         frames[strut],
         radii[strut, 0] * (1 - along) + radii[strut, 1] * along,
         strut,
-        (skeleton.lengths / count)[strut],
+        (lengths / count)[strut],
     )
 
 

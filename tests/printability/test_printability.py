@@ -695,3 +695,12 @@ def test_the_bore_and_the_facets_of_struts_are_not_thin() -> None:
         assert (value["least_mm"], value["thinned"]) == (2.0, 0)
     square = check_printability(build_scaffold(star, section="area", collars=True), "sls")
     assert square["strut_diameter"].value["thinned"] == 0
+
+
+def test_skeletons_with_struts_of_no_length_or_without_struts_are_checked() -> None:
+    mesh = to_solid(round_struts(Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)))
+    doubled = Skeleton([[0, 0, 0], [9, 0, 0], [9, 0, 0]], [[0, 1], [1, 2]], 1.0)
+    value = check_printability(mesh, "sls", skeleton=doubled)["strut_diameter"].value
+    assert (value["least_mm"], value["thinned"]) == (2.0, 0)
+    bare = check_printability(mesh, "sls", skeleton=Skeleton([[0, 0, 0]], [], 1.0))
+    assert "strut_diameter" not in bare.as_dict()["findings"]
