@@ -199,7 +199,8 @@ class AnalyticBrep(Frozen):
     names: tuple[str, ...]
     """Names of faces."""
     slack: Floats | None = None
-    """How far from each vertex its edges end, shape (v,), mm; by default nowhere."""
+    """How far from each vertex its edges end, or are off their faces, shape (v,), mm; by default
+    they do not and are not."""
 
     @property
     def slacks(self) -> Floats:

@@ -121,11 +121,12 @@ def _edges(
     """Return the edges; they share their vertices."""
     builder = BRep_Builder()
     edges = []
-    for (start, end), (curve, first, last) in zip(
-        brep.edges.ends.tolist(), _curves(brep), strict=True
+    slacks = brep.slacks[brep.edges.ends].max(axis=1)
+    for (start, end), slack, (curve, first, last) in zip(
+        brep.edges.ends.tolist(), slacks.tolist(), _curves(brep), strict=True
     ):
         edge = TopoDS_Edge()
-        builder.MakeEdge(edge, curve, TOLERANCE)
+        builder.MakeEdge(edge, curve, TOLERANCE + slack)
         builder.Range(edge, first, last)
         builder.Add(edge, vertices[start][0])
         builder.Add(edge, vertices[end][1])

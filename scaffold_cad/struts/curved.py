@@ -145,11 +145,16 @@ class Curves(Frozen):
 
     @cached_property
     def turns(self) -> Floats:
-        """By how much each piece turns, back and forth added up, shape (p,), rad."""
-        first = self.pieces
-        chord = normalize(self.centers[first + 1] - self.centers[first])
-        parts = [angle_between(self.tangents[at], chord) for at in (first, first + 1)]
-        return np.asarray(parts[0] + parts[1])
+        """By how much each piece and its outline turn, back and forth added up, (p,), rad."""
+        first, last = self.pieces, self.pieces + 1
+        chord = self.centers[last] - self.centers[first]
+        size = length(chord)
+        way, growth = chord / size[:, None], (self.radii[last] - self.radii[first]) / size
+        found = np.zeros(len(first))
+        for at in (first, last):
+            found += angle_between(self.tangents[at], way)
+            found += np.abs(np.arctan(self.slopes[at]) - np.arctan(growth))
+        return found
 
     @cached_property
     def frames(self) -> Floats:

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from OCP.BRepGProp import BRepGProp
+from OCP.GProp import GProp_GProps
 
 from scaffold_cad.mesh.intersections import self_intersections
+from scaffold_cad.products import to_brep
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts import round_struts
@@ -26,6 +29,15 @@ def test_a_helix_has_the_volume_of_its_wire(sides: int) -> None:
     way = 2 * np.hypot(2 * np.pi * 10, 6)
     mesh = round_mesh(round_struts(helix(120, wire=0.8)), sides)
     assert mesh.signed_volume == pytest.approx(np.pi * 0.8**2 * way, rel=1e-3)
+
+
+@pytest.mark.parametrize("sides", [16, 32, 64])
+def test_a_wire_that_swells_and_shrinks_has_its_volume(sides: int) -> None:
+    wire = np.where(np.arange(40) % 2 == 0, 0.7, 1.3)
+    struts = round_struts(helix(40, wire=wire), joints="curve")
+    props = GProp_GProps()
+    BRepGProp.VolumeProperties_s(to_brep(struts).wrapped, props, 1e-5, False)
+    assert round_mesh(struts, sides).signed_volume == pytest.approx(props.Mass(), rel=2e-3)
 
 
 @pytest.mark.parametrize("ends", ["flat", "round"])

@@ -10,11 +10,12 @@ from scaffold_cad.base.arrays import Floats, read_only
 from scaffold_cad.brep.analytic import Knots
 
 DEGREE = 5
-PIECES = (2, 4, 8, 16, 32, 64, 128)
+PIECES = (2, 4, 8, 16, 32, 64, 128, 256, 512)
 """Numbers of pieces that are tried."""
 
-NEAR = 1e-9
-"""Distance of a spline from its curve, in radii of the ball."""
+NEAR, FAIR = 1e-9, 1e-7
+"""Distance of a spline from its curve, in radii of the ball: with more pieces it is made nearer
+than the first; if it cannot be, up to the second it is taken, and the tolerance says so."""
 
 
 @cache

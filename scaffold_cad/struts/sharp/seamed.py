@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, UnitVectors
-from scaffold_cad.base.vectors import normalize
+from scaffold_cad.base.vectors import length, normalize
 from scaffold_cad.errors import BrepError
 from scaffold_cad.struts.sharp.curves import Kind, StarCurves
-from scaffold_cad.struts.sharp.interpolation import NEAR, PIECES, checked, interpolated
+from scaffold_cad.struts.sharp.interpolation import FAIR, NEAR, PIECES, checked, interpolated
 from scaffold_cad.struts.sharp.loops import Loop, Steps, seam_angles
 from scaffold_cad.struts.sharp.shapes import SharpShape
 
@@ -24,6 +24,9 @@ SAME_PLACE = 1e-9
 
 SEEN_AT, BENDING = 257, 2.0
 """Points at which a curve's bends are looked for, and the turn a rad of those that are sharp."""
+
+LEAST_STEP = 1e-6
+"""Angle between points at which the place of a bend is not looked for more closely, rad."""
 
 HALVINGS = 60
 """Halvings of an edge in which the point on a generator is found."""
@@ -59,6 +62,8 @@ class SharpEdge(Frozen):
     """Faces to the left and to the right."""
     traces: tuple[Trace, Trace]
     """The edge on both of these."""
+    off: float
+    """How far splines are off the edge, where that is more than `NEAR`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +72,7 @@ class Seamed(Frozen):
 
     vertices: Points
     slack: Floats
-    """As that of the shape, shape (v,)."""
+    """As that of the shape, or how far edges there are off their faces, shape (v,)."""
     edges: tuple[SharpEdge, ...]
     loops: tuple[Loop, ...]
     """As those of the shape; those around struts begin at their seam."""
@@ -87,7 +92,7 @@ def seamed(shape: SharpShape, seams: tuple[int, ...]) -> Seamed:
     Raises
     ------
     BrepError
-        If an edge is not a spline of `PIECES` pieces.
+        If an edge is not within `FAIR` of a spline of `PIECES` pieces.
     """
     angles_of = seam_angles(shape.curves.stars.directions[0])  # (N, SEAMS)
     cuts = _cuts(shape, angles_of[np.arange(shape.valency), list(seams)])
@@ -123,6 +128,8 @@ def seamed(shape: SharpShape, seams: tuple[int, ...]) -> Seamed:
     islands = tuple((face, _replaced(steps, pieces_of)) for face, steps in shape.islands)
     slack = np.zeros(len(vertices))
     slack[: len(shape.slack)] = shape.slack
+    for each in edges:
+        slack[each.ends] = np.maximum(slack[each.ends], each.off)
     return Seamed(np.array(vertices), slack, tuple(edges), tuple(loops), islands, at_seam)
 
 
@@ -181,7 +188,7 @@ def _edge(
     slopes = curves.stars.slopes[0, [curves.one[curve], curves.other[curve]]]
     is_ellipse = bool(curves.is_plane[curve]) and not slopes.any()
     even = round_one or is_ellipse
-    control, pieces = _fitted(shape, curve, start, end, sides, even)
+    control, pieces, off = _fitted(shape, curve, start, end, sides, even)
     if round_one:
         axes = np.stack(
             [curves.center[curve], np.cross(curves.x[curve], curves.y[curve]), curves.x[curve]]
@@ -211,13 +218,16 @@ def _edge(
         pieces if is_spline else 0,
         sides,
         (traces[0], traces[1]),
+        off,
     )
 
 
 def _fitted(
     shape: SharpShape, curve: int, start: float, end: float, sides: tuple[int, int], even: bool
-) -> tuple[Floats, int]:
+) -> tuple[Floats, int, float]:
     """Return the control points of a spline in space and on both faces, (n, 7), and its pieces.
+
+    The last value is how far it is off where that is more than `NEAR`.
 
     Parameters
     ----------
@@ -226,10 +236,10 @@ def _fitted(
     Raises
     ------
     BrepError
-        If it has more than `PIECES` pieces.
+        If it is not within `FAIR` of one of `PIECES` pieces.
     """
     paces = [None] if even else [None, Pace.of(shape.curves, curve, start, end)]
-    best = np.inf
+    best, found = np.inf, (np.zeros((0, 7)), 0)
     for pace in paces:
         for pieces in PIECES:
             share = checked(pieces)
@@ -239,10 +249,13 @@ def _fitted(
             tracks = [_track(shape, side, points) for side in sides]
             control, off = interpolated(np.concatenate([points, *tracks], axis=1), pieces)
             if off < NEAR:
-                return control, pieces
-            best = min(best, off)
+                return control, pieces, 0.0
+            if off < best:
+                best, found = off, (control, pieces)
             if pace is None and not even and pieces == 32:
                 break
+    if best < FAIR:
+        return *found, best
     raise BrepError(
         f"an edge between two struts bends too sharply for a spline of {PIECES[-1]} pieces, which "
         f"is off by {best:.1g} radii; need struts whose radii differ by more, or are equal"
@@ -264,14 +277,11 @@ class Pace(Frozen):
     def of(curves: StarCurves, curve: int, start: float, end: float) -> Pace:
         """Return the pace on a curve from one angle to another."""
         angle = np.linspace(start, end, SEEN_AT)
-        points = curves.points(np.full(len(angle), curve), angle)[0]
-        ways = normalize(np.diff(points, axis=0))
-        step = angle[1] - angle[0]
-        rate = np.linalg.norm(np.diff(ways, axis=0), axis=1) / step
+        rate = _bending(curves, curve, angle)
         before, after = np.append(0.0, rate[:-1]), np.append(rate[1:], 0.0)
         peaks = np.flatnonzero((rate > before) & (rate >= after) & (rate > BENDING))
-        widths = np.maximum(1.0 / rate[peaks], step)
-        return Pace(start, end, angle[1 + peaks], widths)
+        found = [_peak(curves, curve, angle[[k, k + 2]], start, end) for k in peaks.tolist()]
+        return Pace(start, end, *np.array(found).reshape(-1, 2).T)
 
     def at(self, share: Floats) -> Floats:
         """Return the parts of the angle that belong to parts of the parameter, (n,)."""
@@ -290,6 +300,28 @@ class Pace(Frozen):
         angle = self.start + (self.end - self.start) * part
         bent = np.arcsinh((angle[:, None] - self.bends) / self.widths).sum(axis=1)
         return np.asarray(angle + bent)
+
+
+def _bending(curves: StarCurves, curve: int, angle: Floats) -> Floats:
+    """Return how fast a curve turns at angles but the first and the last, a rad, (n - 2,)."""
+    points = curves.points(np.full(len(angle), curve), angle)[0]
+    ways = normalize(np.diff(points, axis=0))
+    return np.asarray(length(np.diff(ways, axis=0)) / (angle[1] - angle[0]))
+
+
+def _peak(
+    curves: StarCurves, curve: int, between: Floats, start: float, end: float
+) -> tuple[float, float]:
+    """Return where a curve bends most between two angles, and over which angle it does, rad."""
+    low, high = between.tolist()
+    while True:
+        angle = np.linspace(low, high, SEEN_AT)
+        rate = _bending(curves, curve, angle)
+        step, most = angle[1] - angle[0], int(rate.argmax())
+        place, width = float(angle[1 + most]), 1.0 / float(rate[most])
+        if width > 4 * step or step < LEAST_STEP:
+            return place, max(width, step)
+        low, high = max(place - 8 * step, start), min(place + 8 * step, end)
 
 
 def _track(shape: SharpShape, side: int, points: Points) -> Floats:

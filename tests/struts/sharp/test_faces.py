@@ -120,6 +120,16 @@ def test_a_lattice_is_closed_and_named() -> None:
     assert to_brep(struts).is_valid
 
 
+@pytest.mark.parametrize("apart", [1e-6, 1e-5, 1e-4, 1e-3])
+def test_struts_of_nearly_the_same_radius_meet_in_splines(apart: float) -> None:
+    same, near = (
+        to_brep(round_struts(node(TRIPOD).with_edge_radii(radii), nodes="sharp"))
+        for radii in (np.ones(3), np.array([1.0, 1.0 + apart, 1.0 - apart]))
+    )
+    assert near.is_valid
+    assert near.volume == pytest.approx(same.volume, rel=3 * apart)
+
+
 def test_struts_without_room_are_refused_by_name() -> None:
     narrow = node(np.array([[1, 0, 0], [1, 0.02, 0], [0, 0, 1]]))
     with pytest.raises(BrepError, match="3 of 3 struts overlap others or their nodes"):
