@@ -87,7 +87,7 @@ def _add_dome(
     """Add the part of a sphere that touches a strut along its last circle."""
     place, axis, x = axes
     center, size, low = (
-        place + radius * growth * axis,
+        place - radius * growth * axis,
         radius * np.hypot(1.0, growth),
         np.arctan2(-radius * growth, radius),
     )

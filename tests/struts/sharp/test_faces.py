@@ -52,6 +52,20 @@ def test_a_node_has_the_volume_and_area_of_the_union_by_occt(name: str, tmp_path
     assert len(read.faces()) == len(solid.faces())
 
 
+def test_balls_at_the_ends_of_cones_touch_them(tmp_path: Path) -> None:
+    skeleton = node(TRIPOD, 1.0, [0.1, -0.05, 0.02])
+    flat = to_brep(round_struts(skeleton, nodes="sharp", ends="flat"))
+    write(round_struts(skeleton, nodes="sharp", ends="round"), tmp_path / "node.step")
+    read = import_step(tmp_path / "node.step")
+    near, far = skeleton.edge_radii.T
+    growth = (far - near) / LENGTH
+    size = far * np.hypot(1.0, growth)
+    height = size + far * growth
+    caps = np.pi * height**2 * (3 * size - height) / 3
+    assert read.is_valid
+    assert read.volume == pytest.approx(flat.volume + caps.sum(), rel=1e-6)
+
+
 @pytest.mark.parametrize("kind", range(18))
 def test_random_nodes_are_valid_in_step_files(kind: int, tmp_path: Path) -> None:
     struts = round_struts(random_node(kind), nodes="sharp")
