@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arguments import as_number
-from scaffold_cad.base.arrays import Points, UnitVectors, as_points
+from scaffold_cad.base.arrays import Floats, Points, UnitVectors, as_points
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import any_perpendicular, length
 from scaffold_cad.errors import MeshError, OptionError
@@ -22,7 +22,13 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 SIDES = 24
-"""Sides of a hole."""
+"""Sides of a hole, whose polygon has the area of its circle."""
+
+RIM_SIDES = 8
+"""Places of a hole's rim that are held against the surface."""
+
+FLAT = 1 / 8
+"""How far the rim of a hole that is chosen may be off the surface, in diameters."""
 
 BEYOND = 0.35
 """How far beyond the inside of the skin a hole goes, in thicknesses of it."""
@@ -49,13 +55,14 @@ def drained(
     surface : of the body
     skin : its thickness, mm
     diameter : of the holes, mm
-    places : on or near the surface, (k, 3), mm; by default two for each void, low and high, where
-        the struts leave most room
+    places : on the surface, or no farther from it than `diameter`, (k, 3), mm; by default two for
+        each void, low and high, where the struts leave most room
 
     Raises
     ------
     OptionError
-        If the diameter is not > 0, or places are not positions.
+        If the diameter is not > 0, places are not positions near the surface, or the surface has
+        no room for a hole there; the place is named.
     MeshError
         If a void stays closed; the place is named.
     """
@@ -67,6 +74,7 @@ def drained(
     else:
         points = as_points(places, "places of drain holes", OptionError)
     feet, normals = outside.with_normals(points) if len(points) else (points, points)
+    _check_room(points, feet, normals, outside, skin, wide)
     for foot, normal in zip(feet, normals, strict=True):
         part = part - _hole(foot, normal, skin, wide)
     closed = _voids(part)
@@ -100,6 +108,9 @@ def _chosen(void: TriangleMesh, outside: NearestPlace, skin: float, diameter: fl
     room = np.full(len(candidates), np.inf)
     if not wall.all():
         room = np.asarray(cKDTree(points[~wall]).query(candidates)[0])
+    # A hole keeps a skin's thickness from edges: first those on flat places, then by their room.
+    off = _off_surface(*outside.with_normals(candidates), outside, diameter / 2 + skin)
+    room = np.where(off <= FLAT * diameter, room, -off)
     height = candidates[:, 2] - candidates[:, 2].min()
     share = height / max(float(height.max()), 1e-12)
     chosen = []
@@ -110,13 +121,55 @@ def _chosen(void: TriangleMesh, outside: NearestPlace, skin: float, diameter: fl
     return places
 
 
+def _check_room(
+    points: Points,
+    feet: Points,
+    normals: UnitVectors,
+    outside: NearestPlace,
+    skin: float,
+    diameter: float,
+) -> None:
+    """Raise an `OptionError` for a place far from the surface, or where it has no room."""
+    gaps = length(feet - points)
+    far = np.flatnonzero(gaps > diameter + skin)
+    if len(far):
+        place, gap = points[far[0]].round(3).tolist(), gaps[far[0]]
+        raise OptionError(
+            f"the place {place} mm of a drain hole is {gap:.3g} mm from the surface; "
+            f"need {diameter:g} mm or less"
+        )
+    off = _off_surface(feet, normals, outside, diameter / 2)
+    past = np.flatnonzero(off > skin)  # through the wall beside it, from end to end
+    if len(past):
+        raise OptionError(
+            f"a drain hole of {diameter:g} mm at {feet[past[0]].round(3).tolist()} mm goes "
+            f"{off[past[0]]:.3g} mm past the surface; need a smaller one, or a place that is wider"
+        )
+
+
+def _off_surface(
+    feet: Points, normals: UnitVectors, outside: NearestPlace, radius: float
+) -> Floats:
+    """Return how far a circle around each foot (n, 3) on a surface comes off it, shape (n,), mm."""
+    x = any_perpendicular(normals)
+    angles = 2 * np.pi * np.arange(RIM_SIDES) / RIM_SIDES
+    across = np.cos(angles)[:, None, None] * x + np.sin(angles)[:, None, None] * np.cross(
+        normals, x
+    )
+    rim = (feet + radius * across).reshape(-1, 3)  # (sides * n, 3)
+    gaps: Floats = length(outside.nearest(rim) - rim).reshape(RIM_SIDES, -1).max(axis=0)
+    return gaps
+
+
 def _hole(foot: Points, normal: UnitVectors, skin: float, diameter: float) -> Manifold:
     """Return a cylinder through the skin at a place of the surface."""
     import manifold3d
 
     inward = (1 + BEYOND) * skin + diameter / 4
     outward = skin / 2 + diameter / 2
-    rod = manifold3d.Manifold.cylinder(inward + outward, diameter / 2, circular_segments=SIDES)
+    turn = 2 * np.pi / SIDES
+    radius = diameter / 2 * np.sqrt(turn / np.sin(turn))
+    rod = manifold3d.Manifold.cylinder(inward + outward, radius, circular_segments=SIDES)
     x = any_perpendicular(normal[None])[0]
     frame = np.stack([x, np.cross(normal, x), normal, foot - inward * normal], axis=1)  # (3, 4)
     return rod.transform(frame)

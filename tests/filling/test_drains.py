@@ -7,7 +7,7 @@ import pytest
 import trimesh
 from build123d import Box, Cylinder
 
-from scaffold_cad import check_printability, lattice_part, self_intersections
+from scaffold_cad import check_printability, lattice_part, self_intersections, to_trimesh
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.solid.manifolds import manifold_triangles
 
@@ -42,8 +42,37 @@ def test_holes_are_where_they_are_asked_for() -> None:
     vertices = manifold_triangles(part).vertices
     on_top = vertices[np.abs(vertices[:, 2] - 8.0) < 1e-6]
     rim = np.hypot(on_top[:, 0] - 3.9, on_top[:, 1] + 3.7)
-    assert np.isclose(rim, 1.5, atol=1e-3).sum() >= 12
+    assert np.isclose(rim, 1.5, atol=0.01).sum() >= 12
     assert all(shell.volume() > 0 for shell in part.decompose())
+
+
+def test_holes_that_are_chosen_keep_from_edges_and_have_the_area_of_their_circle() -> None:
+    closed, part = (
+        to_trimesh(lattice_part(BOX, "bcc", 8.0, 0.7, skin=1.2, **drain))
+        for drain in ({}, {"drain": 4.0})
+    )
+    corners = part.vertices[part.faces]
+    half = np.array([15.0, 12.0, 8.0])
+    for axis in range(3):
+        for side in (-1, 1):
+            flat = np.isclose(corners[:, :, axis], side * half[axis], atol=1e-6).all(axis=1)
+            lost = 4 * np.delete(half, axis).prod() - part.area_faces[flat].sum()
+            holes = lost / (np.pi * 2**2)  # a hole that reaches an edge would take less
+            assert holes == pytest.approx(round(holes), abs=2e-3)
+    assert closed.volume - part.volume > 2 * np.pi * 2**2 * 1.2 * 0.99
+
+
+@pytest.mark.parametrize(
+    ("diameter", "place", "message"),
+    [
+        (4.0, [100, 0, 0], r"\[100.0, 0.0, 0.0\] mm of a drain hole is 85 mm from the surface"),
+        (4.0, [15, 12, 0], r"4 mm at \[15.0, 12.0, 0.0\] mm goes 2 mm past the surface"),
+        (30.0, [0, 0, 8], r"30 mm at \[0.0, 0.0, 8.0\] mm goes 3 mm past the surface; need"),
+    ],
+)
+def test_holes_without_room_are_refused(diameter: float, place: object, message: str) -> None:
+    with pytest.raises(OptionError, match=message):
+        lattice_part(BOX, "bcc", 8.0, 0.7, skin=1.2, drain=diameter, drain_places=[place])
 
 
 @pytest.mark.parametrize(
