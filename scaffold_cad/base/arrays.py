@@ -128,7 +128,7 @@ def as_points(
     return read_only(points)
 
 
-def as_radii(values: ArrayLike, name: str, count: int) -> Radii:
+def as_radii(values: ArrayLike, name: str, count: int, places: Points | None = None) -> Radii:
     """Return a read-only copy of `values` as (count,) float64, all finite and > 0.
 
     One number stands for all of them.
@@ -136,7 +136,8 @@ def as_radii(values: ArrayLike, name: str, count: int) -> Radii:
     Raises
     ------
     SkeletonError
-        If the shape is wrong or a radius is not a finite number > 0; the node is named.
+        If the shape is wrong or a radius is not a finite number > 0; the node is named, and its
+        place, where `places` (count, 3), mm, are given.
     """
     radii = as_floats(values, name)
     if radii.ndim == 0:
@@ -145,7 +146,8 @@ def as_radii(values: ArrayLike, name: str, count: int) -> Radii:
         raise SkeletonError(f"{name} has shape {radii.shape}; need ({count},), one a node")
     bad = np.flatnonzero(~(np.isfinite(radii) & (radii > 0)))
     if len(bad):
-        raise SkeletonError(f"node {bad[0]} has radius {radii[bad[0]]:g} mm; need > 0")
+        at = "" if places is None else f" at {np.round(places[bad[0]], 6).tolist()} mm"
+        raise SkeletonError(f"node {bad[0]}{at} has radius {radii[bad[0]]:g} mm; need > 0")
     return read_only(radii)
 
 

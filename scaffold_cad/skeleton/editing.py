@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_count, as_number, as_real, check_choice
 from scaffold_cad.base.arrays import Edges, Floats, Ints, Points, Radii, as_floats
-from scaffold_cad.base.regions import ImplicitRegion, Keep, Region
+from scaffold_cad.base.regions import BoxRegion, ImplicitRegion, Keep, Region
 from scaffold_cad.base.vectors import mirror, rotate
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.skeleton.cutting import cut_at, drawn_together, inside
@@ -37,8 +37,8 @@ class HasDistance(Protocol):
         """Return distances (n,) of points (n, 3), negative inside, mm."""
 
 
-CutRegion: TypeAlias = "Region | HasDistance | Callable[[Points], ArrayLike]"
-"""A region, a function that is negative inside, or an object with such a one."""
+CutRegion: TypeAlias = "Region | HasDistance | Callable[[Points], ArrayLike] | ArrayLike"
+"""A region, a box, a function that is negative inside, or an object with such a one."""
 
 
 class Editing(ABC):
@@ -154,12 +154,13 @@ class Editing(ABC):
     ) -> _Edited:
         """Return the part of the skeleton in a region, its surface included.
 
-        `scaffold_cad.cut` takes boxes, build123d solids and meshes too.
+        `scaffold_cad.cut` takes build123d solids and meshes too.
 
         Parameters
         ----------
-        region : a function of positions (n, 3) that returns signed distances (n,), negative
-            inside; an object with such a method `signed_distance`; or a region
+        region : a box (its lowest and highest corner, mm); a function of positions (n, 3) that
+            returns signed distances (n,), negative inside; an object with such a method
+            `signed_distance`; or a region
         keep : "clip" cuts edges at the surface, where they get a new node; "whole" keeps those
             whole that have their middle in the region
         shortest : pieces of cut edges shorter than this are shrunk to a node on the surface, mm;
@@ -212,11 +213,13 @@ class Editing(ABC):
     def _as_region(self, region: CutRegion) -> Region:
         if isinstance(region, Region):
             return region
+        if isinstance(region, list | tuple | np.ndarray):
+            return BoxRegion(region)
         function = region.signed_distance if isinstance(region, HasDistance) else region
         if not callable(function):
             raise OptionError(
-                f"the region is a {type(region).__name__}; need a function that is negative inside "
-                "(scaffold_cad.cut takes boxes, solids and meshes)"
+                f"the region is a {type(region).__name__}; need a box, or a function that is "
+                "negative inside (scaffold_cad.cut takes solids and meshes)"
             )
         low, high = self.nodes.min(axis=0) - MARGIN, self.nodes.max(axis=0) + MARGIN
         return ImplicitRegion(function, [low, high])

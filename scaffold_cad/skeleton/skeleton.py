@@ -27,6 +27,7 @@ from scaffold_cad.base.arrays import (
 )
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.notebook import Shown
+from scaffold_cad.base.radii import Radius, radii_at
 from scaffold_cad.base.summaries import counted, radii_text, size_text
 from scaffold_cad.base.topology import (
     Chains,
@@ -50,7 +51,6 @@ from scaffold_cad.skeleton.thinning import thinned_edges
 if TYPE_CHECKING:
     from build123d import Curve
 
-    from scaffold_cad.base.radii import Radius
     from scaffold_cad.brep.wires import Curves
 
 
@@ -91,20 +91,22 @@ class Skeleton(Frozen, Shown, Editing):
         self,
         nodes: ArrayLike,
         edges: ArrayLike,
-        radii: ArrayLike | None = None,
+        radii: ArrayLike | Radius | None = None,
         edge_radii: ArrayLike | None = None,
     ) -> None:
         points = as_points(nodes, "nodes")
         pairs = as_edges(edges, "edges", count=len(points))
+        if callable(radii):
+            radii = radii_at(points, radii)
         if edge_radii is None:
             if radii is None:
                 raise SkeletonError("radii and edge_radii are both None; need one of them, mm")
-            sizes = as_radii(radii, "radii", count=len(points))
+            sizes = as_radii(radii, "radii", len(points), points)
             struts = sizes[pairs]
         else:
             struts = as_edge_radii(edge_radii, "edge_radii", count=len(pairs))
             given = largest_at_nodes(pairs, struts, len(points)) if radii is None else radii
-            sizes = as_radii(given, "radii", count=len(points))
+            sizes = as_radii(given, "radii", len(points), points)
         check_believable(points, "is at")
         check_believable(sizes, "has radius")
         check_believable(struts, "of edge has radii")
@@ -246,10 +248,20 @@ class Skeleton(Frozen, Shown, Editing):
         """Return the same graph and radii at other positions, shape (n, 3), mm."""
         return Skeleton(nodes, self.edges, self.radii, self.edge_radii)
 
-    def with_radii(self, radii: ArrayLike) -> Skeleton:
-        """Return the same graph with other radii of nodes, (n,) or one number, mm.
+    def with_radii(self, radii: ArrayLike | Radius) -> Skeleton:
+        """Return the same graph with other radii of nodes, mm.
 
         Struts get those of their nodes: see `with_edge_radii` for radii of their own.
+
+        Parameters
+        ----------
+        radii : (n,), one number, or a function of positions (n, 3) that returns (n,)
+
+        Examples
+        --------
+        >>> path = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+        >>> path.with_radii(lambda places: 1 + places[:, 0] / 9).radii.tolist()
+        [1.0, 2.0]
         """
         return Skeleton(self.nodes, self.edges, radii)
 

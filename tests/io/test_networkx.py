@@ -52,7 +52,10 @@ def test_names_directions_and_parallel_edges_do_no_harm() -> None:
         ({"pos": 3, "radius": 1}, "node 'a' has 3 as 'pos'"),
         ({"pos": (1, 2, 3, 4), "radius": 1}, r"node 'a' has \(1, 2, 3, 4\) as 'pos'"),
         ({"pos": (0, 0, 0)}, "node 'a' has no 'radius'; need one, or radius= for all"),
-        ({"pos": (0, 0, 0), "radius": -1}, "node 0 has radius -1 mm; need > 0"),
+        (
+            {"pos": (0, 0, 0), "radius": -1},
+            r"node 0 at \[0.0, 0.0, 0.0\] mm has radius -1 mm; need > 0",
+        ),
         ({"pos": (0, 0, 0), "radius": "thick"}, "radii is not an array of numbers"),
     ],
 )

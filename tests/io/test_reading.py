@@ -138,7 +138,9 @@ def test_strict_reading_refuses_what_needs_repair(
 
 def test_strict_reading_refuses_a_radius_of_zero(tmp_path: Path) -> None:
     path = written(tmp_path, "tip.swc", THIN_TIP_SWC)
-    with pytest.raises(SkeletonError, match=r"tip\.swc: node 1 has radius 0 mm; need > 0"):
+    with pytest.raises(
+        SkeletonError, match=r"tip\.swc: node 1 at \[10.* mm has radius 0 mm; need > 0"
+    ):
         read_skeleton(path, strict=True)
     assert read_skeleton(path).radii.tolist() == [2.5, 2.5]
 

@@ -137,7 +137,7 @@ def test_regions_and_objects_with_a_distance_cut_too() -> None:
             return np.asarray(np.linalg.norm(points, axis=1) - 5.0)
 
     assert PATH.cut(Ball()).lengths.tolist() == pytest.approx([5.0])
-    in_box = PATH.cut(BoxRegion([[-1, -1, -1], [20, 4, 1]]))
+    in_box = PATH.cut([[-1, -1, -1], [20, 4, 1]])
     assert in_box.lengths.sum() == pytest.approx(14)
     whole = PATH.cut(BoxRegion([[-1, -1, -1], [20, 4.5, 1]]), keep="whole")
     assert whole.lengths.sum() == pytest.approx(18)
@@ -164,7 +164,8 @@ def test_short_rests_become_a_node_on_the_surface() -> None:
         (lambda: PATH.subdivided(), "either a count of pieces or their longest length"),
         (lambda: PATH.subdivided(0), "count of pieces is 0"),
         (lambda: PATH.subdivided(longest=0.0), "longest length is 0 mm"),
-        (lambda: PATH.cut([[0, 0, 0], [1, 1, 1]]), "the region is a list; need a function"),  # type: ignore[arg-type]
+        (lambda: PATH.cut([[0, 0], [1, 1]]), r"box has shape \(2, 2\); need \(2, 3\)"),
+        (lambda: PATH.cut({}), "the region is a dict; need a box, or a function"),  # type: ignore[arg-type]
         (lambda: PATH.cut(lambda p: p[:, 0], keep="half"), "keep is 'half'"),  # type: ignore[arg-type]
         (lambda: PATH.cut(lambda p: p[:, 0] + 5), r"no edge of the skeleton from \[.*\] mm is in"),
     ],

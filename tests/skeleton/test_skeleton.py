@@ -91,7 +91,12 @@ def test_arrays_of_the_caller_are_copied() -> None:
         ([[0, 0, 0], [np.nan, 0, 0]], [[0, 1]], 1, r"nodes\[1\] is \[nan, 0.0, 0.0\]; need fin"),
         ([[0, 0], [1, 0]], [[0, 1]], 1, r"nodes has shape \(2, 2\); need \(n, 3\)"),
         ([[0, 0, 0], [1, 0, 0]], [[0, 2]], 1, r"edges\[0\] joins nodes \[0, 2\]; need 0 to 1"),
-        ([[0, 0, 0], [1, 0, 0]], [[0, 1]], [1, 0], "node 1 has radius 0 mm; need > 0"),
+        (
+            [[0, 0, 0], [1, 0, 0]],
+            [[0, 1]],
+            [1, 0],
+            r"node 1 at \[1.0, 0.0, 0.0\] mm has radius 0 mm; need",
+        ),
         ([[0, 0, 0], [1, 0, 0]], [[0, 1]], [1], r"radii has shape \(1,\); need \(2,\), one a node"),
         (
             [[0, 0, 0], [0, -1e30, 0]],
@@ -169,6 +174,9 @@ def test_moving_needs_a_place_for_each_node() -> None:
 def test_radii_may_be_given_anew_one_or_all() -> None:
     assert STRUT.with_radii(3).radii.tolist() == [3, 3]
     assert STRUT.with_radii([3, 4]).radii.tolist() == [3, 4]
+    along = STRUT.with_radii(lambda places: 1 + places[:, 0])
+    assert along.radii.tolist() == (1 + STRUT.nodes[:, 0]).tolist()
+    assert along.edge_radii.tolist() == along.radii[STRUT.edges].tolist()
 
 
 def test_scaling_scales_positions_and_radii() -> None:
