@@ -17,7 +17,8 @@ body {{ font: 15px sans-serif; margin: 2em; color: #222; }}
 div {{ display: grid; grid-template-columns: repeat(auto-fill, minmax(240px, 1fr)); gap: 1em; }}
 figure {{ margin: 0; }}
 </style></head><body><h1>Unit cells</h1>
-<p>Relative density of thin round struts of radius r in a cell of size a.</p>
+<p>Maxwell's count is below 0 where struts must bend. Relative density of thin round struts of
+radius r in a cell of size a.</p>
 <div>
 {figures}
 </div></body></html>
@@ -34,8 +35,9 @@ def add_parser(
         "cells",
         parents=[common],
         help="list the unit cells of lattices",
-        description="A line a cell: its name, the valency of its nodes, its relative density "
-        "for thin struts of radius r in a cell of size a, and what it is.",
+        description="A line a cell: its name, the valency of its nodes, Maxwell's count "
+        "(below 0 it carries by bending), its relative density for thin struts of radius r in a "
+        "cell of size a, and what it is.",
     )
     parser.add_argument(
         "-o",
@@ -69,8 +71,9 @@ def run(options: argparse.Namespace) -> None:
         return
     width = max(len(name) for name in known)
     for name, cell in known.items():
-        valency, density = _valency(cell), _density(cell)
-        print(f"{name:<{width}}  valency {valency:<6}  {density:<14}  {cell.description}")
+        valency, maxwell, density = _valency(cell), cell.maxwell_number, _density(cell)
+        counts = f"valency {valency:<6}  Maxwell {maxwell:<3}"
+        print(f"{name:<{width}}  {counts}  {density:<14}  {cell.description}")
 
 
 def _print_stiffness(density: float) -> None:
@@ -88,7 +91,8 @@ def _print_stiffness(density: float) -> None:
 def _figure(name: str, cell: UnitCell) -> str:
     return (
         f"<figure>{cell_picture(cell)}<figcaption><b>{escape(name)}</b>, valency {_valency(cell)}, "
-        f"{_density(cell)}<br>{escape(cell.description)}</figcaption></figure>"
+        f"Maxwell's count {cell.maxwell_number}, {_density(cell)}<br>"
+        f"{escape(cell.description)}</figcaption></figure>"
     )
 
 

@@ -13,6 +13,7 @@ from scaffold_cad.lattice.maps import (
     SurfaceMap,
     lattice_on,
 )
+from scaffold_cad.lattice.morecells import reentrant_cell, reentrant_honeycomb
 from scaffold_cad.lattice.periodic import PeriodicLattice
 from scaffold_cad.lattice.registry import cells, register_cell, unit_cell
 from scaffold_cad.lattice.tiling import mapped, tile
@@ -36,6 +37,8 @@ __all__ = [
     "lattice_on",
     "mapped",
     "measured_density",
+    "reentrant_cell",
+    "reentrant_honeycomb",
     "register_cell",
     "relative_density",
     "tile",

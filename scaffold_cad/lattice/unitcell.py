@@ -197,12 +197,17 @@ class UnitCell(Frozen):
 
     @property
     def maxwell_number(self) -> int:
-        """Struts a cell less three a node, of an endless lattice: < 0 where it cannot be rigid.
+        """Maxwell's count of an endless lattice: struts − 3 nodes + 3 translations − 6 strains.
 
-        Rigid pin-jointed frames need 0 or more (Maxwell's count); a lattice below it carries loads
-        by the bending of its struts.
+        Below 0 some strain or motion is resisted by bending alone, however the struts are
+        arranged; 0 or more is needed, but does not suffice, for pull and push to carry all.
+
+        References
+        ----------
+        Deshpande, Ashby, Fleck, Foam topology: bending versus stretching dominated architectures,
+        Acta Mater. 49, 2001; Hutchinson, Fleck, JMPS 54, 2006.
         """
-        return self.strut_count - 3 * self.site_count
+        return self.strut_count - 3 * self.site_count - 3
 
     @property
     def density_coefficient(self) -> float:

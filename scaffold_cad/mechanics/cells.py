@@ -103,17 +103,8 @@ class Homogenized(Frozen):
 
     @property
     def maxwell(self) -> int:
-        """Maxwell's count of an endless lattice: struts − 3 nodes + 3 translations − 6 strains.
-
-        Below 0 some strain or motion is resisted by bending alone, however the struts are
-        arranged; 0 or more is needed, but does not suffice, for pull and push to carry all.
-
-        References
-        ----------
-        Deshpande, Ashby, Fleck, Foam topology: bending versus stretching dominated architectures,
-        Acta Mater. 49, 2001; Hutchinson, Fleck, JMPS 54, 2006.
-        """
-        return self.cell.strut_count - 3 * self.cell.site_count - 3
+        """Maxwell's count of the cell, see `UnitCell.maxwell_number`."""
+        return self.cell.maxwell_number
 
 
 @checks_keywords()

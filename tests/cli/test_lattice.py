@@ -198,6 +198,7 @@ def test_cells_are_listed_with_valency_and_density(capsys: pytest.CaptureFixture
     assert [line.split()[0] for line in lines] == list(cells())
     (octet,) = [line for line in lines if line.startswith("octet ")]
     assert "valency 12" in octet
+    assert "Maxwell 9 " in octet  # 24 struts, 4 nodes
     assert "53.31 (r/a)²" in octet
 
 
