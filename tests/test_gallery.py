@@ -65,6 +65,11 @@ def test_program_is_short_and_says_what_it_makes(name: str) -> None:
     assert len([line for line in code if line.strip()]) <= 40
 
 
+@pytest.mark.parametrize("name", ["shoe_sole", "helmet", "pipe_sleeve", "filled_bracket"])
+def test_lattices_on_surfaces_take_20_lines(name: str) -> None:
+    assert len((GALLERY / f"{name}.py").read_text(encoding="utf-8").splitlines()) <= 20
+
+
 def test_every_program_has_a_small_picture_and_is_listed() -> None:
     page = (ROOT / "examples" / "README.md").read_text(encoding="utf-8")
     assert len(NAMES) == 15
