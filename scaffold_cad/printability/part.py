@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from scaffold_cad.base.arrays import Floats
 from scaffold_cad.printability.processes import Process, density_of
 from scaffold_cad.printability.report import Finding
 from scaffold_cad.printability.triangletopology import TriangleTopology
@@ -24,7 +25,8 @@ def part_findings(
     size : extent as it stands on the plate, mm
     material : a name in `MATERIALS`
     """
-    yield _build_volume(size, process)
+    extent = np.ptp(surface.mesh.vertices, axis=0)
+    yield _build_volume(size, extent, process)
     volume = surface.mesh.signed_volume
     solid = surface.closed and volume > 0
     yield Finding(
@@ -44,7 +46,6 @@ def part_findings(
         {"mass_g": mass, "material": material, "density_g_cm3": density},
         f"{mass:.4g} g of {material}, {density:g} g/cm³",
     )
-    extent = np.ptp(surface.mesh.vertices, axis=0)
     box = float(extent.prod())
     relative = volume / box if box > 0 else None
     yield Finding(
@@ -65,11 +66,13 @@ def part_findings(
     )
 
 
-def _build_volume(size: tuple[float, float, float], process: Process) -> Finding:
+def _build_volume(size: tuple[float, float, float], extent: Floats, process: Process) -> Finding:
     # A part may be turned about the vertical by a right angle.
     wide = sorted(size[:2])
     room = sorted(process.build_volume[:2])
     fits = wide[0] <= room[0] and wide[1] <= room[1] and size[2] <= process.build_volume[2]
+    lies = bool((np.sort(extent) <= np.sort(process.build_volume)).all())
+    other = "stand it on another side, on which it fits, " if lies else ""
     needed = " x ".join(f"{extent:g}" for extent in process.build_volume)
     return Finding(
         "build_volume",
@@ -78,5 +81,5 @@ def _build_volume(size: tuple[float, float, float], process: Process) -> Finding
         {"size_mm": list(size), "build_volume_mm": list(process.build_volume)},
         " x ".join(f"{extent:.4g}" for extent in size)
         + f" mm, {'within' if fits else 'larger than'} {needed}",
-        "" if fits else "scale it down, cut it, or name a larger --build-volume",
+        "" if fits else other + "scale it down, cut it, or name a larger --build-volume",
     )

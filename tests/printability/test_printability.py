@@ -518,7 +518,12 @@ def test_size_mass_and_density_of_a_box() -> None:
     [((249, 200, 209), True), ((200, 249, 209), True), ((209, 200, 249), False)],
 )
 def test_a_part_may_be_turned_on_the_plate_only(size: tuple[float, ...], fits: bool) -> None:
-    assert check_printability(box(*size), "fdm").printable == fits
+    report = check_printability(box(*size), "fdm")
+    assert report.printable == fits
+    advised = "stand it on another side" in report["build_volume"].advice
+    assert advised == (not fits)
+    too_large = check_printability(box(300, 300, 300), "fdm")["build_volume"].advice
+    assert too_large.startswith("scale it down")
 
 
 def test_a_long_part_is_turned_about_the_vertical_to_fit() -> None:
