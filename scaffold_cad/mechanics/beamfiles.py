@@ -219,5 +219,5 @@ def _vtu(model: BeamModel | BeamSolution, path: Path) -> None:
         beams.skeleton.nodes,
         [("line", beams.skeleton.edges)],
         at_points=at_nodes,
-        at_cells=at_struts,
+        at_cells={name: [values] for name, values in at_struts.items()},
     )

@@ -130,6 +130,15 @@ def hexahedra(
     )
 
 
+def sets_by_owner(prefix: str, owner: Ints) -> dict[str, Ints]:
+    """Return the items of each owner that is not -1 by a name."""
+    order = np.argsort(owner, kind="stable")
+    kept = order[owner[order] >= 0]
+    owners, first = np.unique(owner[kept], return_index=True)
+    parts = np.split(kept, first[1:]) if len(owners) else []
+    return {f"{prefix}_{one}": part for one, part in zip(owners.tolist(), parts, strict=True)}
+
+
 def _make_round(points: Points, sections: Ints) -> None:
     """Move the points between the ends of straight parts to their distances from the axis.
 

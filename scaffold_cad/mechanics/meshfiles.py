@@ -13,11 +13,16 @@ from scaffold_cad.base.arrays import Ints, Points
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.files import replacing
 from scaffold_cad.errors import FormatError
+from scaffold_cad.mechanics.calculix import hexahedra_lines
 from scaffold_cad.mechanics.hexahedra import Hexahedra
 from scaffold_cad.mechanics.nastran import hexahedra_cards
 
-ENDINGS = {".inp": "abaqus", ".msh": "gmsh22", ".vtu": "vtu"}
+ENDINGS = {".msh": "gmsh22", ".vtu": "vtu"}
 """Endings, and what meshio calls their formats."""
+
+# meshio writes numbers and elements that CalculiX does not read, and no sets for Nastran.
+LINES = {".inp": hexahedra_lines, ".bdf": hexahedra_cards}
+"""Endings of the formats that are written without meshio."""
 
 _log = logging.getLogger(__name__)
 
@@ -27,10 +32,11 @@ def write_hexahedra(mesh: Hexahedra, path: str | Path) -> None:
     """Write hexahedra for an analysis, with what each of them belongs to.
 
     ========  =======================================================================
-    .inp      Abaqus, CalculiX (C3D8): element sets STRUT_e and NODE_v, node sets END_v
-    .msh      Gmsh 2.2: a physical group a strut, numbered from 1
+    .inp      Abaqus, CalculiX (C3D8I): element sets STRUT_e and NODE_v, node sets END_v
+    .msh      Gmsh 2.2: physical groups STRUT_e of hexahedra, END_v of the faces there
     .vtu      ParaView: cell data strut, node and quality, point data end
-    .bdf      Nastran (CHEXA): a PSOLID a strut, numbered from 1; material 1 is a stand-in
+    .bdf      Nastran (CHEXA): a PSOLID a strut, numbered from 1; material 1 is a stand-in; SETs of
+              elements NODE_v and grid points END_v, named in comments
     ========  =======================================================================
 
     Raises
@@ -40,7 +46,7 @@ def write_hexahedra(mesh: Hexahedra, path: str | Path) -> None:
     FormatError
         If the ending is none of these, or the file cannot be written.
     MissingBackendError
-        If meshio is not installed, which all but .bdf need.
+        If meshio is not installed, which .msh and .vtu need.
 
     Examples
     --------
@@ -52,27 +58,44 @@ def write_hexahedra(mesh: Hexahedra, path: str | Path) -> None:
     check_kind(mesh, Hexahedra)
     place = as_path(path)
     ending = place.suffix.lower()
-    if ending == ".bdf":  # meshio's writer has no sets, and fails on some negative numbers
+    if ending in LINES:
         with replacing(place) as fresh:
-            fresh.write_text("\n".join([*hexahedra_cards(mesh), ""]), encoding="utf-8")
+            fresh.write_text("\n".join([*LINES[ending](mesh), ""]), encoding="utf-8")
         _log.info("%s written", place)
-        return
-    strut, node = mesh.edge_of_hexahedron, mesh.node_of_hexahedron
-    at_cells: dict[str, Any] = {}
-    if ending == ".vtu":
-        at_cells = {"strut": strut, "node": node, "quality": mesh.quality}
     elif ending == ".msh":
-        tags = (strut + 1).astype(np.int32)
-        at_cells = {"gmsh:physical": tags, "gmsh:geometrical": tags}
-    named = ending == ".inp"
+        _write_gmsh(mesh, place)
+    else:
+        write_meshio(
+            place,
+            mesh.points,
+            [("hexahedron", mesh.hexahedra)],
+            at_points={"end": mesh.end_of_point},
+            at_cells={
+                "strut": [mesh.edge_of_hexahedron],
+                "node": [mesh.node_of_hexahedron],
+                "quality": [mesh.quality],
+            },
+        )
+
+
+def _write_gmsh(mesh: Hexahedra, path: Path) -> None:
+    """Write hexahedra and the faces of their ends, each in its physical group."""
+    ends = mesh.end_of_point[mesh.boundary]  # (f, 4)
+    flat = (ends[:, 0] >= 0) & (ends == ends[:, :1]).all(axis=1)
+    struts = (mesh.edge_of_hexahedron + 1).astype(np.int32)
+    faces = (ends[flat, 0] + 1).astype(np.int32)
+    names = {f"STRUT_{one - 1}": (one, 3) for one in np.unique(struts).tolist()}
+    names |= {f"END_{one - 1}": (one, 2) for one in np.unique(faces).tolist()}
     write_meshio(
-        place,
+        path,
         mesh.points,
-        [("hexahedron", mesh.hexahedra)],
-        at_points={"end": mesh.end_of_point} if ending == ".vtu" else {},
-        at_cells=at_cells,
-        point_sets=_sets("END", mesh.end_of_point) if named else {},
-        cell_sets=_sets("STRUT", strut) | _sets("NODE", node) if named else {},
+        [("hexahedron", mesh.hexahedra), ("quad", mesh.boundary[flat])],
+        at_points={},
+        at_cells={
+            "gmsh:physical": [struts, faces],
+            "gmsh:geometrical": [struts, faces],
+        },
+        names={name: np.array(pair) for name, pair in names.items()},
     )
 
 
@@ -82,14 +105,19 @@ def write_meshio(
     cells: list[tuple[str, Ints]],
     *,
     at_points: dict[str, Any],
-    at_cells: dict[str, Any],
-    point_sets: dict[str, Ints] | None = None,
-    cell_sets: dict[str, Ints] | None = None,
+    at_cells: dict[str, list[Any]],
+    names: dict[str, Ints] | None = None,
 ) -> None:
-    """Write a mesh of one kind of cells; the format is that of the path's ending."""
+    """Write a mesh; the format is that of the path's ending.
+
+    Parameters
+    ----------
+    at_cells : data, an array a block of cells
+    names : of physical groups: their number and dimension
+    """
     ending = path.suffix.lower()
     if ending not in ENDINGS:
-        known = ", ".join([*ENDINGS, ".bdf"])
+        known = ", ".join([*LINES, *ENDINGS])
         raise FormatError(f"{path}: cannot write a mesh as {ending!r}; need one of {known}")
     need("meshio", f"a mesh as {ending}")
     import meshio
@@ -98,19 +126,9 @@ def write_meshio(
         points,
         cells,
         point_data=at_points,
-        cell_data={name: [values] for name, values in at_cells.items()},
-        point_sets=point_sets,
-        cell_sets={name: [rows] for name, rows in (cell_sets or {}).items()},
+        cell_data=at_cells,
+        field_data=names,
     )
     with replacing(path) as fresh:
         meshio.write(fresh, mesh, file_format=ENDINGS[ending])
     _log.info("%s written", path)
-
-
-def _sets(prefix: str, owner: Ints) -> dict[str, Ints]:
-    """Return the items of each owner that is not -1 by a name."""
-    order = np.argsort(owner, kind="stable")
-    kept = order[owner[order] >= 0]
-    owners, first = np.unique(owner[kept], return_index=True)
-    parts = np.split(kept, first[1:]) if len(owners) else []
-    return {f"{prefix}_{one}": part for one, part in zip(owners.tolist(), parts, strict=True)}

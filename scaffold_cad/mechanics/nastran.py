@@ -6,7 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from scaffold_cad.mechanics.hexahedra import Hexahedra
+from scaffold_cad.base.arrays import Ints
+from scaffold_cad.mechanics.hexahedra import Hexahedra, sets_by_owner
 
 
 def card(name: str, *fields: float | int | None) -> str:
@@ -40,8 +41,17 @@ def short(value: float) -> str:
 
 
 def hexahedra_cards(mesh: Hexahedra) -> Iterator[str]:
-    """Give the lines of a file of hexahedra: a PSOLID a strut, numbered from 1, of material 1."""
-    yield "CEND\nBEGIN BULK"
+    """Give the lines of a file of hexahedra: a PSOLID a strut, numbered from 1, of material 1.
+
+    Case control has SETs of the elements at each node and of the points in each end face.
+    """
+    yield "CEND"
+    sets = sets_by_owner("NODE", mesh.node_of_hexahedron)
+    sets |= sets_by_owner("END", mesh.end_of_point)
+    for k, (name, members) in enumerate(sets.items(), 1):
+        yield f"$ {name}"
+        yield from _set_lines(k, members)
+    yield "BEGIN BULK"
     yield card("MAT1", 1, 1.0, None, 0.3)
     for strut in np.unique(mesh.edge_of_hexahedron).tolist():
         yield f"PSOLID,{strut + 1},1"
@@ -52,3 +62,10 @@ def hexahedra_cards(mesh: Hexahedra) -> Iterator[str]:
         first, last = (",".join(map(str, part)) for part in (corners[:6], corners[6:]))
         yield f"CHEXA,{k},{strut + 1},{first},+\n+,{last}"
     yield "ENDDATA"
+
+
+def _set_lines(number: int, rows: Ints) -> Iterator[str]:
+    """Give the lines of a SET of items, numbered from 1, at most 72 characters each."""
+    words = [str(one) for one in (rows + 1).tolist()]
+    lines = [", ".join(words[k : k + 6]) for k in range(0, len(words), 6)]
+    yield f"SET {number} = " + ",\n".join(lines)
