@@ -6,7 +6,7 @@ import argparse
 import logging
 
 from scaffold_cad.cli import source, streams
-from scaffold_cad.io.write import write
+from scaffold_cad.io.write import check_writable, write
 
 _log = logging.getLogger(__name__)
 
@@ -32,6 +32,7 @@ def add_parser(
 
 def run(options: argparse.Namespace) -> None:
     """Read, change and write."""
+    check_writable(options.output, skeleton=True)
     skeleton = source.skeleton_from(options)
     write(skeleton, options.output, units=options.to_units)
     _log.info("%s written", options.output)

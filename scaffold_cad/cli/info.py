@@ -1,4 +1,4 @@
-"""`scaffold-cad info`: what a file with a skeleton holds."""
+"""`scaffold-cad info`: what a file with a skeleton or a solid holds."""
 
 from __future__ import annotations
 
@@ -8,7 +8,11 @@ import numpy as np
 
 from scaffold_cad.base.summaries import range_text, size_text
 from scaffold_cad.cli import source
-from scaffold_cad.io import read_raw, read_with_repairs
+from scaffold_cad.errors import FormatError
+from scaffold_cad.io import read_raw, read_triangles, read_with_repairs
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.welding import welded
+from scaffold_cad.printability.triangletopology import TriangleTopology
 from scaffold_cad.skeleton import Skeleton
 
 
@@ -16,7 +20,7 @@ def add_parser(
     commands: argparse._SubParsersAction[argparse.ArgumentParser], common: argparse.ArgumentParser
 ) -> None:
     """Add this command to the command line."""
-    parser = commands.add_parser("info", parents=[common], help="count what a skeleton holds")
+    parser = commands.add_parser("info", parents=[common], help="count what a file holds")
     source.add_input(parser, several=True)
     source.add_units(parser)
     source.add_max_nodes(parser)
@@ -24,7 +28,21 @@ def add_parser(
 
 
 def run(options: argparse.Namespace) -> None:
-    """Print the counts of the skeleton as it is built, one a line."""
+    """Print the counts of the skeleton as it is built, or of the solid, one a line."""
+    try:
+        rows = _skeleton_rows(options)
+    except FormatError as error:
+        solid = _solid(options)
+        if solid is None:
+            raise error from None
+        rows = _solid_counts(solid)
+    width = max(len(name) for name in rows)
+    for name, value in rows.items():
+        print(f"{name:<{width}}  {value}")
+
+
+def _skeleton_rows(options: argparse.Namespace) -> dict[str, str]:
+    """Return what is printed of a file with a skeleton, in order."""
     raw = read_raw(options.input, source.max_nodes(options))
     has_radii = raw.has_radii
     # Any radius will do for the counts of a file without radii; it is not shown.
@@ -45,9 +63,31 @@ def run(options: argparse.Namespace) -> None:
     rows["repairs"] = str(cleaning.repairs)
     if raw.left_out:
         rows["beside it"] = ", ".join(raw.left_out)
-    width = max(len(name) for name in rows)
-    for name, value in rows.items():
-        print(f"{name:<{width}}  {value}")
+    return rows
+
+
+def _solid(options: argparse.Namespace) -> TriangleMesh | None:
+    """Return the triangles of a file without a skeleton, or None where it has none."""
+    try:
+        return read_triangles(options.input, units=options.units, scale=options.scale)
+    except FormatError:
+        return None
+
+
+def _solid_counts(solid: TriangleMesh) -> dict[str, str]:
+    """Return what is printed of a solid, in order."""
+    mesh = welded(solid)
+    surface = TriangleTopology(mesh)
+    volume = f"{mesh.signed_volume:.6g} mm³"
+    return {
+        "skeleton": "none: a solid, see scaffold-cad check",
+        "triangles": str(len(mesh.triangles)),
+        "vertices": str(len(mesh.vertices)),
+        "shells": str(surface.shell_count),
+        "open edges": str(len(surface.open_edges)),
+        "volume": volume if surface.closed else f"{volume}, of a surface that is open",
+        "size": size_text(mesh.vertices),
+    }
 
 
 def _counts(skeleton: Skeleton) -> dict[str, str]:

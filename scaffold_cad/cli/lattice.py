@@ -37,9 +37,6 @@ from scaffold_cad.struts import RoundStruts, round_struts
 if TYPE_CHECKING:
     from scaffold_cad.skeleton import Skeleton
 
-BEAM_SUFFIXES = (".3mf", ".json", ".obj", ".swc")
-"""Suffixes of the formats that hold struts as lines."""
-
 LATTICE_SIDES = 8
 """Sides of round struts where none are given: few, for a lattice has thousands of struts."""
 
@@ -120,7 +117,7 @@ def run(options: argparse.Namespace) -> None:
         _write_layers(options)
         return
     source.refuse(options, ["pixel", "text"], "is for layers; need --layer")
-    check_writable(options.output, solid=not options.beams)
+    check_writable(options.output, solid=not options.beams, skeleton=options.beams)
     _check_combination(options)
     product = _product(options, Progress())
     made = isinstance(product, Scaffold | RoundStruts)
@@ -172,8 +169,6 @@ def _check_combination(options: argparse.Namespace) -> None:
         return
     if options.round or options.skin is not None:
         raise OptionError("--beams writes the struts as lines; need it without --round and --skin")
-    if suffix not in BEAM_SUFFIXES:
-        raise FormatError(f"cannot write {options.output}: --beams need {', '.join(BEAM_SUFFIXES)}")
 
 
 def _check_bodies(options: argparse.Namespace) -> None:

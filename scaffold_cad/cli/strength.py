@@ -13,7 +13,7 @@ import numpy as np
 from scaffold_cad.base.files import check_page
 from scaffold_cad.cli import source, strengthtiles, tiled
 from scaffold_cad.errors import OptionError
-from scaffold_cad.io.write import write
+from scaffold_cad.io.write import check_writable, write
 
 if TYPE_CHECKING:
     from scaffold_cad.mechanics import BeamModel, BeamSolution, Loading, Material, Sized
@@ -100,6 +100,8 @@ def run(options: argparse.Namespace) -> None:
     tiled.refuse(options)
     if options.html is not None:
         check_page(options.html)
+    if options.output is not None and options.output.suffix.lower() not in BEAM_ENDINGS:
+        check_writable(options.output, skeleton=True)
     skeleton = source.skeleton_from(options)
     model = _model(options, skeleton)
     result = None if options.size is None else sized(model, least_radius=options.size)

@@ -193,6 +193,10 @@ def _scaled(mesh: QuadMesh | TriangleMesh, factor: float) -> QuadMesh | Triangle
 def _mesh(what: Any, overlaps: Overlaps, sides: int, factor: float) -> QuadMesh | TriangleMesh:
     mesh = surface_of(what, overlaps=overlaps, sides=sides, factor=factor)
     kind = type(what).__name__
+    if isinstance(what, Skeleton):
+        raise FormatError(
+            "a mesh file cannot hold a Skeleton; need round_struts or build_scaffold of it"
+        )
     if mesh is None:
         raise FormatError(
             f"a mesh file cannot hold a {kind}; need a Scaffold, RoundStruts, a mesh, a manifold3d "

@@ -21,15 +21,18 @@ from typing import Any
 from scaffold_cad.base.arguments import as_path, checks_keywords
 from scaffold_cad.base.builders import built
 from scaffold_cad.base.files import check_target, replacing
-from scaffold_cad.errors import OptionError
+from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.io._units import factor_of
 from scaffold_cad.io.content import Content
-from scaffold_cad.io.register import WrittenFormat, written_format_of
+from scaffold_cad.io.register import WrittenFormat, written_format_of, written_suffixes
 from scaffold_cad.io.step import STEP_SUFFIXES
 from scaffold_cad.products.overlaps import Overlaps
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.solid.rounds import SIDES, check_sides
 from scaffold_cad.struts import RoundStruts
+
+SKELETONS_TOO = {".3mf", ".obj"}
+"""Suffixes of formats of solids that hold skeletons too."""
 
 
 @checks_keywords()
@@ -114,20 +117,28 @@ def write(
         known.write(content, fresh)
 
 
-def check_writable(path: str | PathLike[str], *, solid: bool = False) -> None:
+def check_writable(
+    path: str | PathLike[str], *, solid: bool = False, skeleton: bool = False
+) -> None:
     """Raise unless `write` knows the suffix of `path` and can write a file there.
 
     Parameters
     ----------
-    solid : whether the format must be able to hold solids
+    solid, skeleton : whether the format must be able to hold solids, or skeletons
 
     Raises
     ------
     FormatError
-        If the suffix is unknown, or the folder is missing or read-only.
+        If the suffix is unknown or its format holds no such thing, or the folder is missing or
+        read-only.
     """
     path = as_path(path)
-    written_format_of(path, solid)
+    known = written_format_of(path, solid)
+    if skeleton and known.solids and path.suffix.lower() not in SKELETONS_TOO:
+        holds = {*written_suffixes()} - {*written_suffixes(solid=True)} | SKELETONS_TOO
+        raise FormatError(
+            f"{path} cannot hold a skeleton, only a solid of it; need {', '.join(sorted(holds))}"
+        )
     check_target(path)
 
 

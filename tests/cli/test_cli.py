@@ -14,6 +14,7 @@ import trimesh
 from scaffold_cad import __version__
 from scaffold_cad.cli import main
 from scaffold_cad.io import read_skeleton, skeleton_to_json
+from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from tests import skeletons as named
 from tests.real_files import RADII
@@ -211,6 +212,35 @@ def test_info_needs_no_radii(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     out = capsys.readouterr().out
     assert "none in the file: build needs --radius" in out
     assert "1 duplicate edge" in out
+
+
+@pytest.mark.parametrize("suffix", ["3mf", "obj", "step", "brep"])
+def test_info_counts_solids_as_check_does(
+    figure: str, suffix: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    solid = tmp_path / f"solid.{suffix}"
+    assert main(["build", figure, "-o", str(solid)]) == 0
+    assert main(["info", str(solid)]) == 0
+    told = capsys.readouterr()
+    assert "none: a solid" in told.out
+    assert re.search(r"open edges +0\n", told.out)
+    volume = float(re.search(r"volume +(\S+) mm³\n", told.out)[1])  # type: ignore[index]
+    exact = build_scaffold(named.STICK_FIGURE).mesh.signed_volume
+    assert volume == pytest.approx(exact, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    "command", [["convert"], ["strength", "--load", "zmax:0,0,-1", "--fix", "zmin"]]
+)
+def test_a_skeleton_is_not_written_to_a_file_of_solids(
+    figure: str, command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out.stl"
+    assert main([*command, figure, "-o", str(out)]) == 2
+    assert "out.stl cannot hold a skeleton, only a solid of it; need .3mf, .csv" in (
+        capsys.readouterr().err
+    )
+    assert list(tmp_path.glob("out*")) == []
 
 
 BAD_INPUT = [

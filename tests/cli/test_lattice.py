@@ -149,7 +149,7 @@ def test_a_part_from_a_step_file_is_filled_as_one(tmp_path: Path) -> None:
         (["--box", "8x8x8", "--skin", "1", "-o", "out.step"], "hold lattices of a box without"),
         (["--box", "8x8x8", "--beams", "--round", "-o", "out.3mf"], "without --round and --skin"),
         (["--box", "8x8x8", "--beams", "--skin", "1", "-o", "out.3mf"], "without --round and"),
-        (["--box", "8x8x8", "--beams", "-o", "out.stl"], "--beams need .3mf, .json, .obj, .swc"),
+        (["--box", "8x8x8", "--beams", "-o", "out.stl"], "cannot hold a skeleton, only a solid"),
         (["--box", "8x8x8", "--skin", "9", "-o", "out.stl"], "which fills the body"),
         (["--inside", "absent.stl", "-o", "out.stl"], "absent.stl cannot be read"),
         (["--inside", "absent.step", "-o", "out.stl"], "there is no such file"),

@@ -338,7 +338,7 @@ def test_a_full_disk_is_an_error_and_the_old_file_stays(tmp_path: Path, suffix) 
     ("what", "name", "error", "message"),
     [
         (STRUT, "strut.step", FormatError, "need a B-rep, which a Skeleton has not"),
-        (STRUT, "strut.stl", FormatError, "a mesh file cannot hold a Skeleton; need a Scaffold"),
+        (STRUT, "strut.stl", FormatError, "a mesh file cannot hold a Skeleton; need round_st"),
         (CUBE, "cube.json", FormatError, "a JSON file cannot hold a QuadMesh; need a Skeleton"),
         (TriangleMesh(CUBE.vertices, []), "cube.stl", FormatError, "the TriangleMesh has no faces"),
         (OPEN_CUBE, "cube.step", MeshError, "the mesh is open"),
