@@ -24,7 +24,7 @@ import logging
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from scaffold_cad.errors import FormatError
@@ -76,6 +76,9 @@ _NEED = (
 
 _log = logging.getLogger(__name__)
 
+_NAME_AND_UNIT = re.compile(r"[^\[(]*[\[(]([^\])]*)[\])]?\s*")
+"""Such as ``x1 [m]`` or ``radius (in)``."""
+
 
 @dataclass(frozen=True)
 class _Table:
@@ -86,6 +89,8 @@ class _Table:
     """Where a column is, by its plain name."""
     units: dict[str, float]
     """mm in the unit that a column names."""
+    unit: str | None
+    """The first of these units."""
     rows: list[tuple[int, list[str]]]
 
     def first(self, groups: Sequence[tuple[str, ...]]) -> tuple[str, ...] | None:
@@ -139,6 +144,13 @@ def read_csv(path: Path) -> RawSkeleton:
     Lengths without a unit are taken as mm.
     """
     tables = _tables(path)
+    raw = _graph(path, tables)
+    unit = next((table.unit for table in tables if table.unit is not None), None)
+    return raw if unit is None else replace(raw, unit=unit)
+
+
+def _graph(path: Path, tables: list[_Table]) -> RawSkeleton:
+    """Return the graph of the tables of a file, and of the file beside it."""
     links = [table for table in tables if table.first(_ENDS) and not table.first(_START)]
     places = [table for table in tables if table.first([_AXES])]
     whole = [table for table in tables if table.first(_START) and table.first(_END)]
@@ -258,7 +270,8 @@ def _tables(path: Path) -> list[_Table]:
             for k, (name, _) in enumerate(named):
                 columns.setdefault(name, k)
             units = {name: unit for name, unit in named if unit is not None}
-            tables.append(_Table(path, columns, units, []))
+            said = (_unit(cell) for cell, (_, unit) in zip(cells, named, strict=True) if unit)
+            tables.append(_Table(path, columns, units, next(said, None), []))
             inside = True
         elif not tables:
             raise line_error(path, line, f"{text.strip()!r} names no columns", _NEED)
@@ -283,20 +296,30 @@ def _cells(line: str) -> list[str]:
 
 def _plain(cell: str) -> tuple[str, float | None]:
     """Return the plain name of a column, and mm in the unit that it names."""
-    found = re.fullmatch(r"([^\[(]*)[\[(]([^\])]*)[\])]?\s*", cell)
-    name, unit = (found[1], found[2]) if found else (cell, "")
-    unit = unit.strip().removesuffix("²").removesuffix("^2").removesuffix("2")
-    return re.sub(r"[^a-z0-9]", "", name.lower()), length_of(unit)
+    name = re.split(r"[\[(]", cell)[0] if _NAME_AND_UNIT.fullmatch(cell) else cell
+    return re.sub(r"[^a-z0-9]", "", name.lower()), length_of(_unit(cell))
+
+
+def _unit(cell: str) -> str:
+    """Return the unit of length that a column names, or "" if it names none."""
+    found = _NAME_AND_UNIT.fullmatch(cell)
+    unit = found[1] if found else ""
+    return unit.strip().removesuffix("²").removesuffix("^2").removesuffix("2")
 
 
 @register_writer(".csv", name="CSV", solids=False)
 def write_csv(content: Content, path: Path) -> None:
-    """Write the members of a Skeleton, a line each: both ends and both radii, mm, exact."""
+    """Write the members of a Skeleton, a line each: both ends and both radii, exact.
+
+    Columns name their unit where it is not mm.
+    """
     skeleton: Skeleton = content.skeleton("a CSV file")
     ends = skeleton.nodes[skeleton.edges].reshape(-1, 6).tolist()
     radii = skeleton.edge_radii.tolist()
     with path.open("w", encoding="ascii", newline="\n") as file:
-        file.write("x1,y1,z1,x2,y2,z2,r1,r2\n")
+        unit = "" if content.unit == "mm" else f" [{content.unit}]"
+        names = ("x1", "y1", "z1", "x2", "y2", "z2", "r1", "r2")
+        file.write(",".join(name + unit for name in names) + "\n")
         file.writelines(
             ",".join(map(repr, [*row, *pair])) + "\n" for row, pair in zip(ends, radii, strict=True)
         )

@@ -17,7 +17,7 @@ from scaffold_cad.base.radii import Radius, radii_at
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import FormatError, OptionError, SkeletonError
 from scaffold_cad.io._raw import RawSkeleton
-from scaffold_cad.io._units import factor_of
+from scaffold_cad.io._units import factor_of, length_of
 from scaffold_cad.io.register import HEAD_SIZE, known_suffixes, reader_of
 from scaffold_cad.skeleton import Cleaning, Skeleton, check_skeleton
 from scaffold_cad.skeleton.repair import repaired
@@ -67,7 +67,7 @@ def read_skeleton(
         If it cannot be repaired, or with `strict` if it needs repair; nodes and edges are
         numbered from 0 in order of the file.
     OptionError
-        If an option is out of range, or `units` are given and the file names its own.
+        If an option is out of range, or `units` are given and the file names another.
 
     Examples
     --------
@@ -184,10 +184,12 @@ def in_millimeters(
     Raises
     ------
     OptionError
-        If units are given and the file names its own.
+        If units are given and the file names another.
     """
     factor = factor_of(units, scale)
     if units is not None and raw.unit is not None:
+        if length_of(raw.unit) == factor_of(units, None):  # what the file says itself
+            return in_millimeters(path, raw, None, scale)
         raise OptionError(
             f"{path} says that its unit is {raw.unit}; need no units (scale changes its size)"
         )

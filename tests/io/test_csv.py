@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from scaffold_cad import write
-from scaffold_cad.errors import FormatError
+from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.io import read_raw, read_skeleton
 from scaffold_cad.lattice import tile
 from scaffold_cad.skeleton import Skeleton
@@ -74,6 +74,19 @@ def test_a_skeleton_reads_back_exactly(tmp_path: Path) -> None:
 def test_errors_name_the_line_and_the_value(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(FormatError, match=message):
         read_raw(written(tmp_path, "x.csv", text))
+
+
+def test_columns_name_units_and_no_other_is_taken(tmp_path: Path) -> None:
+    strut = Skeleton([[0, 0, 0], [25.4, 0, 0]], [[0, 1]], 2.54)
+    path = tmp_path / "strut.csv"
+    write(strut, path, units="in")
+    assert path.read_text().startswith("x1 [in],y1 [in],")
+    again = read_skeleton(path)
+    np.testing.assert_allclose(again.nodes, strut.nodes)
+    np.testing.assert_allclose(again.radii, strut.radii)
+    np.testing.assert_array_equal(read_skeleton(path, units="inch").nodes, again.nodes)
+    with pytest.raises(OptionError, match=r"strut\.csv says that its unit is in; need no units"):
+        read_skeleton(path, units="m")
 
 
 def test_only_skeletons_are_written(tmp_path: Path) -> None:

@@ -116,10 +116,10 @@ def test_options_out_of_range_are_refused(tmp_path: Path) -> None:
         write(STRUT, tmp_path / "x.csv", units="parsec")
 
 
-@pytest.mark.parametrize("suffix", ["csv", "graphml", "vtu", "inp"])
+@pytest.mark.parametrize("suffix", ["graphml", "vtu", "inp"])
 def test_a_skeleton_is_written_in_a_unit_and_read_back_in_it(tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"strut.{suffix}"
-    strut = STRUT if suffix in ("csv", "graphml") else Skeleton(STRUT.nodes, STRUT.edges, 1.5)
+    strut = STRUT if suffix == "graphml" else Skeleton(STRUT.nodes, STRUT.edges, 1.5)
     write(strut, path, units="in")
     found = read_skeleton(path, units="in")
     np.testing.assert_allclose(found.nodes, strut.nodes, rtol=1e-7)
