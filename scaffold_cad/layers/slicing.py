@@ -114,8 +114,11 @@ def _sides(sides: int | None) -> int:
 
 def _heights(heights: ArrayLike) -> Floats:
     planes = as_floats(heights, "heights", OptionError)
-    if planes.ndim != 1 or not np.isfinite(planes).all():
-        raise OptionError(f"heights have shape {planes.shape}; need (n,) finite numbers, mm")
+    if planes.ndim != 1:
+        raise OptionError(f"heights have shape {planes.shape}; need (n,), mm")
+    bad = np.flatnonzero(~np.isfinite(planes))
+    if len(bad):
+        raise OptionError(f"height {bad[0]} is {planes[bad[0]]:g} mm; need finite numbers")
     falling = np.flatnonzero(np.diff(planes) <= 0)
     if len(falling):
         low, high = planes[falling[0] : falling[0] + 2]

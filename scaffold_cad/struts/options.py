@@ -135,5 +135,6 @@ def as_blend(blend: Blend | None, nodes: Points) -> float | Floats | None:
         raise OptionError(f"blend has shape {given.shape}; need one number, or ({len(nodes)},), mm")
     bad = np.flatnonzero(~(np.isfinite(given) & (given > 0)))
     if len(bad):
-        raise OptionError(f"blend of node {bad[0]} is {given[bad[0]]:g} mm; need > 0")
+        place = np.round(nodes[bad[0]], 6).tolist()
+        raise OptionError(f"blend of node {bad[0]} at {place} mm is {given[bad[0]]:g} mm; need > 0")
     return read_only(given)

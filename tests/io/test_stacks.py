@@ -261,8 +261,10 @@ def test_write_layers_refuses_what_it_cannot_write(tmp_path: Path) -> None:
         write_layers(made(), tmp_path / "a.svg", pixel=0.1)
     with pytest.raises(OptionError, match=r"pixel is not given; need it, mm: a.zip"):
         write_layers(made(), tmp_path / "a.zip")
-    with pytest.raises(OptionError, match=r"pixel is 1e-12 mm for 5.* mm: .* pixels; need at"):
+    with pytest.raises(OptionError, match=r"pixel is 1e-12 mm, which .* pixels .* mm or more"):
         write_layers(made(), tmp_path / "a.zip", pixel=1e-12)
+    with pytest.raises(OptionError, match=r"pixel is 1e-06 mm, .*; need 4e-05 mm or more"):
+        write_layers(made(), tmp_path / "a.zip", pixel=1e-6)
     with pytest.raises(FormatError, match="there are no layers; need at least one"):
         write_layers(slices(STRUT, []), tmp_path / "a.cli")
     with pytest.raises(OptionError, match="got a list; need a Layers"):

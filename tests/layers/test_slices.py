@@ -190,8 +190,10 @@ def test_slices_refuses_what_it_cannot_cut() -> None:
         slices(STRUT, [1.0], thickness=0.1)
     with pytest.raises(OptionError, match=r"heights go from 2 to 1 mm; need each above"):
         slices(STRUT, [2.0, 1.0])
-    with pytest.raises(OptionError, match=r"heights have shape \(1, 1\); need \(n,\) finite"):
+    with pytest.raises(OptionError, match=r"heights have shape \(1, 1\); need \(n,\), mm"):
         slices(STRUT, [[2.0]])
+    with pytest.raises(OptionError, match="height 1 is nan mm; need finite numbers"):
+        slices(STRUT, [1.0, np.nan])
     with pytest.raises(OptionError, match="thickness is 0 mm; need > 0"):
         slices(STRUT, thickness=0.0)
     with pytest.raises(OptionError, match=r"2e\+09 layers; need at most 10000000"):

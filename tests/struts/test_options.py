@@ -65,9 +65,9 @@ def test_a_lattice_has_fillets_by_place() -> None:
     [
         (0.0, "blend is 0"),
         ([0.5, 0.5], r"blend has shape \(2,\); need one number, or \(5,\), mm"),
-        ([0.5, 0.5, -1.0, 0.5, 0.5], "blend of node 2 is -1 mm; need > 0"),
+        ([0.5, 0.5, -1.0, 0.5, 0.5], r"blend of node 2 at \[.*\] mm is -1 mm; need > 0"),
         (lambda nodes: nodes, r"blend has shape \(5, 3\)"),
-        ([0.5, 0.5, np.nan, 0.5, 0.5], "blend of node 2 is nan mm; need > 0"),
+        ([0.5, 0.5, np.nan, 0.5, 0.5], r"blend of node 2 at \[.*\] mm is nan mm; need > 0"),
     ],
 )
 def test_fillets_that_do_not_fit_are_refused(blend: Any, said: str) -> None:

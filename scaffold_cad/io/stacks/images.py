@@ -20,7 +20,10 @@ from scaffold_cad.layers import Layer, Layers
 BAND = 2**22
 """Pixels that are worked on together."""
 
-MOST_PIXELS = 2**31 - 1
+MOST_PIXELS = 2**34
+"""Most pixels of an image: half a meter each way at 4 µm."""
+
+LONGEST = 2**31 - 1
 """Most pixels along a side of a PNG image."""
 
 PACKING = 1
@@ -37,10 +40,12 @@ def write_images(layers: Layers, path: Path, pixel: float) -> None:
     """
     low, high = layers.box
     sides = np.maximum(np.ceil((high - low) / pixel), 1)
-    if sides.max() > MOST_PIXELS:
+    wide, tall = (high - low).tolist()
+    if sides.prod() > MOST_PIXELS or sides.max() > LONGEST:
+        least = pixel * max(float((sides.prod() / MOST_PIXELS) ** 0.5), sides.max() / LONGEST)
         raise OptionError(
-            f"pixel is {pixel:g} mm for {float((high - low).max()):g} mm: {sides.max():g} pixels; "
-            f"need at most {MOST_PIXELS}"
+            f"pixel is {pixel:g} mm, which makes images of {sides[0]:.3g} x {sides[1]:.3g} pixels "
+            f"for layers of {wide:.4g} x {tall:.4g} mm; need {1.01 * least:.2g} mm or more"
         )
     columns, rows = int(sides[0]), int(sides[1])
     files, tops = [], []
