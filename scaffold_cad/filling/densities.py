@@ -38,6 +38,9 @@ LEAST_RADIUS = 1e-3
 LARGEST_STEPS = 30
 """Densities measured before the search for a radius is given up."""
 
+JUMP = 1.001
+"""Ratio of two radii between which a density is taken to jump, as where voids close."""
+
 
 @checks_keywords()
 def solve_radius(
@@ -147,15 +150,30 @@ def _measured_radius(
     least, greatest = LEAST_RADIUS * radius, cell_size(as_cell(cell), size).max()
     # Secant steps on log density against log radius, which is almost a line of slope 2.
     slope, before = 2.0, (np.nan, np.nan)
+    # The largest radius tried that is too thin, the least that is too thick, and their densities.
+    thin, thick = (least, 0.0), (greatest, np.inf)
     for _ in range(LARGEST_STEPS):
         ratio = measured_density(cell, size, radius, volume) / relative_density
         if abs(ratio - 1) <= DENSITY_ACCURACY:
             return radius
+        if ratio < 1:
+            thin = max(thin, (radius, ratio))
+        else:
+            thick = min(thick, (radius, ratio))
+        if thin[0] < thick[0] < JUMP * thin[0]:
+            raise OptionError(
+                f"no radius gives relative density {relative_density:g}: struts of {thin[0]:.5g} "
+                f"mm give {thin[1] * relative_density:.3g}, of {thick[0]:.5g} mm "
+                f"{thick[1] * relative_density:.3g}"
+            )
         here = (np.log(radius), np.log(ratio))
         secant = (here[1] - before[1]) / (here[0] - before[0])
         # Where the solid fills up the slope tends to 0: keep the steps short.
         slope = float(np.clip(secant, 0.5, 4.0)) if np.isfinite(secant) else slope
         following = float(np.clip(np.exp(here[0] - here[1] / slope), least, greatest))
+        if not thin[0] < following < thick[0]:  # between what was tried, if both sides were
+            halfway = thin[1] > 0 and thick[1] < np.inf
+            following = float(np.sqrt(thin[0] * thick[0])) if halfway else following
         if following == radius:
             break
         radius, before = following, here

@@ -9,6 +9,7 @@ from scaffold_cad import Field, relative_density, round_struts, tile, to_solid
 from scaffold_cad.errors import OptionError
 from scaffold_cad.filling import graded_radius, solve_radius
 from scaffold_cad.lattice.density import measured_density
+from scaffold_cad.skeleton import Skeleton
 
 
 def test_a_measured_radius_gives_the_density_of_the_solid() -> None:
@@ -41,6 +42,25 @@ def test_a_measured_graded_radius_has_the_density_of_the_solid() -> None:
 
     found = float(radius(np.zeros((1, 3)))[0])
     assert measured_density("sc", 10.0, found, volume) == pytest.approx(0.12, rel=0.02)
+
+
+def test_a_density_that_is_jumped_over_is_refused_with_what_is_near() -> None:
+    tried = []
+
+    def volume(skeleton: Skeleton) -> float:  # voids close at 2 mm
+        radius = float(skeleton.radii[0])
+        tried.append(radius)
+        share = 0.2 * radius**2 if radius < 2.0 else 1.0
+        return share * float(np.ptp(skeleton.nodes, axis=0).prod())
+
+    assert solve_radius("sc", 10.0, 0.7, volume=volume) == pytest.approx(3.5**0.5, rel=1e-3)
+    tried.clear()
+    message = (
+        r"no radius gives relative density 0\.9: struts of 1\.99\S+ mm give 0\.\d+, of 2\S* mm 1"
+    )
+    with pytest.raises(OptionError, match=message):
+        solve_radius("sc", 10.0, 0.9, volume=volume)
+    assert len(set(tried)) < 20
 
 
 def test_wrong_densities_are_refused_by_name() -> None:
