@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 
 from scaffold_cad.base.arguments import as_number
+from scaffold_cad.base.arrays import Bools
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.brep import BREP_SUFFIXES
 from scaffold_cad.cli import fields, processes, sizes, source, streams, tiled
@@ -41,6 +42,9 @@ ROUND_OPTIONS = ("blend", "ends", "joints", "bend", "wall", "nodes")
 
 FRAME_RADIUS = 0.15
 """Radius of a frame's struts when none is given, as a fraction of the median node radius."""
+
+WIDENED = 1.1
+"""Radius of a node, in that of a strut that ends there, above which it is told."""
 
 _log = logging.getLogger(__name__)
 
@@ -271,7 +275,37 @@ def _build_assembly(assembly: Assembly, output: Path, progress: Progress) -> Non
 
 def scaffold_from(options: argparse.Namespace, skeleton: Skeleton) -> Scaffold:
     """Return the scaffold that the arguments ask for."""
-    return build_scaffold(skeleton, **_scaffold_options(options))
+    scaffold = build_scaffold(skeleton, **_scaffold_options(options))
+    _report_widened(skeleton, scaffold.refinement.collared)
+    return scaffold
+
+
+def _report_widened(skeleton: Skeleton, collared: Bools) -> None:
+    """Log which struts are thicker in the scaffold than they are: at ends without a collar.
+
+    Parameters
+    ----------
+    collared : (m, 2), which ends of each edge have a collar
+    """
+    own, at_nodes = skeleton.edge_radii, skeleton.radii[skeleton.edges]
+    wide = (at_nodes > WIDENED * own) & ~collared
+    edges = np.flatnonzero(wide.any(axis=1))
+    if len(edges) == 0:
+        return
+    edge = edges[0]
+    end = int(np.argmax(wide[edge]))
+    node = skeleton.edges[edge, end]
+    _log.warning(
+        "%d of %s widen to the radius of a node (edge %d: %.4g mm, node %d at %s mm: %.4g mm); "
+        "--round keeps each strut's own radius, --collars that at branch points",
+        len(edges),
+        counted(len(skeleton.edges), "strut"),
+        edge,
+        own[edge, end],
+        node,
+        np.round(skeleton.nodes[node], 6).tolist(),
+        skeleton.radii[node],
+    )
 
 
 def _scaffold_options(options: argparse.Namespace) -> dict[str, Any]:

@@ -229,6 +229,23 @@ def test_info_counts_solids_as_check_does(
     assert volume == pytest.approx(exact, rel=0.01)
 
 
+def test_struts_that_widen_to_their_nodes_are_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    rows = ["0,0,0,60,0,0,5", "60,0,0,60,50,0,3", "60,0,0,60,0,50,5"]
+    Path("truss.csv").write_text("\n".join(["x1,y1,z1,x2,y2,z2,radius", *rows]))
+    assert main(["build", "truss.csv", "-o", "square.stl"]) == 0
+    said = (
+        "1 of 3 struts widen to the radius of a node (edge 1: 3 mm, node 1 at [60.0, 0.0, 0.0] mm"
+    )
+    assert said in capsys.readouterr().err
+    for kept in ("--round", "--collars"):
+        assert main(["build", "truss.csv", kept, "-o", "kept.stl"]) == 0
+        assert "widen" not in capsys.readouterr().err
+        assert trimesh.load("kept.stl").volume < trimesh.load("square.stl").volume
+
+
 @pytest.mark.parametrize(
     "command", [["convert"], ["strength", "--load", "zmax:0,0,-1", "--fix", "zmin"]]
 )
