@@ -1,5 +1,6 @@
 """B-reps: Bézier patches, shells and solids of them; only this wing and parts use OCCT."""
 
+from scaffold_cad.brep.bodies import bodies, with_plane_faces
 from scaffold_cad.brep.cadwires import Wires, read_wires
 from scaffold_cad.brep.shapes import (
     BREP_SUFFIXES,
@@ -22,6 +23,7 @@ __all__ = [
     "TESSELLATION_DISTANCE",
     "Kind",
     "Wires",
+    "bodies",
     "brep_of_faces",
     "brep_of_patches",
     "check_edges",
@@ -33,6 +35,7 @@ __all__ = [
     "read_shape",
     "read_wires",
     "tessellated",
+    "with_plane_faces",
     "with_voids",
     "without",
 ]

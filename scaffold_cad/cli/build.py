@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import logging
-from pathlib import Path
+from functools import partial
 from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
@@ -13,12 +13,12 @@ from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.arrays import Bools
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.brep import BREP_SUFFIXES
-from scaffold_cad.cli import fields, processes, sizes, source, streams, tiled
+from scaffold_cad.cli import assemblies, fields, processes, sizes, source, streams, tiled
 from scaffold_cad.cli.progress import Progress
 from scaffold_cad.errors import OptionError
 from scaffold_cad.io.write import check_writable, write
-from scaffold_cad.products.assembly import Assembly, assembly_solid
 from scaffold_cad.products.breps import to_brep
+from scaffold_cad.products.models import Make
 from scaffold_cad.products.overlaps import Overlaps
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.scaffold.stars import APOTHEM, Fit, Section
@@ -178,11 +178,7 @@ def run(options: argparse.Namespace) -> None:
         _build_tiles(options)
         return
     progress = Progress()
-    assembly = source.assembly_from(options) if _takes_assemblies(options) else None
-    if assembly is not None:
-        for lattice in assembly.lattices:
-            processes.check_struts(options, lattice.skeleton)
-        _build_assembly(assembly, options.output, progress)
+    if _build_assembly(options, progress):
         return
     skeleton = source.skeleton_from(options)
     if options.product != "frame":
@@ -251,26 +247,29 @@ def written_with(options: argparse.Namespace) -> dict[str, Any]:
     return {name: value for name, value in given.items() if value is not None}
 
 
-def _takes_assemblies(options: argparse.Namespace) -> bool:
-    """Return whether a solid is asked for that is not made by way of a scaffold."""
-    given = [getattr(options, name) for name in (*SCAFFOLD_OPTIONS, "round", "overlaps")]
+def _build_assembly(options: argparse.Namespace, progress: Progress) -> bool:
+    """Write beams with what is beside them in the file, if there is anything; return whether.
+
+    Flat ends alone need nothing beside struts, whose ends are those asked for.
+    """
+    if options.product != "scaffold" or options.socket:
+        return False
+    assembly, make = source.assembly_from(options), _maker(options)
+    if assembly is None or (make is not None and not assembly.beside_beams()):
+        return False
+    for lattice in assembly.lattices:
+        _check_process(options, lattice.skeleton)
+    assemblies.build(assembly, options, make, progress)
+    return True
+
+
+def _maker(options: argparse.Namespace) -> Make | None:
+    """Return what makes the struts that stand for beams; None for the beams as they are."""
+    if options.round:
+        return partial(round_struts, **round_options(options))
     cad = options.output.suffix.lower() in BREP_SUFFIXES
-    return options.product == "scaffold" and not cad and not any(given)
-
-
-def _build_assembly(assembly: Assembly, output: Path, progress: Progress) -> None:
-    """Write the solid of beams and of what is beside them in a 3MF file."""
-    beams = assembly.beam_count
-    _log.info(
-        "%s united with %s",
-        counted(beams, "beam is", "beams are"),
-        ", ".join(assembly.beyond_skeleton()),
-    )
-    with progress.stage("solid", beams, "struts"):
-        solid = assembly_solid(assembly)
-    with progress.stage("file", beams, "struts"):
-        write(solid, output)
-    _log.info("%s written", output)
+    given = [getattr(options, name) for name in (*SCAFFOLD_OPTIONS, "overlaps")]
+    return partial(scaffold_from, options) if cad or any(given) else None
 
 
 def scaffold_from(options: argparse.Namespace, skeleton: Skeleton) -> Scaffold:

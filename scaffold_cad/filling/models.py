@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Literal, TypeAlias, TypedDict, get_args
 
 from scaffold_cad.base.arguments import check_choice
-from scaffold_cad.base.arrays import Ints
 from scaffold_cad.errors import OptionError
-from scaffold_cad.scaffold import Scaffold, build_scaffold
-from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.products.models import Make
+from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.struts import Bend, Ends, Joints, Nodes, RoundStruts, round_struts
 from scaffold_cad.struts.options import Blend
 
@@ -18,12 +17,6 @@ if TYPE_CHECKING:
 
 Section: TypeAlias = Literal["square", "round"]
 """The section of struts."""
-
-Model: TypeAlias = "Scaffold | RoundStruts"
-"""What has a B-rep of a skeleton's struts."""
-
-Make: TypeAlias = Callable[[Skeleton], Model]
-"""What makes the struts of a skeleton."""
 
 
 class RoundOptions(TypedDict, total=False):
@@ -67,8 +60,3 @@ def maker(*, section: Section = "square", **options: Unpack[RoundOptions]) -> Ma
             f"{'it is' if len(options) == 1 else 'they are'}"
         )
     return lambda skeleton: build_scaffold(skeleton, collars=True)
-
-
-def overlapping(model: Model) -> Ints:
-    """Return the struts that are not known to keep apart from the others, ascending."""
-    return model.overlapping if isinstance(model, RoundStruts) else model.embedding().left_out

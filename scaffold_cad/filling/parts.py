@@ -16,7 +16,7 @@ from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 from scaffold_cad.filling.drains import drained
 from scaffold_cad.filling.fill import HasTriangles, as_region, fill
-from scaffold_cad.filling.models import Make, RoundOptions, maker
+from scaffold_cad.filling.models import RoundOptions, maker
 from scaffold_cad.lattice import CellMap, UnitCell
 from scaffold_cad.lattice.maps.grading import CellSize
 from scaffold_cad.lattice.registry import as_cell
@@ -27,6 +27,7 @@ from scaffold_cad.mesh.collapse import without_short_edges
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
+from scaffold_cad.products.models import Make
 from scaffold_cad.products.overlaps import to_unite
 from scaffold_cad.products.surfaces import triangles_of
 from scaffold_cad.skeleton import Skeleton

@@ -18,7 +18,7 @@ from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import BrepError, OptionError
 from scaffold_cad.filling.fill import as_region, struts_touching
-from scaffold_cad.filling.models import Make, Model, RoundOptions, Section, maker
+from scaffold_cad.filling.models import RoundOptions, Section, maker
 from scaffold_cad.filling.parts import NUDGE_DIRECTION
 from scaffold_cad.lattice import CellMap, UnitCell
 from scaffold_cad.lattice.maps.grading import CellSize
@@ -29,6 +29,7 @@ from scaffold_cad.mesh.nearest import NearestPlace
 from scaffold_cad.mesh.remeshing import evened
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.products.breps import to_brep
+from scaffold_cad.products.models import Make, Model
 from scaffold_cad.solid import manifolds, solidified
 from scaffold_cad.struts import RoundStruts, round_struts
 

@@ -15,6 +15,8 @@ from scaffold_cad.errors import FormatError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.subdivision import Subdivision
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.products.assembly import Assembly
+from scaffold_cad.products.assemblybreps import assembly_brep
 from scaffold_cad.products.breps import faces_of_struts, to_brep, union_of_scaffold
 from scaffold_cad.products.overlaps import Overlaps, to_unite
 from scaffold_cad.products.surfaces import surface_of
@@ -147,6 +149,8 @@ class Content:
             return self._scaled(self.what)
         if isinstance(self.what, Scaffold | RoundStruts):
             return self._scaled(to_brep(self.what, overlaps=self.overlaps or "refuse"))
+        if isinstance(self.what, Assembly):
+            return self._scaled(assembly_brep(self.what))
         patches = self.patches()
         if patches is None:
             raise FormatError(

@@ -16,7 +16,7 @@ from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import Keep
 from scaffold_cad.errors import OptionError
 from scaffold_cad.filling import fill
-from scaffold_cad.filling.models import Make, Model, maker
+from scaffold_cad.filling.models import maker
 from scaffold_cad.filling.parts import flush_box
 from scaffold_cad.filling.solids import filled_solid
 from scaffold_cad.lattice import CellMap, UnitCell
@@ -30,6 +30,7 @@ from scaffold_cad.parts.skeletonpart import (
 )
 from scaffold_cad.parts.stubs import without_overlapping_stubs
 from scaffold_cad.products.facets import faceted
+from scaffold_cad.products.models import Make, Model
 from scaffold_cad.products.overlaps import Overlaps
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid.manifolds import manifold_triangles

@@ -9,9 +9,10 @@ import numpy as np
 from build123d import BasePartObject, Mode, Plane, RigidJoint, Shape
 
 from scaffold_cad.base.arrays import Floats
-from scaffold_cad.filling.models import Model, SectionOptions
+from scaffold_cad.filling.models import SectionOptions
 from scaffold_cad.parts.booleans import Operation, check_boolean
 from scaffold_cad.products.breps import to_brep
+from scaffold_cad.products.models import Model
 from scaffold_cad.products.overlaps import Overlaps
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts import RoundStruts

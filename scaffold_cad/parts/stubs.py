@@ -13,7 +13,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import BrepError
-from scaffold_cad.filling.models import Make, Model, overlapping
+from scaffold_cad.products.models import Make, Model, overlapping
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts import RoundStruts
 

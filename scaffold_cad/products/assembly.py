@@ -12,11 +12,15 @@ from typing import TYPE_CHECKING
 from scaffold_cad.base.arguments import as_count, check_kind
 from scaffold_cad.base.arrays import Frozen
 from scaffold_cad.base.summaries import counted
-from scaffold_cad.errors import MeshError
+from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.products.models import Make, Model, overlapping
+from scaffold_cad.products.overlaps import Overlaps, to_unite
 from scaffold_cad.skeleton.beams import BUTT, BeamLattice
-from scaffold_cad.solid.beamsolids import beam_solid, solid_of_mesh, united
+from scaffold_cad.solid.beamsolids import beam_solid, solid_of_mesh, strut_solid, united
 from scaffold_cad.solid.rounds import SIDES
+from scaffold_cad.solid.solid import solidified
+from scaffold_cad.struts import RoundStruts
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -52,6 +56,11 @@ class Assembly(Frozen):
 
     def beyond_skeleton(self) -> list[str]:
         """Return in words what a skeleton of the beams does not keep; nothing if it keeps all."""
+        flat = sum(int((one.caps == BUTT).sum()) for one in self.lattices)
+        return [*self.beside_beams(), *([f"{counted(flat, 'flat end')} of beams"] if flat else [])]
+
+    def beside_beams(self) -> list[str]:
+        """Return in words what there is beside the beams: meshes, clipping and balls."""
         meshes = [*self.meshes, *(one.mesh for one in self.lattices if one.mesh is not None)]
         found = []
         if meshes:
@@ -67,30 +76,39 @@ class Assembly(Frozen):
         balls = sum(int((one.balls > 0).sum()) for one in self.lattices)
         if balls:
             found.append(counted(balls, "ball"))
-        flat = sum(int((one.caps == BUTT).sum()) for one in self.lattices)
-        if flat:
-            found.append(f"{counted(flat, 'flat end')} of beams")
         return found
 
 
 def assembly_solid(
-    assembly: Assembly, sides: int = SIDES, *, flat_joints: bool = False
+    assembly: Assembly,
+    sides: int = SIDES,
+    *,
+    flat_joints: bool = False,
+    make: Make | None = None,
+    overlaps: Overlaps = "unite",
 ) -> Manifold:
     """Return the solid of an assembly: all beams, clipped, and all meshes, united.
 
     Parameters
     ----------
-    sides : ≥ 4, of the beams, whose sections have the area of their circles
+    sides : ≥ 4, of the beams, whose sections have the area of their circles; a multiple of 4 for
+        round struts
     flat_joints : whether beams with flat ends (cap "butt") have them where they meet other beams
         too, as the letter of the standard has it: that leaves notches between them. By default
         only free ends are flat, and beams meet in spheres
+    make : what makes a RoundStruts or a Scaffold of a skeleton, such as `round_struts`, to stand
+        for the beams, with blends and ends as it gives them; by default beams are cones between
+        spheres, as the standard has them
+    overlaps : of what `make` makes, see `write`: "unite" or "refuse"
 
     Raises
     ------
     MeshError
         If a mesh is not closed, every union tried crosses itself, or nothing is left of it.
+    BrepError
+        If struts overlap and are refused.
     OptionError
-        If `sides` is less than 4.
+        If `sides` is less than 4, or `overlaps` is "allow".
     MissingBackendError
         If manifold3d is not installed.
 
@@ -102,12 +120,41 @@ def assembly_solid(
     >>> solid = assembly_solid(Assembly([BeamLattice(strut, caps="butt")]))
     >>> round(solid.volume(), 3)
     31.416
+
+    >>> from scaffold_cad import TriangleMesh, round_struts
+    >>> corners = [[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]]
+    >>> clip = TriangleMesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    >>> clipped = Assembly([BeamLattice(strut, clip=clip)])
+    >>> assembly_solid(clipped, make=round_struts).volume() < 31.416 / 4  # a quarter is inside
+    True
     """
     check_kind(assembly, Assembly)
     as_count(sides, "sides", least=4)
-    parts = [beam_solid(lattice, sides, flat_joints) for lattice in assembly.lattices]
+    if make is None:
+        parts = [beam_solid(lattice, sides, flat_joints) for lattice in assembly.lattices]
+    else:
+        parts = [_strut_solid(lattice, sides, make, overlaps) for lattice in assembly.lattices]
     parts += [solid_of_mesh(mesh) for mesh in assembly.meshes]
     solid = united([part for part in parts if not part.is_empty()]) if parts else None
     if solid is None or solid.is_empty():
         raise MeshError("nothing is left of the beams and meshes; need a solid")
     return solid
+
+
+def models_of(assembly: Assembly, make: Make) -> list[Model]:
+    """Return the struts that stand for each lattice's beams, whose skeleton is repaired before."""
+    return [make(lattice.skeleton.cleaned().skeleton) for lattice in assembly.lattices]
+
+
+def _strut_solid(lattice: BeamLattice, sides: int, make: Make, overlaps: Overlaps) -> Manifold:
+    """Return the solid of struts that stand for beams, clipped, and of what is beside them."""
+    if overlaps == "allow":
+        raise OptionError(
+            "overlaps is 'allow' for struts that are united with others; need 'unite' or 'refuse'"
+        )
+    (model,) = models_of(Assembly([lattice]), make)
+    if overlaps == "refuse":
+        to_unite(overlaps, overlapping(model), model.skeleton)
+    made = solidified(model, sides=sides if isinstance(model, RoundStruts) else None)
+    to_unite(overlaps, made.united_edges, model.skeleton)
+    return strut_solid(lattice, made.manifold, sides)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -44,15 +45,46 @@ def beam_solid(lattice: BeamLattice, sides: int, flat_joints: bool) -> Manifold:
     MissingBackendError
         If manifold3d is not installed.
     """
-    clip = None if lattice.clip is None else manifolds.to_manifold(lattice.clip)
-    mesh = None if lattice.mesh is None else manifolds.to_manifold(lattice.mesh)
+    solids = (manifolds.union([], _pieces(lattice, sides, flat_joints, turn)) for turn in TURNS)
+    return _first_clean(lattice, solids)
+
+
+def strut_solid(lattice: BeamLattice, struts: Manifold, sides: int) -> Manifold:
+    """Return what `beam_solid` does, with a solid of struts that is made already for the beams.
+
+    Parameters
+    ----------
+    lattice : its clip and its mesh are a TriangleMesh each, or None
+    struts : with the ends and nodes that they have; its balls are united with them
+    sides : of the balls' polygons
+
+    Raises
+    ------
+    MeshError
+        If a mesh is not closed, or every union tried crosses itself.
+    MissingBackendError
+        If manifold3d is not installed.
+    """
+    if not lattice.balls.any():
+        alone = lattice.clip is None and lattice.mesh is None
+        return struts if alone else _first_clean(lattice, [struts])
+    hulls = (_hulls(lattice.skeleton.nodes, lattice.balls, sides, turn) for turn in TURNS)
+    return _first_clean(lattice, (manifolds.union([struts], [*balls]) for balls in hulls))
+
+
+def _with_meshes(lattice: BeamLattice, beams: Manifold) -> Manifold:
+    """Return a solid of beams, cut by the lattice's clip, and united with its mesh."""
+    if lattice.clip is not None:
+        clip = manifolds.to_manifold(lattice.clip)
+        beams = beams ^ clip if lattice.clipping == "inside" else beams - clip
+    return beams if lattice.mesh is None else beams + manifolds.to_manifold(lattice.mesh)
+
+
+def _first_clean(lattice: BeamLattice, beams: Iterable[Manifold]) -> Manifold:
+    """Return the first solid of beams that has a clean surface with its meshes, or is empty."""
     fault: FaultySurfaceError | None = None
-    for turn in TURNS:
-        solid = manifolds.union([], _pieces(lattice, sides, flat_joints, turn))
-        if clip is not None:
-            solid = solid ^ clip if lattice.clipping == "inside" else solid - clip
-        if mesh is not None:
-            solid = solid + mesh
+    for each in beams:
+        solid = _with_meshes(lattice, each)
         if solid.is_empty():
             return solid
         try:
@@ -118,6 +150,11 @@ def _balls(lattice: BeamLattice, sides: int, flat_joints: bool, turn: float) -> 
         flat &= skeleton.valency[skeleton.edges] == 1
     rounded = np.where(flat, 0.0, skeleton.edge_radii)
     np.maximum.at(radii, skeleton.edges.reshape(-1), rounded.reshape(-1))
+    return _hulls(skeleton.nodes, radii, sides, turn)
+
+
+def _hulls(places: Points, radii: Floats, sides: int, turn: float) -> Points:
+    """Return the corners of a ball at each of the places (n, 3) whose radius is > 0, (k, p, 3)."""
     nodes = np.flatnonzero(radii > 0)
     angle = turn + GOLDEN_ANGLE * np.arange(len(nodes))
     unit = _unit_ball(sides)
@@ -129,8 +166,8 @@ def _balls(lattice: BeamLattice, sides: int, flat_joints: bool, turn: float) -> 
         ],
         axis=2,
     )
-    places: Points = skeleton.nodes[nodes, None] + radii[nodes, None, None] * turned
-    return places
+    corners: Points = places[nodes, None] + radii[nodes, None, None] * turned
+    return corners
 
 
 def _unit_ball(sides: int) -> Points:

@@ -8,10 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from scaffold_cad import BeamLattice, Skeleton, TriangleMesh, write
+from scaffold_cad import BeamLattice, Skeleton, TriangleMesh, build_scaffold, round_struts, write
+from scaffold_cad.brep import read_brep
 from scaffold_cad.cli import main
+from scaffold_cad.errors import BrepError, MeshError, OptionError
 from scaffold_cad.io import read_assembly, read_skeleton, read_triangles
 from scaffold_cad.products.assembly import Assembly, assembly_solid
+from scaffold_cad.products.assemblybreps import assembly_brep
 from scaffold_cad.skeleton.beams import CAPS
 from tests.io.test_threemf import SOLID, mesh, model, packed
 
@@ -47,6 +50,97 @@ def test_reported_files_have_the_right_volume_in_build_and_check_alike(
     built = read_triangles(tmp_path / "out.stl")
     assert built is not None
     assert built.signed_volume == pytest.approx(volume, rel=1e-3)
+
+
+@pytest.mark.parametrize(("name", "volume"), RIGHT.items(), ids=str)
+def test_reported_files_have_the_right_volume_with_round_struts_too(
+    shared_data: Path, tmp_path: Path, name: str, volume: float
+) -> None:
+    path = shared_data / "reported" / name
+    if not path.is_file():
+        pytest.skip(f"no {name} beside the repository")
+    built = {}
+    for nodes in ("sharp", "blend"):
+        out = tmp_path / f"{nodes}.stl"
+        assert main(["build", str(path), "--round", "--nodes", nodes, "-o", str(out)]) == 0
+        mesh = read_triangles(out)
+        assert mesh is not None
+        built[nodes] = mesh.signed_volume
+    assert built["sharp"] == pytest.approx(volume, rel=1e-3)  # no fillets
+    assert volume < built["blend"] < 1.015 * volume
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".3mf", ".obj", ".ply"])
+def test_plates_and_clipping_are_kept_with_round_struts_in_all_meshes(
+    tmp_path: Path, suffix: str
+) -> None:
+    clipped = BeamLattice(ROD, clip=cube(-5.0, 10.0), mesh=cube(20.0, 3.0))
+    write(Assembly([clipped], [cube(30.0, 2.0)]), tmp_path / "in.3mf")
+    out = tmp_path / f"out{suffix}"
+    options = ["--round", "--sides", "32"]
+    assert main(["build", str(tmp_path / "in.3mf"), *options, "-o", str(out)]) == 0
+    found = read_triangles(out)
+    assert found is not None
+    assert found.signed_volume == pytest.approx(5 * math.pi + 27 + 8, rel=1e-6)
+
+
+def test_hollow_struts_stay_hollow_where_they_are_cut() -> None:
+    lattice = BeamLattice(ROD, clip=cube(-5.0, 10.0))
+    solid = assembly_solid(
+        Assembly([lattice]), make=lambda rod: round_struts(rod, wall=0.25, ends="open")
+    )
+    assert solid.volume() == pytest.approx(5 * math.pi * (1 - 0.75**2), rel=1e-6)
+
+
+def test_square_struts_stand_for_beams_where_asked_for() -> None:
+    lattice = BeamLattice(ROD, clip=cube(-5.0, 10.0))
+    solid = assembly_solid(Assembly([lattice]), make=build_scaffold)
+    assert solid.volume() == pytest.approx(5 * 4)  # a square around the circle
+
+
+def test_balls_are_united_with_round_struts() -> None:
+    solid = assembly_solid(Assembly([BeamLattice(ROD, [2.0, 0.0])]), 48, make=round_struts)
+    within = math.sqrt(3)
+    height = 2 - within
+    cap = math.pi * height**2 * (6 - height) / 3
+    volume = 32 / 3 * math.pi - cap + math.pi * (10 - within)
+    assert solid.volume() == pytest.approx(volume, rel=2e-3)
+
+
+def test_clipping_and_balls_have_no_exact_faces_but_plane_ones(tmp_path: Path) -> None:
+    clipped = Assembly([BeamLattice(ELBOW, [0, 2, 0], clip=cube(-5.0, 20.0))])
+    match = r"clipped to what is inside of a mesh and have a ball of radius 2 mm at node 1, \[10, 0"
+    with pytest.raises(BrepError, match=match):
+        assembly_brep(clipped)
+    wanted = assembly_solid(clipped, make=round_struts).volume()
+    assert assembly_brep(clipped, overlaps="unite").volume == pytest.approx(wanted, rel=1e-6)
+    write(clipped, tmp_path / "in.3mf")
+    out = tmp_path / "out.step"
+    assert main(["build", str(tmp_path / "in.3mf"), "--round", "-o", str(out)]) == 2
+    options = ["--round", "--overlaps", "unite"]
+    assert main(["build", str(tmp_path / "in.3mf"), *options, "-o", str(out)]) == 0
+    (read,) = read_brep(out).solids()
+    assert read.is_valid
+    assert read.volume == pytest.approx(wanted, rel=1e-5)
+
+
+def test_a_plate_is_a_body_of_six_faces_beside_exact_struts(tmp_path: Path) -> None:
+    write(Assembly([BeamLattice(ROD)], [cube(-3.0, 6.0)]), tmp_path / "out.step")
+    struts, plate = read_brep(tmp_path / "out.step").solids()
+    assert struts.volume == pytest.approx(10 * math.pi)
+    assert plate.volume == pytest.approx(6**3)
+    assert [len(body.faces()) for body in (struts, plate)] == [3, 6]
+
+
+def test_meshes_that_bound_nothing_and_faces_that_cross_are_refused() -> None:
+    inverted = TriangleMesh(cube(0.0, 1.0).vertices, cube(0.0, 1.0).triangles[:, ::-1])
+    with pytest.raises(MeshError, match="volume of -1 mm³; need > 0"):
+        assembly_brep(Assembly([BeamLattice(ROD)], [inverted]))
+    with pytest.raises(OptionError, match="overlaps is 'allow' for struts that are united"):
+        assembly_solid(Assembly([BeamLattice(ROD)]), make=round_struts, overlaps="allow")
+    crossing = Skeleton([[0, 0, 0], [10, 0, 0], [5, -5, 0], [5, 5, 0]], [[0, 1], [2, 3]], 1.0)
+    with pytest.raises(BrepError, match="2 of 2 struts overlap"):
+        assembly_solid(Assembly([BeamLattice(crossing)]), make=round_struts, overlaps="refuse")
 
 
 @pytest.mark.parametrize(
@@ -143,7 +237,7 @@ def test_beams_alone_stay_a_skeleton_and_meshes_alone_a_mesh(tmp_path: Path) -> 
     assert not read_assembly(path).is_skeleton
 
 
-def test_what_is_beside_the_beams_is_told_and_left_out_of_a_cad_file(
+def test_what_is_beside_the_beams_is_told_and_a_body_of_its_own_in_a_cad_file(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     items = '<item objectid="1"/><item objectid="2"/>'
@@ -151,8 +245,12 @@ def test_what_is_beside_the_beams_is_told_and_left_out_of_a_cad_file(
     assert main(["info", path]) == 0
     assert "beside it      1 mesh of 4 triangles" in capsys.readouterr().out
     out = tmp_path / "out.step"
-    assert main(["build", path, "-o", str(out)]) == 0
-    assert "left out 1 mesh of 4 triangles" in capsys.readouterr().err
+    for options in ([], ["--round"]):
+        assert main(["build", path, *options, "-o", str(out)]) == 0
+        assert "a body beside 1 mesh of 4 triangles; --overlaps unite" in capsys.readouterr().err
+        bodies = read_brep(out).solids()
+        assert all(body.is_valid for body in bodies)
+        assert [len(body.faces()) for body in bodies][-1] == 4
     assert main(["build", path, "--strict", "-o", str(tmp_path / "out.stl")]) == 2
     assert "holds also 1 mesh of 4 triangles; need nothing" in capsys.readouterr().err
     assert len(read_skeleton(path).edges) == 2
