@@ -128,6 +128,15 @@ def as_points(
     return read_only(points)
 
 
+def place_text(point: Floats) -> str:
+    """Return a place, (3,), as messages have it.
+
+    >>> place_text(np.array([0.0, 1 / 3, 20000.0]))
+    '[0, 0.333333, 20000] mm'
+    """
+    return "[" + ", ".join(f"{value:.6g}" for value in point.tolist()) + "] mm"
+
+
 def as_radii(values: ArrayLike, name: str, count: int, places: Points | None = None) -> Radii:
     """Return a read-only copy of `values` as (count,) float64, all finite and > 0.
 
@@ -146,12 +155,12 @@ def as_radii(values: ArrayLike, name: str, count: int, places: Points | None = N
         raise SkeletonError(f"{name} has shape {radii.shape}; need ({count},), one a node")
     bad = np.flatnonzero(~(np.isfinite(radii) & (radii > 0)))
     if len(bad):
-        at = "" if places is None else f" at {np.round(places[bad[0]], 6).tolist()} mm"
+        at = "" if places is None else f" at {place_text(places[bad[0]])}"
         raise SkeletonError(f"node {bad[0]}{at} has radius {radii[bad[0]]:g} mm; need > 0")
     return read_only(radii)
 
 
-def as_edge_radii(values: ArrayLike, name: str, count: int) -> Floats:
+def as_edge_radii(values: ArrayLike, name: str, count: int, places: Points | None = None) -> Floats:
     """Return a read-only copy of `values` as (count, 2) float64, all finite and > 0.
 
     One number stands for all of them, and one a row, (count,), for both ends of an edge.
@@ -159,7 +168,8 @@ def as_edge_radii(values: ArrayLike, name: str, count: int) -> Floats:
     Raises
     ------
     SkeletonError
-        If the shape is wrong or a radius is not a finite number > 0; the edge is named.
+        If the shape is wrong or a radius is not a finite number > 0; the edge is named, and its
+        middle, where `places` (count, 3), mm, are given.
     """
     radii = as_floats(values, name)
     if radii.ndim == 0:
@@ -170,7 +180,8 @@ def as_edge_radii(values: ArrayLike, name: str, count: int) -> Floats:
         raise SkeletonError(f"{name} has shape {radii.shape}; need ({count}, 2), two an edge")
     bad = np.flatnonzero(~(np.isfinite(radii) & (radii > 0)).all(axis=1))
     if len(bad):
-        raise SkeletonError(f"edge {bad[0]} has radii {radii[bad[0]].tolist()} mm; need > 0")
+        at = "" if places is None else f" near {place_text(places[bad[0]])}"
+        raise SkeletonError(f"edge {bad[0]}{at} has radii {radii[bad[0]].tolist()} mm; need > 0")
     return read_only(radii)
 
 

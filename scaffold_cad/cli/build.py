@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 
 from scaffold_cad.base.arguments import as_number
-from scaffold_cad.base.arrays import Bools
+from scaffold_cad.base.arrays import Bools, place_text
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.brep import BREP_SUFFIXES
 from scaffold_cad.cli import assemblies, fields, processes, sizes, source, streams, tiled
@@ -295,14 +295,14 @@ def _report_widened(skeleton: Skeleton, collared: Bools) -> None:
     end = int(np.argmax(wide[edge]))
     node = skeleton.edges[edge, end]
     _log.warning(
-        "%d of %s widen to the radius of a node (edge %d: %.4g mm, node %d at %s mm: %.4g mm); "
+        "%d of %s widen to the radius of a node (edge %d: %.4g mm, node %d at %s: %.4g mm); "
         "--round keeps each strut's own radius, --collars that at branch points",
         len(edges),
         counted(len(skeleton.edges), "strut"),
         edge,
         own[edge, end],
         node,
-        np.round(skeleton.nodes[node], 6).tolist(),
+        place_text(skeleton.nodes[node]),
         skeleton.radii[node],
     )
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from scaffold_cad import brep
 from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arrays import place_text
 from scaffold_cad.errors import BrepError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.products.assembly import Assembly, assembly_solid, models_of
@@ -90,9 +91,9 @@ def _check_exact(lattice: BeamLattice) -> None:
         found.append(f"are clipped to what is {lattice.clipping} of a mesh")
     balls = np.flatnonzero(lattice.balls > HIDDEN * lattice.skeleton.radii)
     if len(balls):
-        place = ", ".join(f"{value:.6g}" for value in lattice.skeleton.nodes[balls[0]].tolist())
+        place = place_text(lattice.skeleton.nodes[balls[0]])
         found.append(
-            f"have a ball of radius {lattice.balls[balls[0]]:g} mm at node {balls[0]}, [{place}] mm"
+            f"have a ball of radius {lattice.balls[balls[0]]:g} mm at node {balls[0]}, {place}"
         )
     if found:
         raise BrepError(

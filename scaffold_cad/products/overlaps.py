@@ -11,7 +11,7 @@ import logging
 from typing import Literal, TypeAlias, get_args
 
 from scaffold_cad.base.arguments import check_choice
-from scaffold_cad.base.arrays import Ints
+from scaffold_cad.base.arrays import Ints, place_text
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import BrepError
 from scaffold_cad.skeleton import Skeleton
@@ -63,9 +63,8 @@ def described(edges: Ints, skeleton: Skeleton) -> str:
     place = skeleton.nodes[skeleton.edges[edges[0]]].mean(axis=0)
     named = ", ".join(str(edge) for edge in edges[:NAMED].tolist())
     more = "" if len(edges) <= NAMED else ", ..."
-    near = ", ".join(f"{value:.6g}" for value in place.tolist())
     return (
         f"{len(edges)} of {counted(len(skeleton.edges), 'strut')} "
         f"{'overlaps' if len(edges) == 1 else 'overlap'} others or their nodes "
-        f"(edges {named}{more}; the first near [{near}] mm)"
+        f"(edges {named}{more}; the first near {place_text(place)})"
     )

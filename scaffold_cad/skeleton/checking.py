@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.base.arguments import check_kind, checks_keywords
+from scaffold_cad.base.arrays import place_text
 from scaffold_cad.base.positions import single_steps
 from scaffold_cad.errors import MeshError, SkeletonError
 from scaffold_cad.skeleton.overlaps import overlapping_half_edges
@@ -35,7 +36,7 @@ def check_skeleton(skeleton: Skeleton) -> None:
     >>> check_skeleton(lonely)  # doctest: +ELLIPSIS
     Traceback (most recent call last):
     ...
-    scaffold_cad.errors.SkeletonError: node 2 has no edge; ...
+    scaffold_cad.errors.SkeletonError: node 2 at [5, 5, 5] mm has no edge; ...
     """
     check_kind(skeleton, Skeleton)
     nodes, edges = skeleton.nodes, skeleton.edges
@@ -45,40 +46,52 @@ def check_skeleton(skeleton: Skeleton) -> None:
     loops = np.flatnonzero(edges[:, 0] == edges[:, 1])
     if len(loops):
         edge, node = loops[0], edges[loops[0], 0]
-        raise SkeletonError(f"edge {edge} joins node {node} to itself; need two nodes ({hint})")
+        raise SkeletonError(
+            f"edge {edge} joins node {node} at {place_text(nodes[node])} to itself; need two nodes "
+            f"({hint})"
+        )
     isolated = np.flatnonzero(skeleton.valency == 0)
     if len(isolated):
-        raise SkeletonError(f"node {isolated[0]} has no edge; need at least one ({hint})")
+        at = place_text(nodes[isolated[0]])
+        raise SkeletonError(f"node {isolated[0]} at {at} has no edge; need at least one ({hint})")
     for first, second in _equal_rows(nodes):
-        place = nodes[second].tolist()
+        place = place_text(nodes[second])
         raise SkeletonError(
-            f"nodes {first} and {second} are both at {place} mm; need distinct places ({hint})"
+            f"nodes {first} and {second} are both at {place}; need distinct places ({hint})"
         )
+    middles = nodes[edges].mean(axis=1)
     short = np.flatnonzero(skeleton.lengths < LEAST_LENGTH)
     if len(short):
         found = skeleton.lengths[short[0]]
         raise SkeletonError(
-            f"edge {short[0]} is {found:g} mm long; need at least {LEAST_LENGTH:g} ({hint})"
+            f"edge {short[0]} near {place_text(middles[short[0]])} is {found:g} mm long; need at "
+            f"least {LEAST_LENGTH:g} ({hint})"
         )
     for first, second in _equal_rows(np.sort(edges, axis=1)):
         pair = edges[second].tolist()
         raise SkeletonError(
-            f"edges {first} and {second} both join nodes {pair}; need each edge once ({hint})"
+            f"edges {first} and {second} near {place_text(middles[first])} both join nodes {pair}; "
+            f"need each edge once ({hint})"
         )
     least = LEAST_RADIUS * float(np.abs(nodes).max())
-    for what, sizes in (("node", skeleton.radii), ("edge", skeleton.edge_radii.min(axis=1))):
+    for what, sizes, places in (
+        ("node", skeleton.radii, nodes),
+        ("edge", skeleton.edge_radii.min(axis=1), middles),
+    ):
         thin = np.flatnonzero(sizes < least)
         if len(thin):
             raise SkeletonError(
-                f"{what} {thin[0]} has radius {sizes[thin[0]]:g} mm; need {least:g} mm or more "
-                "this far from the origin, for rounding"
+                f"{what} {thin[0]} near {place_text(places[thin[0]])} has radius "
+                f"{sizes[thin[0]]:g} mm; need {least:g} mm or more this far from the "
+                "origin, for rounding"
             )
     overlaps = overlapping_half_edges(nodes, edges)
     if len(overlaps):
         node = edges.reshape(-1)[overlaps[0, 0]]
         first, second = (overlaps[0] >> 1).tolist()
         raise SkeletonError(
-            f"edges {first} and {second} leave node {node} in the same direction; "
+            f"edges {first} and {second} leave node {node} at "
+            f"{place_text(nodes[node])} in the same direction; "
             f"need more than 0.01 degrees between them ({hint})"
         )
 
@@ -111,9 +124,9 @@ def check_single_precision(skeleton: Skeleton, least: float = LEAST_STEPS) -> No
     if (radii >= needed).all():
         return
     edge = int(np.argmin(radii / needed))
-    near = ", ".join(f"{value:.6g}" for value in ends[edge].mean(axis=0).tolist())
+    near = place_text(ends[edge].mean(axis=0))
     raise MeshError(
-        f"edge {edge} near [{near}] mm has radius {radii[edge]:g} mm, where 32-bit coordinates, as "
+        f"edge {edge} near {near} has radius {radii[edge]:g} mm, where 32-bit coordinates, as "
         f"meshes in files have them, are {needed[edge] / least:g} mm apart; need "
         f"{needed[edge]:g} mm or more, a place nearer to the origin, or STEP"
     )

@@ -104,7 +104,8 @@ class Skeleton(Frozen, Shown, Editing):
             sizes = as_radii(radii, "radii", len(points), points)
             struts = sizes[pairs]
         else:
-            struts = as_edge_radii(edge_radii, "edge_radii", count=len(pairs))
+            middles = points[pairs].mean(axis=1)
+            struts = as_edge_radii(edge_radii, "edge_radii", len(pairs), middles)
             given = largest_at_nodes(pairs, struts, len(points)) if radii is None else radii
             sizes = as_radii(given, "radii", len(points), points)
         check_believable(points, "is at")

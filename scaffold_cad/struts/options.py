@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_number, check_choice
-from scaffold_cad.base.arrays import Floats, Ints, Points, as_floats, read_only
+from scaffold_cad.base.arrays import Floats, Ints, Points, as_floats, place_text, read_only
 from scaffold_cad.errors import OptionError
 
 Ends: TypeAlias = Literal["flat", "round", "open"]
@@ -135,6 +135,6 @@ def as_blend(blend: Blend | None, nodes: Points) -> float | Floats | None:
         raise OptionError(f"blend has shape {given.shape}; need one number, or ({len(nodes)},), mm")
     bad = np.flatnonzero(~(np.isfinite(given) & (given > 0)))
     if len(bad):
-        place = np.round(nodes[bad[0]], 6).tolist()
-        raise OptionError(f"blend of node {bad[0]} at {place} mm is {given[bad[0]]:g} mm; need > 0")
+        place = place_text(nodes[bad[0]])
+        raise OptionError(f"blend of node {bad[0]} at {place} is {given[bad[0]]:g} mm; need > 0")
     return read_only(given)

@@ -10,7 +10,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Triangles, UnitVectors
+from scaffold_cad.base.arrays import (
+    Bools,
+    Floats,
+    Frozen,
+    Ints,
+    Points,
+    Triangles,
+    UnitVectors,
+    place_text,
+)
 from scaffold_cad.brep.analytic import AnalyticBrep, Axes, BrepEdges, BrepFaces, Surface
 from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton
@@ -62,8 +71,9 @@ def sockets_of(
     outer, other = (skeleton.edge_radii.reshape(-1)[each] for each in (half, half ^ 1))
     lengths = skeleton.lengths[half >> 1]
     at_shoulder = outer + (other - outer) * np.minimum(depths / lengths, 1.0)
-    for node, radius, depth, length, size, inside in zip(
+    for node, place, radius, depth, length, size, inside in zip(
         nodes.tolist(),
+        [place_text(point) for point in skeleton.nodes[nodes]],
         radii.tolist(),
         depths.tolist(),
         lengths.tolist(),
@@ -73,18 +83,18 @@ def sockets_of(
     ):
         if not 0 < radius < size:
             raise OptionError(
-                f"the socket at node {node} has radius {radius:g} mm; need > 0 and less than the "
-                f"{size:g} mm of its strut"
+                f"the socket at node {node} at {place} has radius {radius:g} mm; need > 0 "
+                f"and less than the {size:g} mm of its strut"
             )
         if not 0 < depth < length:
             raise OptionError(
-                f"the socket at node {node} is {depth:g} mm deep; need > 0 and less than the "
-                f"{length:g} mm of its strut"
+                f"the socket at node {node} at {place} is {depth:g} mm deep; need > 0 "
+                f"and less than the {length:g} mm of its strut"
             )
         if abs(radius - inside) < 1e-6 * size:
             raise OptionError(
-                f"the socket at node {node} has the {radius:g} mm of the strut's inside, and so no "
-                "shoulder; need another radius"
+                f"the socket at node {node} at {place} has the {radius:g} mm of the strut's "
+                "inside, and so no shoulder; need another radius"
             )
     return Sockets(nodes, radii, depths)
 

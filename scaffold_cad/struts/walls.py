@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from scaffold_cad.base.arrays import Floats, Frozen
+from scaffold_cad.base.arrays import Floats, Frozen, place_text
 from scaffold_cad.base.vectors import dot, normalize
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.errors import OptionError
@@ -40,9 +40,10 @@ def without_wall(skeleton: Skeleton, wall: float, at_ends: Floats) -> Skeleton:
     thin = np.flatnonzero(skeleton.edge_radii.min(axis=1) <= across)
     if len(thin):
         radius = skeleton.edge_radii[thin[0]].min()
+        near = skeleton.nodes[skeleton.edges[thin[0]]].mean(axis=0)
         raise OptionError(
-            f"wall is {wall:g} mm, and edge {thin[0]} has radius {radius:g} mm; need a wall that "
-            "is thinner than each radius"
+            f"wall is {wall:g} mm, and edge {thin[0]} near {place_text(near)} has radius "
+            f"{radius:g} mm; need a wall that is thinner than each radius"
         )
     is_end = skeleton.valency[skeleton.edges] == 1  # (m, 2)
     cut = at_ends[skeleton.edges] * is_end

@@ -54,7 +54,7 @@ def test_names_directions_and_parallel_edges_do_no_harm() -> None:
         ({"pos": (0, 0, 0)}, "node 'a' has no 'radius'; need one, or radius= for all"),
         (
             {"pos": (0, 0, 0), "radius": -1},
-            r"node 0 at \[0.0, 0.0, 0.0\] mm has radius -1 mm; need > 0",
+            r"node 0 at \[0, 0, 0\] mm has radius -1 mm; need > 0",
         ),
         ({"pos": (0, 0, 0), "radius": "thick"}, "radii is not an array of numbers"),
     ],

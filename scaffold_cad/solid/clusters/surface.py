@@ -10,7 +10,7 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, place_text
 from scaffold_cad.base.blocks import CACHE, blocks
 from scaffold_cad.base.positions import in_single_precision
 from scaffold_cad.base.summaries import counted
@@ -169,11 +169,10 @@ def hollow(
         crossed[at_nodes[at_nodes >= 0]] = True
         core = core.with_nodes(crossed)
         sags = sags.smaller_at(places)
-    near = ", ".join(f"{value:.6g}" for value in places[0].tolist())
     raise MeshError(
         f"the wall of {struts.options.wall:g} mm crosses itself as triangles in {len(crossing)} "
-        f"places, the first near [{near}] mm; need a thicker wall, more sides, or larger angles "
-        "between struts"
+        f"places, the first near {place_text(places[0])}; need a thicker wall, more sides, or "
+        "larger angles between struts"
     )
 
 

@@ -6,7 +6,7 @@ import logging
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats
+from scaffold_cad.base.arrays import Floats, place_text
 from scaffold_cad.base.positions import single_steps
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -42,10 +42,10 @@ def report_thickened(struts: FieldStruts, factor: float = 1.0) -> None:
     wanted, got = struts.radii[thick].min(axis=1), held.radii[thick].min(axis=1) / factor  # (k,)
     worst = np.argmax(got / wanted)
     ends = struts.ends[thick[worst]]
-    near = ", ".join(f"{value:.6g}" for value in ends.mean(axis=0).tolist())
+    near = place_text(ends.mean(axis=0))
     _log.warning(
         "%s too thin for the coordinates of mesh files and made thicker: that near "
-        "[%s] mm has a radius of %.3g mm instead of %.3g mm, as 32-bit numbers are %.3g mm apart "
+        "%s has a radius of %.3g mm instead of %.3g mm, as 32-bit numbers are %.3g mm apart "
         "there and the whole is %.4g mm large",
         counted(len(thick), "strut is", "struts are"),
         near,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Ints, Points
+from scaffold_cad.base.arrays import Bools, Ints, Points, place_text
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.brep.analytic import (
     AnalyticBrep,
@@ -92,8 +92,7 @@ def _seamed(shape: SharpShape, seams: tuple[int, ...], place: Points) -> Seamed:
     try:
         return seamed(shape, seams)
     except BrepError as error:
-        near = ", ".join(f"{value:.6g}" for value in place.tolist())
-        raise BrepError(f"{error}, at the node at [{near}] mm") from None
+        raise BrepError(f"{error}, at the node at {place_text(place)}") from None
 
 
 def _add_node(

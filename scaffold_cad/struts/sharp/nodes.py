@@ -7,7 +7,7 @@ from itertools import combinations
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors, place_text
 from scaffold_cad.base.vectors import any_perpendicular, dot, normalize
 from scaffold_cad.errors import BrepError
 from scaffold_cad.skeleton import Skeleton
@@ -167,10 +167,9 @@ def check_made(runs: Runs, sharp: tuple[SharpNodes, ...]) -> None:
         missing[group.nodes] = False
     if missing.any():
         node = int(np.argmax(missing))
-        near = ", ".join(f"{value:.6g}" for value in runs.nodes[node].tolist())
         raise BrepError(
-            f"node {node} at [{near}] mm has no sharp surface that is proved; need "
-            "overlaps='unite', or nodes='blend'"
+            f"node {node} at {place_text(runs.nodes[node])} has no sharp surface that is proved; "
+            "need overlaps='unite', or nodes='blend'"
         )
 
 
