@@ -13,6 +13,14 @@ def dot(a: Floats, b: Floats) -> Floats:
     return products
 
 
+def leading_dot(a: Floats, b: Floats) -> Floats:
+    """Return the dot products of `a` and `b` (3, ...) along the first axis, shape (...)."""
+    products: Floats = a[0] * b[0]
+    products += a[1] * b[1]
+    products += a[2] * b[2]
+    return products
+
+
 def length(vectors: Floats) -> Floats:
     """Return the lengths of `vectors` (..., 3), shape (...)."""
     lengths: Floats = np.sqrt(dot(vectors, vectors))

@@ -26,13 +26,11 @@ from functools import cached_property
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
+from scaffold_cad.base.vectors import leading_dot
+from scaffold_cad.struts.needs import most_needed, nearby, of_many, of_two
 
 NEAR_AXIS = 1e-9
 """Part of the radius that points are taken to be away from an axis, where it has no normal."""
-SWEEPS = 6
-"""Steps in which the shares of normals in the way to the ball's center are found."""
-SAME_WAY = 1 - 1e-9
-"""Cosine between normals from which on they are taken to be the same."""
 LEAST_SLOPE = 0.1
 """Least length of the gradient that a step divides by: between struts it can vanish."""
 
@@ -59,7 +57,7 @@ class Planes(Frozen):
         """
         values = self.values
         if points is not self.points:
-            values = values + _dot(points - self.points, self.slopes)
+            values = values + leading_dot(points - self.points, self.slopes)
         if urge:
             values = np.where(values < 0, (1 + urge) * values, values)
         if lift is not None:
@@ -104,48 +102,70 @@ class Union(Frozen):
 
     def nearest(self, points: Floats) -> Floats:
         """Return the distance of `points` (3, M, S) to the union without fillets, (M, S)."""
-        distances, ball = self._distances(points, np.sqrt(_square(points)))
-        return np.asarray(np.minimum(distances.min(axis=0), ball))
+        return np.asarray(self._distances(points, np.sqrt(_square(points))).min(axis=0))
 
-    def excess(self, points: Floats, most: float) -> Floats:
-        """Return by how much `points` (3, M, S) are deeper in a strut or ball than allowed, (M, S).
-
-        That is in mm, and negative where they are not.
+    def _excess(self, every: Floats, size: Floats, most: float) -> Floats:
+        """Return by how much points are deeper in a strut or ball than allowed, (M, S).
 
         Parameters
         ----------
+        every : (N + 1, M, S) float64, see `_distances`
+        size : (M, S) float64, distances from the node
         most : depth that is allowed, over the radius of the strut
         """
-        size = np.sqrt(_square(points))
-        distances, ball = self._distances(points, size)
-        for distance, radii in zip(distances, self.radii.T, strict=True):
-            distance += most * radii[:, None]
-        nearest = distances.min(axis=0)
-        return np.asarray(-np.minimum(nearest, (1 - most) * ball + most * size))
+        nearest = (1 - most) * every[-1] + most * size
+        for distance, radii in zip(every, self.radii.T, strict=False):
+            np.minimum(nearest, distance + most * radii[:, None], out=nearest)
+        return np.asarray(-nearest)
 
     def deepest(self, points: Floats) -> Floats:
         """Return how deep `points` (3, M, S) are in a strut or ball, over its radius, (M, S)."""
-        size = np.sqrt(_square(points))
-        distances, _ = self._distances(points, size)
-        deepest = np.maximum(-(distances / self.radii.T[..., None]).min(axis=0), 0.0)
-        for strut in range(self.radii.shape[1]):
-            radius = self.radii[:, strut, None]
-            np.maximum(deepest, self.cosines[:, strut, None] - size / radius, out=deepest)
+        square = _square(points)
+        size = np.sqrt(square)
+        if self._is_straight:
+            deepest = 1 - np.sqrt(self._least_square(points, square))
+        else:
+            distances = self._distances(points, size)[:-1]
+            deepest = np.maximum(-(distances / self.radii.T[..., None]).min(axis=0), 0.0)
+            for strut in range(self.radii.shape[1]):
+                radius = self.radii[:, strut, None]
+                np.maximum(deepest, self.cosines[:, strut, None] - size / radius, out=deepest)
         balls = np.flatnonzero(self.balls > 0)
         deepest[balls] = np.maximum(deepest[balls], 1 - size[balls] / self.balls[balls, None])
         return np.asarray(deepest)
 
+    def _least_square(self, points: Floats, square: Floats) -> Floats:
+        """Return the least squared distance from an axis ahead, over its strut's radius, (M, S).
+
+        Parameters
+        ----------
+        points : (3, M, S) float64
+        square : (M, S) float64, their squared distance from the node
+        """
+        least = np.ones_like(square)
+        for strut, radii in enumerate(self.radii.T):
+            t = _along(points, self.directions[:, :, strut])
+            np.maximum(t, 0.0, out=t)  # behind the end: the ball, which is nearer than the cylinder
+            t *= t
+            np.subtract(square, t, out=t)
+            t *= 1 / radii[:, None] ** 2
+            np.minimum(least, t, out=least)
+        return np.asarray(np.maximum(least, 0.0, out=least))
+
     def value_and_slope(self, points: Floats) -> tuple[Floats, Floats]:
         """Return f at `points` (3, M, S), shape (M, S), and its gradient, (3, M, S)."""
         size = np.maximum(np.sqrt(_square(points)), 1e-150)
-        distances, ball = self._distances(points, size)
+        return self._filleted(points, self._distances(points, size))
+
+    def _filleted(self, points: Floats, distances: Floats) -> tuple[Floats, Floats]:
+        """Return f and its gradient where distances are those (N + 1, M, S)."""
         blends = self.blends[:, None]
         # Far from all struts f is the distance to the nearest one.
-        value = np.minimum(distances.min(axis=0), ball)
+        value = distances.min(axis=0)
         reach = np.maximum(blends, value + 1e-6 * blends)
-        every = np.concatenate([distances, ball[None]]).reshape(len(distances) + 1, -1)
+        every = distances.reshape(len(distances), -1)
         reach, value, flat = reach.reshape(-1), value.reshape(-1), points.reshape(3, -1)
-        near, other, count = _nearby(every, reach)
+        near, other, count = nearby(every, reach)
         row = np.repeat(np.arange(len(self.blends)), points.shape[2])
         slope = self._normals(flat, row, near)
 
@@ -154,22 +174,22 @@ class Union(Frozen):
         by_strut = every.reshape(-1)
         lack, second_lack = (far - by_strut[each * len(row) + two] for each in (one, second))
         normals = self._normals(_columns(flat, two), row[two], second)
-        norm, turned = _of_two(lack, second_lack, _columns(slope, two), normals)
+        norm, turned = of_two(lack, second_lack, _columns(slope, two), normals)
         _put(slope, two, turned)
         value[two] = far - norm
         for most in {3, int(count.max(initial=3))}:
             many = np.flatnonzero((count > 3) if most > 3 else (count == 3))
             if len(many) == 0:
                 continue
-            struts, lacks = _most_needed(_columns(every, many), reach[many], most)
+            struts, lacks = most_needed(_columns(every, many), reach[many], most)
             at, of = _columns(flat, many), row[many]
-            norm, turned = _of_many(lacks, np.stack([self._normals(at, of, k) for k in struts]))
+            norm, turned = of_many(lacks, np.stack([self._normals(at, of, k) for k in struts]))
             _put(slope, many, turned)
             value[many] = reach[many] - norm
-        return value.reshape(ball.shape), slope.reshape(points.shape)
+        return value.reshape(points.shape[1:]), slope.reshape(points.shape)
 
-    def _distances(self, points: Floats, size: Floats) -> tuple[Floats, Floats]:
-        """Return the distances to struts, (N, M, S), and to all balls, (M, S).
+    def _distances(self, points: Floats, size: Floats) -> Floats:
+        """Return the distances to struts, then to all balls, (N + 1, M, S).
 
         Behind the end of its cone a strut is a ball, and counts with the node's own.
 
@@ -178,11 +198,11 @@ class Union(Frozen):
         points : (3, M, S) float64
         size : (M, S) float64, their distance from the node
         """
-        distances = np.empty((self.radii.shape[1], *size.shape))
+        every = np.empty((self.radii.shape[1] + 1, *size.shape))
         ball = np.zeros_like(size) + np.where(self.balls > 0, self.balls, -np.inf)[:, None]
         square = size * size
         cosines = self.cosines
-        for strut, distance in enumerate(distances):
+        for strut, distance in enumerate(every[:-1]):
             radius = self.radii[:, strut, None]
             cosine = cosines[:, strut, None]
             t = _along(points, self.directions[:, :, strut])
@@ -199,8 +219,9 @@ class Union(Frozen):
                 distance *= cosine
                 distance -= t * sine + radius * cosine
             np.maximum(ball, np.where(is_behind, radius * cosine, -np.inf), out=ball)
-            distance += np.where(is_behind, np.inf, 0.0)
-        return distances, size - ball
+            np.copyto(distance, np.inf, where=is_behind)
+        np.subtract(size, ball, out=every[-1])
+        return every
 
     def _normals(self, points: Floats, row: Ints, strut: Ints) -> Floats:
         """Return the gradients of distances to a strut, or to the ball (N), of each point.
@@ -216,7 +237,7 @@ class Union(Frozen):
         """
         place = row * (self.radii.shape[1] + 1) + strut
         axis = _columns(self._axes, place)  # (3, P), 0 for the ball
-        across = points - _dot(points, axis) * axis
+        across = points - leading_dot(points, axis) * axis
         across /= np.sqrt(np.maximum(_square(across), 1e-300))
         if self._is_straight:
             return np.asarray(across)
@@ -244,6 +265,20 @@ class Union(Frozen):
     def planes_at(self, points: Floats) -> Planes:
         """Return f and its gradient at `points` (3, M, S)."""
         return Planes(points, *self.value_and_slope(points))
+
+    def planes_and_excess(self, points: Floats, most: float) -> tuple[Planes, Floats]:
+        """Return the planes at `points` (3, M, S), and by how much these are too deep, (M, S).
+
+        That is by how much they are deeper in a strut or ball than allowed, in mm, and negative
+        where they are not.
+
+        Parameters
+        ----------
+        most : depth that is allowed, over the radius of the strut
+        """
+        size = np.maximum(np.sqrt(_square(points)), 1e-150)
+        every = self._distances(points, size)
+        return Planes(points, *self._filleted(points, every)), self._excess(every, size, most)
 
     def projected(self, points: Floats, steps: int) -> Floats:
         """Return `points` (3, M, S) moved towards f = 0 by Newton steps along the gradient."""
@@ -290,102 +325,8 @@ def _put(rows: Floats, which: Ints, values: Floats) -> None:
         row[which] = new
 
 
-def _nearby(distances: Floats, reach: Floats) -> tuple[Ints, Ints, Ints]:
-    """Return two of the distances (n, P) below `reach` (P,), and how many there are, all (P,).
-
-    Where there is only one, it is the first of the two; where there are more, any two are.
-    """
-    count, total, square = (np.zeros(len(reach), dtype=np.int32) for _ in range(3))
-    for strut, distance in enumerate(distances):
-        is_near = distance < reach
-        count += is_near
-        total += np.multiply(is_near, strut, dtype=np.int32)
-        square += np.multiply(is_near, strut * strut, dtype=np.int32)
-    # Two numbers with a given sum and a given sum of squares; or one, and 0.
-    apart = np.sqrt(np.maximum(2 * square - total * total, 0)).astype(np.int32)
-    near = np.where(count == 1, total, (total + apart) >> 1)
-    near = np.minimum(near, len(distances) - 1)
-    return near.astype(np.intp), ((total - apart) >> 1).astype(np.intp), count.astype(np.intp)
-
-
-def _most_needed(distances: Floats, reach: Floats, most: int) -> tuple[Ints, Floats]:
-    """Return which of distances (n, P) are below `reach` (P,), and by how much, both (most, P).
-
-    Where fewer are, the first one stands for the rest, with needs of 0.
-    """
-    is_near = distances < reach
-    found = np.flatnonzero(is_near.T)
-    if len(found) == most * len(reach):  # as many at each point
-        struts = np.ascontiguousarray((found % len(distances)).reshape(-1, most).T)
-        places = struts * len(reach) + np.arange(len(reach))
-        return struts, reach - distances.reshape(-1)[places]
-    place = np.cumsum(is_near, axis=0) - 1
-    which, point = np.nonzero(is_near)
-    struts, needs = np.zeros((most, len(reach)), dtype=np.intp), np.zeros((most, len(reach)))
-    struts[place[which, point], point] = which
-    needs[place[which, point], point] = reach[point] - distances[which, point]
-    return struts, needs
-
-
-def _of_two(one: Floats, other: Floats, first: Floats, second: Floats) -> tuple[Floats, Floats]:
-    """Return |y| and its direction where two surfaces are near, (P,) and (3, P).
-
-    Parameters
-    ----------
-    one, other : (P,) float64, what distances lack
-    first, second : (3, P) float64, the normals
-    """
-    cosine = np.clip(_dot(first, second), 0.0, 1.0)
-    # The shares of both, up to a factor; where one is none the other's need is enough for both.
-    shares = np.maximum(one - cosine * other, 0.0), np.maximum(other - cosine * one, 0.0)
-    is_corner = (shares[0] > 0) & (shares[1] > 0) & (cosine < SAME_WAY)
-    sine = np.where(is_corner, np.sqrt(1 - cosine**2), 1.0)
-    norm = np.sqrt(one * shares[0] + other * shares[1]) / sine
-    norm = np.where(is_corner, norm, np.maximum(one, other))
-    parts = (
-        np.where(is_corner, share / (sine**2 * norm), is_more)
-        for share, is_more in zip(shares, (one >= other, one < other), strict=True)
-    )
-    return norm, next(parts) * first + next(parts) * second
-
-
-def _of_many(needs: Floats, normals: Floats) -> tuple[Floats, Floats]:
-    """Return |y| and its direction where n surfaces are near, (P,) and (3, P).
-
-    λ ≥ 0 makes e · λ / |y| greatest, e what each distance lacks; found by Gauss and Seidel's
-    steps, of which few are enough: |y| is wrong by the square of what λ is.
-
-    Parameters
-    ----------
-    needs : (n, P) float64, what distances lack
-    normals : (n, 3, P) float64
-    """
-    every = range(len(needs))
-    cosines = np.zeros((len(needs), *needs.shape))  # 0 on the diagonal
-    for i in every:
-        for j in range(i):
-            cosines[i, j] = cosines[j, i] = np.clip(_dot(normals[i], normals[j]), 0.0, 1.0)
-    # Rounding must not choose between equal needs.
-    shares = np.where(needs >= (1 - 1e-9) * needs.max(axis=0), needs, 0.0)
-    for _ in range(SWEEPS):
-        for i in every:
-            shares[i] = np.maximum(needs[i] - (cosines[i] * shares).sum(axis=0), 0.0)
-    rest = np.stack([(cosines[i] * shares).sum(axis=0) for i in every])
-    square = (shares * (shares + rest)).sum(axis=0)
-    norm = (needs * shares).sum(axis=0) / np.sqrt(np.maximum(square, 1e-300))
-    return norm, (shares[:, None] * normals).sum(axis=0) / norm
-
-
 def _square(points: Floats) -> Floats:
-    return _dot(points, points)
-
-
-def _dot(one: Floats, other: Floats) -> Floats:
-    """Return the dot products of vectors whose coordinates come first."""
-    product: Floats = one[0] * other[0]
-    product += one[1] * other[1]
-    product += one[2] * other[2]
-    return product
+    return leading_dot(points, points)
 
 
 def _along(points: Floats, axes: Floats) -> Floats:

@@ -14,6 +14,7 @@ from scaffold_cad.partition.certificate import corners_of
 from scaffold_cad.struts.blend import Solved, Stars
 from scaffold_cad.struts.collars import Collars, collars
 from scaffold_cad.struts.curves import share
+from scaffold_cad.struts.depths import misfit
 from scaffold_cad.struts.distances import Union
 from scaffold_cad.struts.evenness import phases
 from scaffold_cad.struts.fits import TypeFit
@@ -25,13 +26,6 @@ from scaffold_cad.struts.rows import Rings, given_rows, rings
 
 BEHIND = 0.3
 """How far a collar stands beyond the corners of its patches, in radii, where there is room."""
-CHECKED = 15
-"""Parts of a patch in either direction between which depths are measured, its rim included: the
-deepest places are often there."""
-LEAST_CHECKED = 7
-"""Least number of them in a piece."""
-MISFIT_STRIDE = 7
-"""Of how many of these the distance from the filleted union is measured at one: it costs most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +101,7 @@ def solve(turned: Turned, fitted: Collars, recipe: Recipe, begun: Solved | None 
         control = np.moveaxis(begun.control[own_order[0], turned.sides], -1, 0)
         wanted = _resampled(union, control, begun.layout, first)
     control = _fitted(union, given, wanted, turned, recipe)  # (3, m, 4 N, n_u, n_v)
-    misfit, depth = _errors(union, control, recipe.layout)
+    off = misfit(union, control, recipe.layout)
     control = np.moveaxis(control, 0, -1)
     proof = prove(pieces_of_patches(control, recipe.layout), fitted.distances, fitted.radii)
 
@@ -128,8 +122,8 @@ def solve(turned: Turned, fitted: Collars, recipe: Recipe, begun: Solved | None 
         proof.is_star_shaped,
         proof.solid_angle,
         proof.least_cosine,
-        misfit / stars.radii.min(axis=1),
-        depth,
+        off.distance / stars.radii.min(axis=1),
+        off.depth,
     )
 
 
@@ -245,9 +239,10 @@ def _settle(
             ahead = samples if before is None else samples + recipe.momentum * (samples - before)
             before = samples
             if planes is None or number % recipe.kept == 0:
-                planes = union.planes_at(ahead)
-                if stage.lifted:
-                    more = union.excess(ahead, AIM)
+                if not stage.lifted:
+                    planes = union.planes_at(ahead)
+                else:
+                    planes, more = union.planes_and_excess(ahead, AIM)
                     lift = np.maximum(more if lift is None else lift + more, 0.0)
             wanted = planes.reached(ahead, recipe.urge, lift)
             number += 1
@@ -271,38 +266,3 @@ def _resampled(union: Union, control: Floats, was: Layout, layout: Layout) -> Fl
     """Return samples for a layout of surfaces of another one, moved to the union, (3, m, S)."""
     samples = was.u.values_at(layout.at_u) @ (control @ was.v.values_at(layout.at_v).T)
     return union.projected(samples.reshape(3, control.shape[1], -1), 1)
-
-
-def _errors(union: Union, control: Floats, layout: Layout) -> tuple[Floats, Floats]:
-    """Return how far samples are from the filleted union, mm, and how deep in a strut, both (m,).
-
-    The depth is that over the strut's radius.
-    """
-    along_u, along_v = (
-        spline.values_at(np.linspace(0.0, 1.0, 1 + max(CHECKED, LEAST_CHECKED * spline.pieces)))
-        for spline in (layout.u, layout.v)
-    )
-    grid = along_u @ (control @ along_v.T)  # (3, m, 4 N, a, b)
-    points = grid.reshape(3, control.shape[1], -1)
-    value, gradient = union.value_and_slope(points[..., ::MISFIT_STRIDE])
-    size = np.sqrt(np.maximum((gradient**2).sum(axis=0), 0.01))
-    deepest = _peaks(union.deepest(points).reshape(grid.shape[1:]))
-    return np.abs(value / size).max(axis=1), deepest.max(axis=(1, 2, 3))
-
-
-def _peaks(values: Floats) -> Floats:
-    """Return what `values` (m, patches, a, b) come to near each point of their grids.
-
-    Where one is a peak along a line of the grid, it is that of the parabola through it and its
-    neighbors.
-    """
-    around = np.pad(values, ((0, 0), (0, 0), (1, 1), (1, 1)), mode="reflect")
-    found = values.copy()
-    for before, after in (
-        (around[..., :-2, 1:-1], around[..., 2:, 1:-1]),
-        (around[..., 1:-1, :-2], around[..., 1:-1, 2:]),
-    ):
-        bend = 2 * values - before - after
-        is_peak = (values >= before) & (values >= after) & (bend > 0)
-        found += np.where(is_peak, (after - before) ** 2 / (8 * np.where(is_peak, bend, 1.0)), 0.0)
-    return found

@@ -23,7 +23,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen
 from scaffold_cad.base.blocks import CACHE, blocks
-from scaffold_cad.base.vectors import dot
+from scaffold_cad.base.vectors import dot, leading_dot
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.struts.quarter import DEGREE
 
@@ -91,11 +91,11 @@ def _patches(control: Floats) -> tuple[Bools, Floats, Floats]:
     slope_u = _SLOPES @ along_v
     slope_v = _VALUES @ (points @ _SLOPES.T)
     normals = _cross(slope_u, slope_v)
-    values = _dot(surface, normals)
-    size = np.sqrt(_dot(surface, surface))
-    across = np.sqrt(np.maximum(_dot(normals, normals), 1e-300))
+    values = leading_dot(surface, normals)
+    size = np.sqrt(leading_dot(surface, surface))
+    across = np.sqrt(np.maximum(leading_dot(normals, normals), 1e-300))
     cosine = (values / (size * across)).min(axis=(1, 2))
-    angle = _WEIGHTS @ (values / size**3) @ _WEIGHTS
+    angle = _WEIGHTS @ (values / (size * size * size)) @ _WEIGHTS
     coefficients = _TO_BERNSTEIN @ values @ _TO_BERNSTEIN.T
     return _positive(coefficients, _margins(control)), np.asarray(angle), cosine
 
@@ -137,12 +137,6 @@ def _cross(a: Floats, b: Floats) -> Floats:
     return np.stack(
         [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
     )
-
-
-def _dot(a: Floats, b: Floats) -> Floats:
-    """Return the dot products of vectors whose coordinates come first."""
-    products: Floats = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-    return products
 
 
 def _quadrature() -> Floats:

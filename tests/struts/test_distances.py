@@ -120,7 +120,7 @@ def test_excess_is_how_much_deeper_than_allowed_points_are(ball: float) -> None:
     field = union(TRIPOD, 1.0, 0.0, ball)
     points = normalize(RNG.normal(size=(200, 3))).T[:, None] * RNG.uniform(0.5, 3.0, 200)
     depth = field.deepest(points)
-    excess = field.excess(points, 0.1)
+    _, excess = field.planes_and_excess(points, 0.1)
     assert ((excess > 1e-9) == (depth > 0.1 + 1e-9)).all()
     if ball == 0:  # else depths are over one of two radii
         inside = depth > 0
