@@ -127,6 +127,8 @@ class Solved(Frozen):
     """Least cosine between the normal and the direction from the node at samples, (U,)."""
     misfit: Floats
     """Greatest distance of samples from the filleted union, over the least radius, (U,)."""
+    bulge: Floats
+    """Greatest distance of samples outside it, over the least radius, shape (U,)."""
     depth: Floats
     """Greatest depth of samples inside a strut or the ball, over its radius, shape (U,)."""
 

@@ -123,6 +123,7 @@ def solve(turned: Turned, fitted: Collars, recipe: Recipe, begun: Solved | None 
         proof.solid_angle,
         proof.least_cosine,
         off.distance / stars.radii.min(axis=1),
+        off.bulge / stars.radii.min(axis=1),
         off.depth,
     )
 

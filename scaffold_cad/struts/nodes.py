@@ -23,14 +23,16 @@ from scaffold_cad.struts.collars import LEAST_BLEND, Collars, collar_distances
 from scaffold_cad.struts.evenness import even
 from scaffold_cad.struts.fitting import Turned, collars_of, solve, union_of
 from scaffold_cad.struts.joins import types_of
-from scaffold_cad.struts.recipes import FINER, MOST_DEPTH, RECIPES, ROUGH, Recipe
+from scaffold_cad.struts.recipes import FINER, MOST_BULGE, MOST_DEPTH, RECIPES, ROUGH, Recipe
 
 SAMPLE_BYTES = 64
 """What a sample of a blend takes where it is treated."""
 STAR_BYTES = 2048
 """What a partition takes where its vertices are moved."""
-UNPROVED = 1e3
-"""What not to be proved counts when the best recipe is chosen, as a depth."""
+UNPROVED = 1e6
+"""What not to be proved counts when the best recipe is chosen, as a bulge."""
+DEEP = 1e4
+"""What a depth that is too much counts there, over the radius: more than any bulge."""
 ROOM = 1e-9
 """Part of a radius that room for collars is rounded to: it is found by bisection."""
 MOST_ROOM = 1e6
@@ -82,7 +84,7 @@ def blends(stars: Stars, recipes: Iterable[Recipe] = RECIPES) -> tuple[Blends, .
         found = _solved(own[open_nodes], fitted[recipe.swell][open_nodes], recipe)
         best.take(open_nodes, found)
         _refine(best, own, fitted[recipe.swell], recipe, open_nodes, found)
-        open_nodes = open_nodes[~best.shallow[open_nodes] & found.has_room]
+        open_nodes = open_nodes[~best.good[open_nodes] & found.has_room]
         if trial == 0:
             open_nodes = open_nodes[~_narrow(own[open_nodes])]
     return tuple(_grouped(stars, first, shape_of, best))
@@ -103,10 +105,10 @@ def _with_room(best: _Best, own: Stars, fitted: Collars, recipe: Recipe, rows: I
 def _refine(
     best: _Best, own: Stars, fitted: Collars, recipe: Recipe, rows: Ints, found: Solved
 ) -> None:
-    """Try to lift blends (k) of the nodes `rows` (k,) that are proved but deep inside a strut."""
+    """Try to better blends (k) of the nodes `rows` (k,) that are proved but not good."""
     for stage in FINER:
-        is_deep = found.proved & found.has_room & ~best.shallow[rows]
-        rows, found = rows[is_deep], found[np.flatnonzero(is_deep)]
+        is_off = found.proved & found.has_room & ~best.good[rows]
+        rows, found = rows[is_off], found[np.flatnonzero(is_off)]
         if len(rows):
             finer = replace(recipe, stages=(stage,), kept=1)
             best.take(rows, _solved(own[rows], fitted[rows], finer, found))
@@ -130,13 +132,14 @@ class _Best:
         return np.asarray(self._score < UNPROVED)
 
     @property
-    def shallow(self) -> Bools:
-        """Whether it is nowhere deep inside a strut as well, shape (U,)."""
-        return np.asarray(self._score <= MOST_DEPTH)
+    def good(self) -> Bools:
+        """Whether it is nowhere deep inside a strut or far outside as well, shape (U,)."""
+        return np.asarray(self._score <= MOST_BULGE)
 
     def take(self, rows: Ints, found: Solved) -> None:
         """Take those of the blends (k) of nodes `rows` (k,) that are better."""
-        value = np.where(found.proved, 0.0, UNPROVED) + np.maximum(found.depth, MOST_DEPTH)
+        value = found.bulge + np.where(found.proved, 0.0, UNPROVED)
+        value += np.where(found.depth > MOST_DEPTH, DEEP * found.depth, 0.0)
         better = value < self._score[rows]
         self.which[rows[better]], self.place[rows[better]] = len(self.found), np.flatnonzero(better)
         self._score[rows[better]] = value[better]

@@ -81,7 +81,8 @@ RECIPES = (
     Recipe((Stage(WHOLE, STIFF),), 0.15, pinch=1.0, swell=1.6),
     Recipe((Stage(CUT, COARSE),), 0.15, pinch=1.0, swell=1.6),
 )
-"""Tried in this order, each for the nodes that the ones before left unproved or deep inside."""
+"""Tried in this order, each for the nodes that the ones before left unproved, deep inside or
+bulging."""
 
 ROUGH = (Stage(WHOLE, ((1e-3, 2),)),)
 """What is done where nothing has room."""
@@ -91,12 +92,14 @@ FINER = (
     Stage(Layout(2, 4, 5), ((1e-5, 8),), lifted=True),
     Stage(Layout(4, 4, 4), ((3e-5, 16),), lifted=True),
 )
-"""What is tried in turn for blends that are proved but deep inside a strut, each beginning with
-them. The patch of a thin strut beside thick ones is long and has its fillet at one end: one
+"""What is tried in turn for blends that are proved but deep inside a strut or bulge, each beginning
+with them. The patch of a thin strut beside thick ones is long and has its fillet at one end: one
 polynomial along it cuts into the strut on the way. Soft patches have the best fit but fold first.
 """
 
 MOST_DEPTH = 0.02
 """Depth inside a strut, over its radius, above which more is tried."""
+MOST_BULGE = 0.2
+"""Distance outside the filleted union, over the least radius, above which more is tried."""
 AIM = 0.006
 """Such a depth to which samples are lifted: between them it is more."""

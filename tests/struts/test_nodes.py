@@ -258,3 +258,32 @@ def test_a_proved_blend_that_cuts_deep_into_a_strut_is_not_sound() -> None:
     deep = replace(found.shapes, depth=np.array([0.2]))
     assert deep.proved.all()
     assert not deep.sound.any()
+
+
+# Proved and nowhere deep by the first recipe, which leaves them a third of their thinnest strut
+# outside the filleted union.
+BULGING = {
+    "two beside a thick one": (
+        [[-0.92, 0.28, -0.27], [0.52, 0.85, 0.12], [-0.12, 0.93, 0.34], [-0.51, -0.17, 0.84]],
+        [0.54, 0.56, 0.96, 0.55],
+    ),
+    "a thick one opposite": (
+        [[-0.66, -0.13, -0.74], [0.69, 0.15, 0.71], [0.52, -0.4, 0.76], [0.19, -0.91, 0.37]],
+        [0.65, 0.54, 0.26, 0.29],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BULGING)
+def test_struts_of_mixed_radii_do_not_bulge_where_another_recipe_is_better(name: str) -> None:
+    directions, radii = (np.array(each) for each in BULGING[name])
+    stars = stars_of(directions, radii, blends=0.6 * radii.mean())
+    (found,) = blends(stars)
+    assert found.proved.all()
+    assert found.shapes.depth[0] <= 0.02
+    union = union_of(stars, found.shapes.rho)
+    points = np.moveaxis(evaluated(found, 0, 0), -1, 0).reshape(3, 1, -1)
+    value, gradient = union.value_and_slope(points)
+    away = value / np.maximum(np.linalg.norm(gradient, axis=0), 0.1)
+    assert away.max() < 0.1 * radii.min()
+    assert found.shapes.bulge[0] < 0.1
