@@ -25,9 +25,14 @@ from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import to_solid
 from scaffold_cad.struts import RoundStruts, round_struts
 from tests.benchmarks import large, peers
+from tests.struts.stars import random_stars
 
 LAYER = 0.04
 """Thickness of layers, mm."""
+
+SEED = 1
+STAR_LENGTH = 12.0
+"""Length of the struts of random stars, mm: of radii about 1."""
 
 BOX = np.array([[0.0, 0.0, 0.0], [100.0, 100.0, 100.0]])
 
@@ -53,6 +58,22 @@ def octet(count: int) -> Skeleton:
 
 def foam() -> Skeleton:
     return voronoi_foam(1005, BOX, 0.7)
+
+
+def stars(count: int, valency: int, spread: float) -> Skeleton:
+    """Return random stars apart from each other, with radii between 1 / `spread` and `spread`."""
+    rng = np.random.default_rng(SEED)
+    directions = random_stars(count, valency, 30.0, rng)  # (count, N, 3)
+    centers = STAR_LENGTH * 3 * np.stack([np.arange(count), np.zeros(count), np.zeros(count)], 1)
+    ends = centers[:, None] + STAR_LENGTH * directions
+    nodes = np.concatenate([centers, ends.reshape(-1, 3)])
+    edges = [np.repeat(np.arange(count), valency), count + np.arange(count * valency)]
+    radii = np.exp(rng.uniform(-np.log(spread), np.log(spread), count * valency))
+    return Skeleton(nodes, np.stack(edges, axis=1), np.ones(len(nodes)), edge_radii=radii)
+
+
+def blends_of_stars(skeleton: Skeleton) -> None:
+    round_struts(skeleton)
 
 
 def scaffold(skeleton: Skeleton) -> None:
@@ -137,6 +158,24 @@ ROWS = [
     Row("valid solid, foam", foam, solid, 10.0, UNION, "manifold3d"),
     Row("round solid, BCC 10³", lambda: bcc(10), round_solid, 0.8, UNION, "manifold3d"),
     Row("round solid, octet 8³", lambda: octet(8), round_solid, 2.0, UNION, "manifold3d"),
+    *(
+        Row(
+            f"blends, N = {valency}, {kind} radii",
+            partial(stars, 1000, valency, spread),
+            blends_of_stars,
+            aim,
+            UNION,
+            "manifold3d",
+            count=1000,
+            unit="nodes",
+        )
+        for valency, kind, spread, aim in (
+            (4, "equal", 1.0, 1.0),
+            (4, "mixed", 2.0, 2.0),
+            (6, "equal", 1.0, 5.0),
+            (6, "mixed", 2.0, 8.0),
+        )
+    ),
     Row("STEP, BCC 1³", lambda: bcc(1), step, 0.2, FUSE, "build123d"),
     Row("STEP, BCC 3³", lambda: bcc(3), step, 1.0),
     Row("STEP, BCC 6³", lambda: bcc(6), step, 6.0),
