@@ -88,7 +88,7 @@ def of_many(needs: Floats, normals: Floats) -> tuple[Floats, Floats]:
     normals : (n, 3, P) float64
     """
     every = range(len(needs))
-    cosines = np.zeros((len(needs), *needs.shape))  # 0 on the diagonal
+    cosines = np.empty((len(needs), *needs.shape))  # without the diagonal
     for i in every:
         for j in range(i):
             cosines[i, j] = cosines[j, i] = np.clip(leading_dot(normals[i], normals[j]), 0.0, 1.0)
@@ -96,8 +96,17 @@ def of_many(needs: Floats, normals: Floats) -> tuple[Floats, Floats]:
     shares = np.where(needs >= (1 - 1e-9) * needs.max(axis=0), needs, 0.0)
     for _ in range(SWEEPS):
         for i in every:
-            shares[i] = np.maximum(needs[i] - (cosines[i] * shares).sum(axis=0), 0.0)
-    rest = np.stack([(cosines[i] * shares).sum(axis=0) for i in every])
+            np.maximum(needs[i] - _of_others(i, cosines, shares), 0.0, out=shares[i])
+    rest = np.stack([_of_others(i, cosines, shares) for i in every])
     square = (shares * (shares + rest)).sum(axis=0)
     norm = (needs * shares).sum(axis=0) / np.sqrt(np.maximum(square, 1e-300))
     return norm, (shares[:, None] * normals).sum(axis=0) / norm
+
+
+def _of_others(which: int, cosines: Floats, shares: Floats) -> Floats:
+    """Return the sum of the other shares (n, P) times their cosines (n, n, P), shape (P,)."""
+    first, *others = (k for k in range(len(shares)) if k != which)
+    total: Floats = cosines[which, first] * shares[first]
+    for k in others:
+        total += cosines[which, k] * shares[k]
+    return total
