@@ -292,7 +292,7 @@ def test_a_plane_ring_has_no_twist_and_plane_sides() -> None:
             Skeleton([[0, 0, 0], [1, 0, 0], [5, 5, 5]], [[0, 1]], 1.0),
             r"node 2 at \[.*\] mm has no edge; need at least one \(use Skeleton.cleaned\(\)",
         ),
-        (star([[10, 0, 0], [20, 0, 0], [0, 10, 0]]), r"leave node 0 at \[.*\] mm in the same direction"),
+        (star([[10, 0, 0], [20, 0, 0], [0, 10, 0]]), r"leave node 0 at \[.*\] mm in the"),
     ],
 )
 def test_a_skeleton_that_cannot_be_scaffolded_is_refused(skeleton: Skeleton, message: str) -> None:

@@ -87,7 +87,7 @@ def test_walls_of_cones_are_as_thick_across_the_cone() -> None:
     assert struts.inner is not None
     lean = np.hypot(1, 0.6)
     assert struts.inner.runs.radii == pytest.approx(np.array([[8 - lean, 2 - lean]]))
-    with pytest.raises(OptionError, match=r"edge 0 near \[.*\] mm has radius 2 mm; need a wall that is thinner"):
+    with pytest.raises(OptionError, match=r"edge 0 near \[.*\] mm has radius 2 mm; need a wall"):
         round_struts(funnel, wall=1.9)
 
 
@@ -118,7 +118,9 @@ def test_a_hollow_node_is_one_valid_solid(ends: Ends, shells: int) -> None:
 
 
 def test_a_wall_as_thick_as_a_strut_is_refused() -> None:
-    with pytest.raises(OptionError, match=r"wall is 5 mm, and edge 0 near \[.*\] mm has radius 5 mm; need a wall"):
+    with pytest.raises(
+        OptionError, match=r"wall is 5 mm, and edge 0 near \[.*\] mm has radius 5 mm"
+    ):
         round_struts(TUBE, wall=5.0)
 
 
