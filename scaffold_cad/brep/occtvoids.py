@@ -7,11 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+import numpy as np
 from build123d import Kind, Shape, Solid
 from OCP.BRep import BRep_Builder
 from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
 from OCP.BRepClass3d import BRepClass3d
 from OCP.ShapeAnalysis import ShapeAnalysis_ShapeTolerance
+from OCP.ShapeUpgrade import ShapeUpgrade_ShapeDivideAngle
 from OCP.TopoDS import TopoDS_Solid
 
 try:  # OCP 8, of build123d 0.13
@@ -24,10 +26,17 @@ LOOSEST = 1e-3
 meet it sets a larger one, and booleans of these go wrong, or end the process."""
 
 
+SECTOR = np.pi / 2
+"""Greatest angle that a curved face goes around, rad. On whole cylinders and spheres, with a seam
+and hundreds of holes where struts meet them, OCCT's booleans lose pieces, and its integrals of
+volume are off."""
+
+
 def moved_inwards(solid: Solid, distance: float) -> list[Solid]:
     """Return what OCCT makes of a solid whose faces are moved inwards, in the order to be tried.
 
-    Where faces meet in an inner corner they are extended first, and joined by rounds second.
+    Where faces meet in an inner corner they are extended first, and joined by rounds second. Faces
+    that go around an axis are parted in sectors.
     """
     found = []
     for kind in (Kind.INTERSECTION, Kind.ARC):
@@ -37,8 +46,16 @@ def moved_inwards(solid: Solid, distance: float) -> list[Solid]:
             continue
         loosest = ShapeAnalysis_ShapeTolerance().Tolerance(inner.wrapped, 1)
         if len(inner.solids()) == 1 and inner.is_valid and loosest <= LOOSEST:
-            found.append(inner.solids()[0])
+            found.append(_in_sectors(inner.solids()[0]))
     return found
+
+
+def _in_sectors(solid: Solid) -> Solid:
+    """Return a solid whose curved faces are parted in sectors; as it is where OCCT fails."""
+    divided = ShapeUpgrade_ShapeDivideAngle(SECTOR, solid.wrapped)
+    divided.Perform()
+    solids = Shape.cast(divided.Result()).solids()
+    return solids[0] if len(solids) == 1 and solids[0].is_valid else solid
 
 
 def without(solid: Solid, tools: Iterable[Shape]) -> list[Solid]:

@@ -89,9 +89,10 @@ def lattice_solid(
 ) -> Solid:
     """Return `body` with a skin, and a lattice for its inside, as one build123d solid.
 
-    Its faces are those of the body, the same moved inwards by the skin, and those of the struts:
-    round ones are true cylinders up to where they meet the skin. It can be written as STEP. OCCT
-    takes some 20 to 30 ms a strut. Where it fails, `lattice_part` makes the same of triangles.
+    Its faces are those of the body, the same moved inwards by the skin, whole cylinders and the
+    like in quarters, and those of the struts: round ones are true cylinders up to where they meet
+    the skin. It can be written as STEP. OCCT takes some 20 to 35 ms a strut. Where it fails,
+    `lattice_part` makes the same of triangles.
 
     Parameters
     ----------
