@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_real, checks_keywords
+from scaffold_cad.base.arguments import as_real, check_choice, checks_keywords
 from scaffold_cad.base.arrays import as_floats
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import BoxRegion, Region
@@ -16,7 +16,7 @@ from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 from scaffold_cad.filling.drains import drained
 from scaffold_cad.filling.fill import HasTriangles, as_region, fill
-from scaffold_cad.filling.models import RoundOptions, maker
+from scaffold_cad.filling.models import RoundOptions, Section, maker
 from scaffold_cad.lattice import CellMap, UnitCell
 from scaffold_cad.lattice.maps.grading import CellSize
 from scaffold_cad.lattice.registry import as_cell
@@ -32,7 +32,7 @@ from scaffold_cad.products.overlaps import to_unite
 from scaffold_cad.products.surfaces import triangles_of
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import clean_surface, manifolds, solidified
-from scaffold_cad.solid.rounds import check_sides
+from scaffold_cad.solid.rounds import SIDES, check_sides
 from scaffold_cad.solid.skins import inside_of
 from scaffold_cad.struts import round_struts
 
@@ -75,7 +75,8 @@ def lattice_part(
     radius: Radius,
     *,
     skin: float | None = None,
-    sides: int = 4,
+    section: Section | None = None,
+    sides: int | None = None,
     drain: float | None = None,
     drain_places: ArrayLike | None = None,
     **options: Unpack[RoundOptions],
@@ -96,7 +97,9 @@ def lattice_part(
     radius : of the struts, mm; one number, or a function of positions (n, 3) that returns (n,)
     skin : thickness of the closed wall at the body's surface, mm; none by default. Where the body
         is more tightly curved than that, making it takes some 3 ms a triangle
-    sides : of the struts: 4 for square ones, 8 or another multiple of 4 for round ones
+    section : of the struts, "square" or "round"; by default as `sides` say, else square
+    sides : of the struts: 4 for square ones, 8 or another multiple of 4 for round ones; by default
+        16 where the section is round
     drain : diameter of holes through the skin, mm, for powder and resin to get out; none by
         default
     drain_places : where the holes are, on or near the surface, (k, 3), mm; by default two for each
@@ -130,6 +133,7 @@ def lattice_part(
         raise OptionError("drain holes are given without a skin; need one")
     if drain is None and drain_places is not None:
         raise OptionError("drain_places are given without drain, their diameter; need it")
+    sides = _sides(section, sides)
     make = _maker(sides, options)
     surface, outer = _sound(triangles_of(body))
     region = as_region(surface)
@@ -248,6 +252,20 @@ def _sound(mesh: TriangleMesh) -> tuple[TriangleMesh, Manifold]:
     united = manifolds.union([manifolds.to_manifold(one) for one in bodies], [])
     _log.info("%d parts of the body overlap; they are united", len(bodies))
     return manifolds.manifold_triangles(united), united
+
+
+def _sides(section: Section | None, sides: int | None) -> int:
+    """Return how many sides struts of a section have; 4 are square."""
+    if section is None:
+        return 4 if sides is None else sides
+    check_choice(section, "section", get_args(Section))
+    found = (4 if section == "square" else SIDES) if sides is None else sides
+    if (found == 4) != (section == "square"):
+        raise OptionError(
+            f"sides is {found} for section={section!r}; need 4 for square struts, 8 or more for "
+            "round ones"
+        )
+    return found
 
 
 def _maker(sides: int, options: RoundOptions) -> Make:
