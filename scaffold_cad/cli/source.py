@@ -14,7 +14,7 @@ from scaffold_cad.errors import OptionError
 from scaffold_cad.io import BYTES_PER_EDGE, read_assembly, read_skeleton, read_triangles
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.products.assembly import Assembly
-from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.skeleton import Skeleton, check_skeleton
 
 MAX_NODES = 2_000_000
 """Most nodes of a file that are taken unless more are asked for."""
@@ -136,16 +136,26 @@ def assembly_from(options: argparse.Namespace) -> Assembly | None:
     """Return what the input holds if it is a 3MF file with more than a skeleton keeps, else None.
 
     None too where options ask for a skeleton: a radius, nodes made, or joints dropped.
+
+    Raises
+    ------
+    SkeletonError
+        If beams need repair, and none is allowed.
     """
     path = Path(options.input)
-    if path.suffix.lower() != ".3mf" or options.strict:
+    if path.suffix.lower() != ".3mf":
         return None
     if any(getattr(options, name) is not None for name in CHANGES):
         return None
     if options.units is not None or options.scale is not None:
         return None
     assembly = read_assembly(path)
-    return None if assembly.is_skeleton or not assembly.lattices else assembly
+    if assembly.is_skeleton or not assembly.lattices:
+        return None
+    if options.strict:
+        for lattice in assembly.lattices:
+            check_skeleton(lattice.skeleton)
+    return assembly
 
 
 def triangles_from(options: argparse.Namespace) -> TriangleMesh | None:

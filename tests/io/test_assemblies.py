@@ -251,6 +251,8 @@ def test_what_is_beside_the_beams_is_told_and_a_body_of_its_own_in_a_cad_file(
         bodies = read_brep(out).solids()
         assert all(body.is_valid for body in bodies)
         assert [len(body.faces()) for body in bodies][-1] == 4
-    assert main(["build", path, "--strict", "-o", str(tmp_path / "out.stl")]) == 2
+    strict = ["build", path, "--strict", "-o", str(tmp_path / "out.stl")]
+    assert main(strict) == 0
+    assert main([*strict, "--simplify", "0.1"]) == 2
     assert "holds also 1 mesh of 4 triangles; need nothing" in capsys.readouterr().err
     assert len(read_skeleton(path).edges) == 2
