@@ -88,7 +88,7 @@ class UnitCell(Frozen):
             struts = Skeleton(_snapped(as_points(nodes, "nodes")), edges, 1.0)
             check_skeleton(struts)
         except SkeletonError as error:
-            raise SkeletonError(f"unit cell {name!r}: {error}") from None
+            raise SkeletonError(f"unit cell {name!r}, as a cube of 1 mm: {error}") from None
         self._keep(
             name=name,
             nodes=struts.nodes,

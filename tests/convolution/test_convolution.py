@@ -366,7 +366,7 @@ def test_options_out_of_range_are_refused() -> None:
         ConvolutionField(STRUT, width="2")  # type: ignore[arg-type]
     with pytest.raises(OptionError, match=r"points has shape \(3,\); need \(n, 3\)"):
         ConvolutionField(STRUT).value([0, 0, 0])
-    with pytest.raises(SkeletonError, match="edge 0 joins node 0 to itself"):
+    with pytest.raises(SkeletonError, match=r"edge 0 joins node 0 at \[0, 0, 0\] mm to itself"):
         ConvolutionField(Skeleton([[0, 0, 0], [1, 0, 0]], [[0, 0], [0, 1]], 1.0))
 
 

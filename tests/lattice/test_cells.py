@@ -314,8 +314,8 @@ def test_a_strut_in_a_face_needs_one_in_the_opposite_face() -> None:
     [
         ([[0, 0, 0], [1, 1, 1.5]], [[0, 1]], r"node 1 is at \[1.0, 1.0, 1.5\]; need coordinates"),
         ([[0, 0, 0], [1, 1, 1]], [[0, 2]], r"edges\[0\] joins nodes \[0, 2\]; need 0 to 1"),
-        ([[0, 0, 0], [1, 1, 1], [1, 0, 0]], [[0, 1]], "node 2 has no edge"),
-        ([[0, 0, 0], [1, 1, 1]], [[0, 1], [1, 0]], "edges 0 and 1 both join"),
+        ([[0, 0, 0], [1, 1, 1], [1, 0, 0]], [[0, 1]], r"node 2 at \[1, 0, 0\] mm has no edge"),
+        ([[0, 0, 0], [1, 1, 1]], [[0, 1], [1, 0]], r"edges 0 and 1 near \[.*\] mm both join"),
         ([[0, 0, 0], [1, 1, 1]], np.zeros((0, 2), dtype=int), "no edges"),
     ],
 )
