@@ -18,7 +18,13 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import any_perpendicular, dot, length, normalize
-from scaffold_cad.scaffold.collars import RESOLUTION, Refinement, split_edges, strut_radii
+from scaffold_cad.scaffold.collars import (
+    RESOLUTION,
+    Refinement,
+    sharp_bends,
+    split_edges,
+    strut_radii,
+)
 from scaffold_cad.scaffold.sleeves import MITER_LIMIT
 from scaffold_cad.skeleton import Skeleton
 
@@ -148,7 +154,7 @@ def with_bevels(skeleton: Skeleton, made: Sleeving, like: Bools | None = None) -
     refined = made.refinement.skeleton
     joints = refined.joints
     pairs = refined.incidence.at_nodes(joints, 2)  # (j, 2)
-    sharp = length(refined.directions[pairs].sum(axis=1)) / 2 > np.sqrt(1.0 - MITER_LIMIT**-2)
+    sharp = sharp_bends(refined)[joints]
     asked = sharp
     if like is not None:
         kept = np.zeros(2 * len(refined.edges), dtype=np.bool_)
@@ -339,8 +345,9 @@ def _inserted(made: Sleeving, radii: Floats, bends: _Bends, rings: _Rings) -> Sl
     flat = stops[there]
     joined = owner[:-1] == owner[1:]
     corners = rings.corners.reshape(-1, 4, 3)[order].reshape(-1, 3)
+    refinement = split_edges(made.refinement, share.reshape(-1, 2), radii)
     return Sleeving(
-        refinement=split_edges(made.refinement, share.reshape(-1, 2), radii),
+        refinement=replace(refinement, beveled=refinement.collared & ~made.refinement.collared),
         vertices=np.concatenate([made.vertices, corners]),
         sleeves=np.stack([flat[:-1], flat[1:]], axis=1)[joined],
         thinned=made.thinned,

@@ -1,7 +1,9 @@
-"""Collars: joints put where each strut leaves the blend of its branch point.
+"""Collars: joints put where each strut leaves the blend of its branch point, or a step.
 
-Between two collars a strut is straight and its section constant, as an engineer's strut is. What
-the skeleton with such joints is to the one without them, its `Refinement`, is here too.
+Between two collars a strut is straight and its section constant, as an engineer's strut is. A
+joint or an extremity has a section of its node's radius: a strut whose own radius is another there
+has it from a collar on, a *step* away. What the skeleton with such joints is to the one without
+them, its `Refinement`, is here too.
 """
 
 from __future__ import annotations
@@ -11,12 +13,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points
-from scaffold_cad.base.vectors import dot
+from scaffold_cad.base.vectors import dot, length
+from scaffold_cad.scaffold.sleeves import MITER_LIMIT
 from scaffold_cad.scaffold.stars import Stars
 from scaffold_cad.skeleton import Skeleton
 
 BLEND = 0.5
-"""Distance from a branch point's furthest corner along a strut to its collar, in radii."""
+"""Distance from the furthest corner at a node along a strut to its collar, in radii."""
+
+STEP = 1e-3
+"""Least difference between the radii of a strut and of its joint or extremity, in the node's: with
+less the strut widens or narrows over its whole length."""
 
 WIDER = 1.01
 """Width of the cone at a collar, in widths of the collar."""
@@ -41,6 +48,8 @@ class Refinement(Frozen):
     """Old edge of each new one, shape (m',); the new edges of an old one follow each other."""
     collared: Bools
     """Which ends of each old edge have a collar, or at a sharp bend a bevel, shape (m, 2)."""
+    beveled: Bools
+    """Which of these have a bevel, shape (m, 2)."""
 
     @property
     def leaving(self) -> Ints:
@@ -54,7 +63,8 @@ class Refinement(Frozen):
 def without_collars(skeleton: Skeleton) -> Refinement:
     """Return the skeleton as it is."""
     edges = len(skeleton.edges)
-    return Refinement(skeleton, np.arange(edges), np.zeros((edges, 2), dtype=np.bool_))
+    none = np.zeros((edges, 2), dtype=np.bool_)
+    return Refinement(skeleton, np.arange(edges), none, none)
 
 
 def with_collars(
@@ -65,6 +75,9 @@ def with_collars(
     like: Bools | None = None,
 ) -> Refinement:
     """Return the skeleton with a joint where each strut leaves the blend of a branch point.
+
+    And where one leaves the step at a joint or an extremity whose radius is not its own. Sharp
+    bends are left to bevels.
 
     Parameters
     ----------
@@ -111,17 +124,45 @@ def split_edges(refinement: Refinement, fractions: Floats, edge_radii: Floats) -
         np.concatenate([skeleton.radii, radii]),
     )
     collared = refinement.collared | added.reshape(-1)[refinement.leaving].reshape(-1, 2)
-    return Refinement(refined, refinement.edge_of_edge[owner[:-1][joined]], collared)
+    edge_of_edge = refinement.edge_of_edge[owner[:-1][joined]]
+    return Refinement(refined, edge_of_edge, collared, refinement.beveled)
 
 
 def strut_radii(skeleton: Skeleton, refinement: Refinement) -> Floats:
     """Return the radius of each edge of the refined skeleton at its ends, (m', 2), mm.
 
-    They are the struts' own, also where those differ from the radii of their nodes.
+    They are the struts' own, also where those differ from the radii of their nodes; between a
+    collar and a joint or an extremity they end at the node's.
     """
     radii = refinement.skeleton.edge_radii.reshape(-1).copy()
-    radii[refinement.leaving] = skeleton.edge_radii.reshape(-1)
+    stepped = refinement.collared & ~refinement.beveled & (skeleton.valency[skeleton.edges] < 3)
+    own = np.where(stepped, skeleton.radii[skeleton.edges], skeleton.edge_radii)
+    radii[refinement.leaving] = own.reshape(-1)
     return radii.reshape(-1, 2)
+
+
+def sharp_bends(skeleton: Skeleton) -> Bools:
+    """Return which nodes are joints whose miter would exceed `MITER_LIMIT`, (n,)."""
+    sharp = np.zeros(len(skeleton.nodes), dtype=np.bool_)
+    joints = skeleton.joints
+    sharp[joints] = _half_sines(skeleton) > np.sqrt(1.0 - MITER_LIMIT**-2)
+    return sharp
+
+
+def _half_sines(skeleton: Skeleton) -> Floats:
+    """Return the sine of half the turn at each joint, (j,)."""
+    pairs = skeleton.incidence.at_nodes(skeleton.joints, 2)  # (j, 2)
+    sines: Floats = length(skeleton.directions[pairs].sum(axis=1)) / 2.0
+    return sines
+
+
+def _miter_extents(skeleton: Skeleton, corner_distance: float) -> Floats:
+    """Return how far the section at each joint reaches along its struts, (n,), mm; else 0."""
+    extents = np.zeros(len(skeleton.nodes))
+    sines = _half_sines(skeleton)
+    widening = 1.0 / np.maximum(np.sqrt(np.maximum(1.0 - sines**2, 0.0)), 1.0 / MITER_LIMIT)
+    extents[skeleton.joints] = corner_distance * skeleton.radii[skeleton.joints] * sines * widening
+    return extents
 
 
 def collar_distances(
@@ -133,23 +174,22 @@ def collar_distances(
 ) -> Floats:
     """Return how far from each end of each edge its collar stands, (m, 2), mm; nan for none.
 
-    Beyond the furthest corner of the branch point, and where the cone of the spherical quad has
-    become wide enough for the collar's own corners.
+    Beyond the furthest corner of the node, and at a branch point where the cone of the spherical
+    quad has become wide enough for the collar's own corners.
 
     An edge with no room for two gets one in the middle of the room that is left, or none.
     """
     at_branch = stars.corners[:, 0] >= 0  # (2 m,)
     corner = positions[stars.corners[at_branch]]  # (k, 4, 3)
     axis = np.broadcast_to(skeleton.directions[at_branch][:, None, :], corner.shape)
-    extent = np.zeros(at_branch.shape)
+    extent = _miter_extents(skeleton, corner_distance)[skeleton.edges.reshape(-1)]
     extent[at_branch] = dot(corner, axis).max(axis=1)
     extents = extent.reshape(-1, 2)
     radii = skeleton.edge_radii
     # A wider clearance than a right angle leaves room at once.
     slope = np.tan(np.clip(stars.clearance, 1e-6, 1.5)).reshape(-1, 2)
     wide_enough = WIDER * corner_distance * radii.max(axis=1)[:, None] / slope
-    # (m, 2), nan where an end is not a branch point
-    wanted: Floats = np.maximum(extents + BLEND * radii, wide_enough)
+    wanted: Floats = np.fmax(extents + BLEND * radii, wide_enough)  # nan where no branch point is
 
     lengths = skeleton.lengths
     if like is not None:
@@ -158,6 +198,8 @@ def collar_distances(
         squeeze = np.minimum(1.0, MOST_SQUEEZED * lengths / np.maximum(total, 1e-300))
         squeezed: Floats = wanted * squeeze[:, None]
         return squeezed
+    asked = at_branch.reshape(-1, 2) | _stepped(skeleton)
+    wanted[~asked] = np.nan
     # Collars closer than that to a node could not be told from it.
     coordinate = np.abs(skeleton.nodes[skeleton.edges]).max(axis=(1, 2))  # (m,)
     least = np.maximum(LEAST_STRUT * radii.max(axis=1), RESOLUTION * coordinate)
@@ -165,7 +207,15 @@ def collar_distances(
     fits = lengths - np.nansum(wanted, axis=1) >= least
     room = lengths - extents.sum(axis=1)
     wanted[~fits] = np.nan
-    one = np.flatnonzero(~fits & (room >= least) & at_branch.reshape(-1, 2).any(axis=1))
-    slot = np.where(at_branch[2 * one], 0, 1)
+    one = np.flatnonzero(~fits & (room >= least) & asked.any(axis=1))
+    slot = np.where(asked[one, 0], 0, 1)
     wanted[one, slot] = extents[one, slot] + room[one] / 2
     return wanted
+
+
+def _stepped(skeleton: Skeleton) -> Bools:
+    """Return which ends of struts at joints and extremities have another radius, (m, 2)."""
+    at_nodes = skeleton.radii[skeleton.edges]
+    other = np.abs(at_nodes - skeleton.edge_radii) > STEP * at_nodes
+    calm = (skeleton.valency < 3) & ~sharp_bends(skeleton)
+    return np.asarray(other & calm[skeleton.edges])

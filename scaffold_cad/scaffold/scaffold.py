@@ -195,10 +195,10 @@ def build_scaffold(
         options = like.options
         stars = partition_stars(skeleton, options.method, like.stars)
     positions = star_positions(skeleton, stars, options.fit, options.section)
-    slots = None if like is None else like.refinement.collared
+    kept = None if like is None else like.refinement
     if options.collars:
-        corner_distance = options.corner_distance
-        refinement = with_collars(skeleton, stars, positions, corner_distance, slots)
+        slots = None if kept is None else kept.collared & ~kept.beveled
+        refinement = with_collars(skeleton, stars, positions, options.corner_distance, slots)
     else:
         refinement = without_collars(skeleton)
 
@@ -212,7 +212,7 @@ def build_scaffold(
     sleeves = join_sections(walk, sections, quads, first_vertex)
     made = Sleeving(refinement, vertices, sleeves)
     if options.fit == "enclose":
-        made = with_bevels(skeleton, made, slots)
+        made = with_bevels(skeleton, made, None if kept is None else kept.beveled)
     return _scaffold(skeleton, made, stars, sections, options, like)
 
 
