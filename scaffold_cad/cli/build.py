@@ -296,7 +296,7 @@ def _report_widened(skeleton: Skeleton, collared: Bools) -> None:
     node = skeleton.edges[edge, end]
     _log.warning(
         "%d of %s widen to the radius of a node (edge %d: %.4g mm, node %d at %s: %.4g mm); "
-        "--round keeps each strut's own radius, --collars that at branch points",
+        "--round keeps each strut's own radius, and so does --collars where there is room",
         len(edges),
         counted(len(skeleton.edges), "strut"),
         edge,

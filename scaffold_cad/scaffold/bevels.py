@@ -159,7 +159,7 @@ def with_bevels(skeleton: Skeleton, made: Sleeving, like: Bools | None = None) -
     if like is not None:
         kept = np.zeros(2 * len(refined.edges), dtype=np.bool_)
         kept[made.refinement.leaving] = like.reshape(-1)
-        asked = kept[pairs].all(axis=1)
+        asked = np.asarray(kept[pairs].all(axis=1))
     if not (sharp | asked).any():
         return made
     bends = _bends(made, strut_radii(skeleton, made.refinement), joints[asked], pairs[asked])

@@ -17,6 +17,7 @@ from scaffold_cad.base.vectors import dot, length
 from scaffold_cad.scaffold.sleeves import MITER_LIMIT
 from scaffold_cad.scaffold.stars import Stars
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.skeleton.repair import largest_at_nodes
 
 BLEND = 0.5
 """Distance from the furthest corner at a node along a strut to its collar, in radii."""
@@ -156,12 +157,21 @@ def _half_sines(skeleton: Skeleton) -> Floats:
     return sines
 
 
-def _miter_extents(skeleton: Skeleton, corner_distance: float) -> Floats:
-    """Return how far the section at each joint reaches along its struts, (n,), mm; else 0."""
-    extents = np.zeros(len(skeleton.nodes))
+def _extents(skeleton: Skeleton, corner_distance: float) -> Floats:
+    """Return how far joints and extremities reach along each of their struts, (m, 2), mm.
+
+    As far as the miter at a bend, and to where the strut leaves a ball: a node whose radius is
+    larger than that of each of its struts.
+    """
+    reach = np.zeros(len(skeleton.nodes))
     sines = _half_sines(skeleton)
     widening = 1.0 / np.maximum(np.sqrt(np.maximum(1.0 - sines**2, 0.0)), 1.0 / MITER_LIMIT)
-    extents[skeleton.joints] = corner_distance * skeleton.radii[skeleton.joints] * sines * widening
+    reach[skeleton.joints] = corner_distance * skeleton.radii[skeleton.joints] * sines * widening
+
+    largest = largest_at_nodes(skeleton.edges, skeleton.edge_radii, len(skeleton.nodes))
+    ball = np.where(skeleton.radii > (1.0 + STEP) * largest, skeleton.radii, 0.0)
+    chord = np.maximum(ball[skeleton.edges] ** 2 - skeleton.edge_radii**2, 0.0)  # (m, 2)
+    extents: Floats = np.maximum(reach[skeleton.edges], np.sqrt(chord))
     return extents
 
 
@@ -182,14 +192,15 @@ def collar_distances(
     at_branch = stars.corners[:, 0] >= 0  # (2 m,)
     corner = positions[stars.corners[at_branch]]  # (k, 4, 3)
     axis = np.broadcast_to(skeleton.directions[at_branch][:, None, :], corner.shape)
-    extent = _miter_extents(skeleton, corner_distance)[skeleton.edges.reshape(-1)]
+    extent = _extents(skeleton, corner_distance).reshape(-1)
     extent[at_branch] = dot(corner, axis).max(axis=1)
     extents = extent.reshape(-1, 2)
     radii = skeleton.edge_radii
     # A wider clearance than a right angle leaves room at once.
     slope = np.tan(np.clip(stars.clearance, 1e-6, 1.5)).reshape(-1, 2)
     wide_enough = WIDER * corner_distance * radii.max(axis=1)[:, None] / slope
-    wanted: Floats = np.fmax(extents + BLEND * radii, wide_enough)  # nan where no branch point is
+    # (m, 2); no cone, nan, where an end is not a branch point
+    wanted: Floats = np.fmax(extents + BLEND * radii, wide_enough)
 
     lengths = skeleton.lengths
     if like is not None:
@@ -204,7 +215,8 @@ def collar_distances(
     coordinate = np.abs(skeleton.nodes[skeleton.edges]).max(axis=(1, 2))  # (m,)
     least = np.maximum(LEAST_STRUT * radii.max(axis=1), RESOLUTION * coordinate)
     wanted[wanted < least[:, None]] = np.nan
-    fits = lengths - np.nansum(wanted, axis=1) >= least
+    taken = np.where(np.isfinite(wanted), wanted, extents).sum(axis=1)
+    fits = lengths - taken >= least
     room = lengths - extents.sum(axis=1)
     wanted[~fits] = np.nan
     one = np.flatnonzero(~fits & (room >= least) & asked.any(axis=1))

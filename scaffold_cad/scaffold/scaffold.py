@@ -157,7 +157,8 @@ def build_scaffold(
         node's radius
     section : which square stands for a circle of the node's radius: "circumscribed" around it,
         "area" of equal area, "inscribed" in it, "round" the one whose smooth limit it is
-    collars : whether a joint is added where each strut leaves the blend of its branch point
+    collars : whether a joint is added where each strut leaves the blend of its branch point, or the
+        step at a joint or an extremity whose radius is not its own
     method : of the partition, see `partition_sphere`
     like : a scaffold of a skeleton with the same edges; its quads and its options are kept and
         only the vertices move, so that no other options can be asked for

@@ -246,6 +246,24 @@ def test_struts_that_widen_to_their_nodes_are_told(
         assert trimesh.load("kept.stl").volume < trimesh.load("square.stl").volume
 
 
+def test_struts_keep_their_radii_at_joints_with_collars(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    header = "x1,y1,z1,x2,y2,z2,radius\n"
+    Path("truss.csv").write_text(header + "0,0,0,60,0,0,5\n60,0,0,120,0,0,2\n")
+    area = ["--section", "area", "--collars"]
+    assert main(["build", "truss.csv", *area, "-o", "kept.stl"]) == 0
+    assert "widen" not in capsys.readouterr().err
+    step = np.pi * ((5**2 + 5 * 2 + 2**2) / 3 - 2**2)  # of 1 mm
+    cylinders = np.pi * (5**2 + 2**2) * 60
+    assert trimesh.load("kept.stl").volume == pytest.approx(cylinders + step, rel=1e-6)
+    # Too short for a collar, which is told.
+    Path("short.csv").write_text(header + "0,0,0,60,0,0,5\n60,0,0,60.4,0,0,2\n")
+    assert main(["build", "short.csv", *area, "-o", "short.stl"]) == 0
+    assert "--collars where there is room" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     "command", [["convert"], ["strength", "--load", "zmax:0,0,-1", "--fix", "zmin"]]
 )
