@@ -236,9 +236,7 @@ def test_struts_that_widen_to_their_nodes_are_told(
     rows = ["0,0,0,60,0,0,5", "60,0,0,60,50,0,3", "60,0,0,60,0,50,5"]
     Path("truss.csv").write_text("\n".join(["x1,y1,z1,x2,y2,z2,radius", *rows]))
     assert main(["build", "truss.csv", "-o", "square.stl"]) == 0
-    said = (
-        "1 of 3 struts widen to the radius of a node (edge 1: 3 mm, node 1 at [60.0, 0.0, 0.0] mm"
-    )
+    said = "1 of 3 struts widen to the radius of a node (edge 1: 3 mm, node 1 at [60, 0, 0] mm"
     assert said in capsys.readouterr().err
     for kept in ("--round", "--collars"):
         assert main(["build", "truss.csv", kept, "-o", "kept.stl"]) == 0
