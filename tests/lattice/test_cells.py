@@ -322,7 +322,7 @@ def test_a_strut_in_a_face_needs_one_in_the_opposite_face() -> None:
 def test_a_cell_that_is_no_graph_in_the_unit_cube_is_refused(
     nodes: list[list[float]], edges: list[list[int]], message: str
 ) -> None:
-    with pytest.raises(SkeletonError, match=f"unit cell 'bad': .*{message}"):
+    with pytest.raises(SkeletonError, match=f"unit cell 'bad', as a cube of 1 mm: .*{message}"):
         UnitCell("bad", np.array(nodes), np.array(edges))
 
 
