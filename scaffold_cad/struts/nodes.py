@@ -140,10 +140,11 @@ class _Best:
         """Take those of the blends (k) of nodes `rows` (k,) that are better."""
         value = found.bulge + np.where(found.proved, 0.0, UNPROVED)
         value += np.where(found.depth > MOST_DEPTH, DEEP * found.depth, 0.0)
-        better = value < self._score[rows]
-        self.which[rows[better]], self.place[rows[better]] = len(self.found), np.flatnonzero(better)
-        self._score[rows[better]] = value[better]
-        self.found.append(found)
+        better = np.flatnonzero(value < self._score[rows])
+        taken = rows[better]
+        self.which[taken], self.place[taken] = len(self.found), np.arange(len(taken))
+        self._score[taken] = value[better]
+        self.found.append(found[better])
 
 
 def nearest_collars(stars: Stars) -> tuple[Floats, Floats]:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points
+from scaffold_cad.base.blocks import CACHE, blocks
 from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.struts.curved import ALONG, Curves
@@ -45,9 +46,10 @@ class Pieces(Frozen):
     run: Ints
     """Run that each is of, shape (c,)."""
     hull: Ints
-    """Row of `points` whose hull it is, or -1 for the cylinder around its segment, shape (c,)."""
-    points: Floats
-    """Points of the hulls relative to their node, shape (h, k, 3), mm."""
+    """Row of `points`, table after table, whose hull it is, or -1 for the cylinder around its
+    segment, shape (c,)."""
+    points: tuple[Floats, ...]
+    """Tables of the points of hulls relative to their node, each of shape (h, k, 3), mm."""
     offset: Points
     """Node of each piece with a hull, shape (c, 3), mm."""
     curve: Ints
@@ -97,11 +99,14 @@ class Pieces(Frozen):
         across = normalize(directions - dot(directions, axis)[:, None] * axis)
         ahead = dot(directions, end - start) > 0
         found = np.where(ahead[:, None], end, start) + self.radius[piece, None] * across
-        hulls = np.flatnonzero(self.hull[piece] >= 0)
-        points = self.points[self.hull[piece[hulls]]]  # (q, k, 3)
-        best = np.einsum("qkx,qx->qk", points, directions[hulls]).argmax(axis=1)
-        corner = points[np.arange(len(hulls)), best] + self.offset[piece[hulls]]
-        found[hulls] = corner + around[hulls, None] * normalize(directions[hulls])
+        hull, first = self.hull[piece], 0
+        for table in self.points:
+            hulls = np.flatnonzero((hull >= first) & (hull < first + len(table)))
+            points = table[hull[hulls] - first]  # (q, k, 3)
+            first += len(table)
+            best = np.einsum("qkx,qx->qk", points, directions[hulls]).argmax(axis=1)
+            corner = points[np.arange(len(hulls)), best] + self.offset[piece[hulls]]
+            found[hulls] = corner + around[hulls, None] * normalize(directions[hulls])
         curves = np.flatnonzero(self.curve[piece] >= 0)
         corner = _furthest_of_discs(self.discs[self.curve[piece[curves]]], directions[curves])
         found[curves] = corner + around[curves, None] * normalize(directions[curves])
@@ -151,7 +156,7 @@ def strut_pieces(runs: Runs, curved: Bools, collar: Floats) -> Pieces:
         runs.edges[run],
         run,
         no_hull,
-        np.empty((0, 1, 3)),
+        (),
         np.zeros_like(start),
         no_hull,
         _NO_DISCS,
@@ -177,7 +182,7 @@ def curve_pieces(curves: Curves) -> Pieces:
         np.where(nodes < 0, nodes[:, ::-1], nodes),
         curves.run[first],
         none,
-        np.empty((0, 1, 3)),
+        (),
         np.zeros_like(start),
         np.arange(len(first)),
         discs,
@@ -194,7 +199,7 @@ def node_pieces(runs: Runs, blended: tuple[BlendedNodes, ...]) -> Pieces:
         none.reshape(0, 2),
         none,
         none,
-        np.empty((0, 1, 3)),
+        (),
         empty,
         none,
         _NO_DISCS,
@@ -207,13 +212,19 @@ def _node_parts(runs: Runs, group: BlendedNodes) -> Pieces:
     made, axes = group.shapes, group.axes
     count, valency = axes.shape[:2]
     control = made.control.reshape(count, valency, 4, *made.control.shape[2:])
-    slices = np.einsum("sjl,unkilx->unskijx", slicing(SLICES, made.layout.v), control)
-    points = slices.reshape(count, valency, SLICES, -1, 3)
-    along = np.einsum("unspx,unx->unsp", points, axes)
-    low = np.maximum(along.min(axis=3), 0.0)  # (U, N, SLICES)
-    high = np.maximum(along.max(axis=3), low)
-    foot = np.clip(along, low[..., None], high[..., None])
-    wide = length(points - foot[..., None] * axes[:, :, None, None]).max(axis=3)
+    cutter = slicing(SLICES, made.layout.v)
+    size = 4 * control.shape[3] * cutter.shape[1]
+    points = np.empty((count, valency, SLICES, size, 3))
+    low, high, wide = np.empty((3, count, valency, SLICES))
+    for some in blocks(count, points[:1].nbytes, CACHE):
+        slices = np.einsum("sjl,unkilx->unskijx", cutter, control[some])
+        points[some] = slices.reshape(-1, valency, SLICES, size, 3)
+        along = np.einsum("unspx,unx->unsp", points[some], axes[some])
+        low[some] = np.maximum(along.min(axis=3), 0.0)
+        high[some] = np.maximum(along.max(axis=3), low[some])
+        foot = np.clip(along, low[some, ..., None], high[some, ..., None])
+        off = points[some] - foot[..., None] * axes[some, :, None, None]
+        wide[some] = length(off).max(axis=3)
     half_runs = np.repeat(group.half_runs.reshape(-1), SLICES)
     first, last, radius = (each[group.shape_of].reshape(-1) for each in (low, high, wide))
     node, ahead = runs.nodes[runs.tails[half_runs]], runs.directions[half_runs]
@@ -224,7 +235,7 @@ def _node_parts(runs: Runs, group: BlendedNodes) -> Pieces:
         np.repeat(runs.tails[half_runs][:, None], 2, axis=1),
         half_runs >> 1,
         np.arange(low.size).reshape(low.shape)[group.shape_of].reshape(-1),
-        points.reshape(low.size, -1, 3),
+        (points.reshape(low.size, -1, 3),),
         node,
         np.full(len(node), -1, dtype=np.intp),
         _NO_DISCS,
@@ -264,7 +275,7 @@ def sharp_pieces(runs: Runs, sharp: tuple[SharpNodes, ...], collar: Floats) -> P
                 np.repeat(runs.tails[half_runs][:, None], 2, axis=1),
                 half_runs >> 1,
                 none,
-                np.empty((0, 1, 3)),
+                (),
                 np.zeros_like(node),
                 none,
                 _NO_DISCS,
@@ -274,16 +285,12 @@ def sharp_pieces(runs: Runs, sharp: tuple[SharpNodes, ...], collar: Floats) -> P
 
 
 def joined(parts: list[Pieces]) -> Pieces:
-    """Return all pieces, their hulls with as many points each."""
-    size = max(part.points.shape[1] for part in parts)
-    points = np.empty((sum(len(part.points) for part in parts), size, 3))
+    """Return all pieces."""
     hulls, count = [], 0
     curves, discs = [], 0
     for part in parts:
-        own, some = points[count : count + len(part.points)], part.points.shape[1]
-        own[:, :some], own[:, some:] = part.points, part.points[:, -1:]
         hulls.append(np.where(part.hull >= 0, part.hull + count, -1))
-        count += len(part.points)
+        count += sum(len(table) for table in part.points)
         curves.append(np.where(part.curve >= 0, part.curve + discs, -1))
         discs += len(part.discs)
     return Pieces(
@@ -293,7 +300,7 @@ def joined(parts: list[Pieces]) -> Pieces:
         np.concatenate([part.nodes for part in parts]),
         np.concatenate([part.run for part in parts]),
         np.concatenate(hulls),
-        points,
+        tuple(table for part in parts for table in part.points),
         np.concatenate([part.offset for part in parts]),
         np.concatenate(curves),
         np.concatenate([part.discs for part in parts]),

@@ -52,7 +52,7 @@ def main() -> None:
             line += (
                 f"{'none':>9}{'':>9}"
                 if theirs is None
-                else f"{theirs.seconds:>7.1f} s{theirs.seconds / ours.seconds:>8.0f}×"
+                else f"{theirs.seconds:>7.1f} s{theirs.seconds / ours.seconds:>8.1f}×"
             )
         if row.count:
             line += f"   {row.count / ours.seconds:,.0f} {row.unit} a second"

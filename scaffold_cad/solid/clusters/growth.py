@@ -375,6 +375,5 @@ def _capsules(
 
 def _hull_less(start: Points, end: Points, radius: Floats, nodes: Edges, run: Ints) -> Pieces:
     none = np.full(len(radius), -1, dtype=np.intp)
-    empty = np.empty((0, 1, 3))
     discs = np.empty((0, ALONG + 1, 3, 3))
-    return Pieces(start, end, radius, nodes, run, none, empty, np.zeros_like(start), none, discs)
+    return Pieces(start, end, radius, nodes, run, none, (), np.zeros_like(start), none, discs)
