@@ -18,7 +18,7 @@ _SHAPE = re.compile(rb"[+-]\d+ \d+")
 """The last line of a file: a shape and where it is."""
 
 
-@register_writer(".brep", name="OCCT B-rep", names_unit=True)
+@register_writer(".brep", name="OCCT B-rep", skeletons=False, names_unit=True)
 def write_brep_content(content: Content, path: Path) -> None:
     """Write the B-rep of what `write` is given."""
     brep.export_brep(content.shape(), path)

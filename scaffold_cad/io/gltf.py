@@ -150,7 +150,7 @@ def _index(path: Path, value: Any, count: int, where: str) -> int:
     return value
 
 
-@register_writer(".glb", name="GLB", names_unit=True)
+@register_writer(".glb", name="GLB", skeletons=False, names_unit=True)
 def write_glb_content(content: Content, path: Path) -> None:
     """Write the triangles of what `write` is given."""
     write_glb(content.triangles(), path)

@@ -297,7 +297,7 @@ MOST_VERTICES = 2**31
 """Vertices that a PLY index can tell apart."""
 
 
-@register_writer(".ply", name="PLY")
+@register_writer(".ply", name="PLY", skeletons=False)
 def write_ply_content(content: Content, path: Path) -> None:
     """Write the faces of anything that has a surface."""
     write_ply(content.mesh(), path, content.unit)

@@ -65,6 +65,8 @@ class WrittenFormat:
     suffixes: tuple[str, ...]
     solids: bool
     """Whether it can hold solids: a format that holds skeletons only cannot."""
+    skeletons: bool
+    """Whether it can hold skeletons: a format of surfaces cannot."""
     names_unit: bool
     """Whether files say in which unit they are."""
     write: Writer
@@ -113,7 +115,11 @@ def register_mesh_reader(
 
 
 def register_writer(
-    *suffixes: str, name: str | None = None, solids: bool = True, names_unit: bool = False
+    *suffixes: str,
+    name: str | None = None,
+    solids: bool = True,
+    skeletons: bool = True,
+    names_unit: bool = False,
 ) -> Callable[[Writer], Writer]:
     """Register the decorated writer for files with one of `suffixes`, such as ".stl".
 
@@ -123,13 +129,14 @@ def register_writer(
     ----------
     suffixes : such as ".stl"; case does not matter
     name : what lists call the format; by default its first suffix without the dot
-    solids : whether the format can hold solids
+    solids, skeletons : whether the format can hold these
     names_unit : whether files of the format say that they are in mm
     """
 
     def register(write: Writer) -> Writer:
         shown = name or (suffixes[0].lstrip(".").upper() if suffixes else "")
-        _formats.append(WrittenFormat(shown, _lowered(suffixes), solids, names_unit, write))
+        made = WrittenFormat(shown, _lowered(suffixes), solids, skeletons, names_unit, write)
+        _formats.append(made)
         return write
 
     return register
@@ -178,16 +185,20 @@ def mesh_formats() -> tuple[MeshFormat, ...]:
     return tuple(entry for entry in _formats if isinstance(entry, MeshFormat))
 
 
-def written_formats(solid: bool = False) -> tuple[WrittenFormat, ...]:
-    """Return the formats that are written, or those of them that can hold solids."""
+def written_formats(solid: bool = False, skeleton: bool = False) -> tuple[WrittenFormat, ...]:
+    """Return the formats that are written, or those that can hold solids, or skeletons."""
     _load_entry_points()
     written = [entry for entry in _formats if isinstance(entry, WrittenFormat)]
-    return tuple(entry for entry in written if entry.solids or not solid)
+    return tuple(
+        entry
+        for entry in written
+        if (entry.solids or not solid) and (entry.skeletons or not skeleton)
+    )
 
 
-def written_suffixes(solid: bool = False) -> tuple[str, ...]:
+def written_suffixes(solid: bool = False, skeleton: bool = False) -> tuple[str, ...]:
     """Return the suffixes of `written_formats`, in alphabetic order."""
-    return _suffixes(written_formats(solid))
+    return _suffixes(written_formats(solid, skeleton))
 
 
 def reader_of(path: Path, head: bytes) -> Reader:

@@ -103,7 +103,7 @@ MOST_TRIANGLES = 2**32 - 1
 """Triangles that the 32-bit number in the header can count."""
 
 
-@register_writer(".stl", name="STL")
+@register_writer(".stl", name="STL", skeletons=False)
 def write_stl_content(content: Content, path: Path) -> None:
     """Write the triangles of anything that has a surface."""
     write_stl(content.triangles(), path, content.unit)

@@ -31,9 +31,6 @@ from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.solid.rounds import SIDES, check_sides
 from scaffold_cad.struts import RoundStruts
 
-SKELETONS_TOO = {".3mf", ".obj"}
-"""Suffixes of formats of solids that hold skeletons too."""
-
 
 @checks_keywords()
 def write(
@@ -134,11 +131,9 @@ def check_writable(
     """
     path = as_path(path)
     known = written_format_of(path, solid)
-    if skeleton and known.solids and path.suffix.lower() not in SKELETONS_TOO:
-        holds = {*written_suffixes()} - {*written_suffixes(solid=True)} | SKELETONS_TOO
-        raise FormatError(
-            f"{path} cannot hold a skeleton, only a solid of it; need {', '.join(sorted(holds))}"
-        )
+    if skeleton and not known.skeletons:
+        holds = ", ".join(written_suffixes(skeleton=True))
+        raise FormatError(f"{path} cannot hold a skeleton, only a solid of it; need {holds}")
     check_target(path)
 
 

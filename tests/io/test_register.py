@@ -25,6 +25,7 @@ from scaffold_cad.io import (
     unregister,
 )
 from scaffold_cad.io.content import Content
+from scaffold_cad.io.write import check_writable
 from tests.fuzz.members import APART, sample_apart
 from tests.fuzz.samples import SAMPLES
 from tests.io.test_reading import written
@@ -107,6 +108,8 @@ def test_an_entry_can_be_taken_out_again(tmp_path: Path) -> None:
         path.write_text(f"pairs {content.name}")
 
     path = tmp_path / "x.pairs"
+    check_writable(path, skeleton=True)
+    check_writable(path, solid=True)
     write(STRUT, path)
     assert path.read_text() == "pairs x"
     assert len(read_skeleton(path).edges) == 1

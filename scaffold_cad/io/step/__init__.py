@@ -17,7 +17,7 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 STEP_SUFFIXES = (".step", ".stp")
 
 
-@register_writer(*STEP_SUFFIXES, name="STEP", names_unit=True)
+@register_writer(*STEP_SUFFIXES, name="STEP", skeletons=False, names_unit=True)
 def write_step_content(content: Content, path: Path) -> None:
     """Write a build123d shape by OCCT, and meshes of quads straight from their arrays."""
     faces = None if content.write_pcurves else content.faces()
