@@ -5,6 +5,7 @@ This is the one place where the solid of a 3MF file is made.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -24,6 +25,8 @@ from scaffold_cad.struts import RoundStruts
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +146,13 @@ def assembly_solid(
 
 def models_of(assembly: Assembly, make: Make) -> list[Model]:
     """Return the struts that stand for each lattice's beams, whose skeleton is repaired before."""
-    return [make(lattice.skeleton.cleaned().skeleton) for lattice in assembly.lattices]
+    found = []
+    for lattice in assembly.lattices:
+        cleaning = lattice.skeleton.cleaned()
+        if cleaning.repairs.total:
+            _log.warning("beams were repaired: %s", cleaning.repairs)
+        found.append(make(cleaning.skeleton))
+    return found
 
 
 def _strut_solid(lattice: BeamLattice, sides: int, make: Make, overlaps: Overlaps) -> Manifold:

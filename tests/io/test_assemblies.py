@@ -13,7 +13,7 @@ from scaffold_cad.brep import read_brep
 from scaffold_cad.cli import main
 from scaffold_cad.errors import BrepError, MeshError, OptionError
 from scaffold_cad.io import read_assembly, read_skeleton, read_triangles
-from scaffold_cad.products.assembly import Assembly, assembly_solid
+from scaffold_cad.products.assembly import Assembly, assembly_solid, models_of
 from scaffold_cad.products.assemblybreps import assembly_brep
 from scaffold_cad.skeleton.beams import CAPS
 from tests.io.test_threemf import SOLID, mesh, model, packed
@@ -256,3 +256,13 @@ def test_what_is_beside_the_beams_is_told_and_a_body_of_its_own_in_a_cad_file(
     assert main([*strict, "--simplify", "0.1"]) == 2
     assert "holds also 1 mesh of 4 triangles; need nothing" in capsys.readouterr().err
     assert len(read_skeleton(path).edges) == 2
+
+
+def test_repairs_of_the_beams_that_struts_stand_for_are_told(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    nodes = [[0, 0, 0], [9, 0, 0], [9, 0, 0], [9, 9, 0]]
+    beams = BeamLattice(Skeleton(nodes, [[0, 1], [2, 3]], 1.0))
+    (struts,) = models_of(Assembly([beams]), round_struts)
+    assert len(struts.skeleton.nodes) == 3
+    assert "beams were repaired: 1 node" in caplog.text
