@@ -131,10 +131,11 @@ def as_points(
 def place_text(point: Floats) -> str:
     """Return a place, (3,), as messages have it.
 
-    >>> place_text(np.array([0.0, 1 / 3, 20000.0]))
+    >>> place_text(np.array([-1e-17, 1 / 3, 20000.0]))
     '[0, 0.333333, 20000] mm'
     """
-    return "[" + ", ".join(f"{value:.6g}" for value in point.tolist()) + "] mm"
+    rounded = np.round(point, 9) + 0.0  # no -0
+    return "[" + ", ".join(f"{value:.6g}" for value in rounded.tolist()) + "] mm"
 
 
 def as_radii(values: ArrayLike, name: str, count: int, places: Points | None = None) -> Radii:

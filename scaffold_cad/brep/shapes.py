@@ -13,6 +13,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arguments import check_choice
+from scaffold_cad.base.arrays import place_text
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.files import check_there
 from scaffold_cad.base.topology import component_labels
@@ -101,7 +102,7 @@ def check_edges(faces: AnalyticBrep) -> None:
     short = np.flatnonzero(is_arc & (spans < LEAST_SIZE))
     if len(short):
         raise BrepError(
-            f"an edge at {ends[short[0], 0].tolist()} mm is {spans[short[0]]:g} mm long; "
+            f"an edge at {place_text(ends[short[0], 0])} is {spans[short[0]]:g} mm long; "
             f"need {LEAST_SIZE:g} mm or more (larger radii or longer struts)"
         )
 

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arguments import check_kind, checks_keywords
-from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, Quads, Radii
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, Quads, Radii, place_text
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.base.vectors import dot, length, normalize, sums_by_row
@@ -97,7 +97,7 @@ def project(mesh: QuadMesh, field: ConvolutionField) -> QuadMesh:
     missed = np.flatnonzero(~(np.abs(placed.values - 1) <= TOLERANCE))
     if len(missed):
         raise MeshError(
-            f"vertex {missed[0]} at {mesh.vertices[missed[0]].tolist()} mm finds no place on the "
+            f"vertex {missed[0]} at {place_text(mesh.vertices[missed[0]])} finds no place on the "
             f"convolution surface ({counted(len(missed), 'vertex does', 'vertices do')} not, in "
             "all); need a mesh near it"
         )

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
 
 from scaffold_cad.base.arguments import as_flag, as_number, as_real, checks_keywords
-from scaffold_cad.base.arrays import Floats, Points, as_floats
+from scaffold_cad.base.arrays import Floats, Points, as_floats, place_text
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import UnitCell
 from scaffold_cad.lattice.density import density_of_unit_radius, measured_density
@@ -210,7 +210,7 @@ def _densities(relative_density: Density, points: Points) -> Floats:
     bad = np.flatnonzero(~((values > 0) & (values < 1)))
     if len(bad):
         raise OptionError(
-            f"relative density is {values[bad[0]]:g} at {points[bad[0]].tolist()} mm; "
+            f"relative density is {values[bad[0]]:g} at {place_text(points[bad[0]])}; "
             "need more than 0, less than 1"
         )
     return values

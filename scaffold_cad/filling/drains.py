@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arguments import as_number
-from scaffold_cad.base.arrays import Floats, Points, UnitVectors, as_points
+from scaffold_cad.base.arrays import Floats, Points, UnitVectors, as_points, place_text
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import any_perpendicular, length
 from scaffold_cad.errors import MeshError, OptionError
@@ -79,10 +79,10 @@ def drained(
         part = part - _hole(foot, normal, skin, wide)
     closed = _voids(part)
     if closed:
-        place = np.round(closed[0].vertices.mean(axis=0), 3).tolist()
+        place = place_text(closed[0].vertices.mean(axis=0))
         raise MeshError(
-            f"{counted(len(closed), 'void stays', 'voids stay')} closed, one around {place} "
-            "mm; need a hole there "
+            f"{counted(len(closed), 'void stays', 'voids stay')} closed, one around {place}"
+            "; need a hole there "
             "(more places, or a larger diameter)"
         )
     return part
@@ -102,8 +102,8 @@ def _chosen(void: TriangleMesh, outside: NearestPlace, skin: float, diameter: fl
     gaps = length(outside.nearest(points) - points)
     wall = gaps < ON_WALL * skin
     if not wall.any():
-        place = np.round(points.mean(axis=0), 3).tolist()
-        raise MeshError(f"the void around {place} mm does not reach the skin; need a place for it")
+        place = place_text(points.mean(axis=0))
+        raise MeshError(f"the void around {place} does not reach the skin; need a place for it")
     candidates = points[wall]
     room = np.full(len(candidates), np.inf)
     if not wall.all():
@@ -133,16 +133,16 @@ def _check_room(
     gaps = length(feet - points)
     far = np.flatnonzero(gaps > diameter + skin)
     if len(far):
-        place, gap = points[far[0]].round(3).tolist(), gaps[far[0]]
+        place, gap = place_text(points[far[0]]), gaps[far[0]]
         raise OptionError(
-            f"the place {place} mm of a drain hole is {gap:.3g} mm from the surface; "
+            f"the place {place} of a drain hole is {gap:.3g} mm from the surface; "
             f"need {diameter:g} mm or less"
         )
     off = _off_surface(feet, normals, outside, diameter / 2)
     past = np.flatnonzero(off > skin)  # through the wall beside it, from end to end
     if len(past):
         raise OptionError(
-            f"a drain hole of {diameter:g} mm at {feet[past[0]].round(3).tolist()} mm goes "
+            f"a drain hole of {diameter:g} mm at {place_text(feet[past[0]])} goes "
             f"{off[past[0]]:.3g} mm past the surface; need a smaller one, or a place that is wider"
         )
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import check_choice, checks_keywords
-from scaffold_cad.base.arrays import Floats, Points, as_floats
+from scaffold_cad.base.arrays import Floats, Points, as_floats, place_text
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import BoxRegion, ImplicitRegion, Keep, Region
 from scaffold_cad.errors import OptionError, SkeletonError
@@ -172,7 +172,7 @@ def struts_touching(
     touching[space.crossings(struts.nodes, struts.edges)[0]] = True
     if not touching.any():
         raise SkeletonError(
-            f"no strut of the lattice is in the body from {low.tolist()} to {high.tolist()} mm; "
+            f"no strut of the lattice is in the body from {place_text(low)} to {place_text(high)}; "
             "need one (smaller cells?)"
         )
     return struts.kept(touching)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_real, check_choice, checks_keywords
-from scaffold_cad.base.arrays import as_floats
+from scaffold_cad.base.arrays import as_floats, place_text
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import BoxRegion, Region
 from scaffold_cad.base.summaries import counted
@@ -282,7 +282,7 @@ def _maker(sides: int, options: RoundOptions) -> Make:
 def _with_place(error: MeshError) -> str:
     """Return what is wrong, and where if that is known."""
     places = getattr(error, "places", np.zeros((0, 3)))
-    where = f" near {np.round(places[0], 3).tolist()} mm" if len(places) else ""
+    where = f" near {place_text(places[0])}" if len(places) else ""
     return f"{error}{where}"
 
 
@@ -305,9 +305,9 @@ def _without_crumbs(part: Manifold) -> Manifold:
     crumbs = np.flatnonzero((volumes > 0) & (volumes < CRUMB * volumes.max(initial=0.0)))
     if len(crumbs) == 0:
         return part
-    low = np.round(pieces[int(crumbs[0])].bounding_box()[:3], 3).tolist()
+    low = place_text(np.array(pieces[int(crumbs[0])].bounding_box()[:3]))
     _log.info(
-        "%s of %.3g mm³ left out, as at %s mm: the surface cuts them off",
+        "%s of %.3g mm³ left out, as at %s: the surface cuts them off",
         counted(len(crumbs), "loose crumb"),
         float(volumes[crumbs].sum()),
         low,
@@ -351,7 +351,7 @@ def _struts_touching(
         touching[region.crossings(struts.nodes, struts.edges)[0]] = True
     if not touching.any():
         raise SkeletonError(
-            f"no strut of the lattice is in the body from {low.tolist()} to {high.tolist()} mm; "
+            f"no strut of the lattice is in the body from {place_text(low)} to {place_text(high)}; "
             "need one (smaller cells?)"
         )
     return struts.kept(touching).skeleton(radius)

@@ -6,7 +6,7 @@ import logging
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats
+from scaffold_cad.base.arrays import Floats, place_text
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.lattice.struts import Struts
@@ -34,9 +34,9 @@ def without_crumbs(struts: Struts, cell: UnitCell, size: Floats) -> Struts:
     keep = total[piece] >= least
     if not keep.all():
         lost = np.unique(piece[~keep])
-        place = np.round(struts.middles[~keep][0], 3).tolist()
+        place = place_text(struts.middles[~keep][0])
         _log.info(
-            "%s of %s left out, as at %s mm: the surface cuts them off",
+            "%s of %s left out, as at %s: the surface cuts them off",
             counted(len(lost), "loose crumb"),
             counted(len(keep) - int(keep.sum()), "strut"),
             place,

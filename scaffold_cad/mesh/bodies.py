@@ -6,7 +6,7 @@ import logging
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, Triangles
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, Triangles, place_text
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.base.vectors import any_perpendicular, dot, normalize
@@ -52,9 +52,9 @@ def check_balanced(mesh: TriangleMesh) -> None:
     balance = np.bincount(of_side, weights=np.where(forward, 1.0, -1.0), minlength=len(edges))
     open_edges = edges[balance != 0]
     if len(open_edges):
-        start, end = np.round(mesh.vertices[open_edges[0]], 6).tolist()
+        start, end = (place_text(corner) for corner in mesh.vertices[open_edges[0]])
         raise MeshError(
-            f"the body's surface is open: no triangle runs along the edge from {start} to {end} mm "
+            f"the body's surface is open: no triangle runs along the edge from {start} to {end} "
             f"({len(open_edges)} such edges); need a closed surface"
         )
 
@@ -89,8 +89,8 @@ def turned_outwards(mesh: TriangleMesh) -> TriangleMesh:
     A shell of negative volume is a cavity if there is material around it, and inside out if not.
     """
     if mesh.signed_volume < 0:
-        place = np.round(mesh.vertices[mesh.triangles[0]].mean(axis=0), 3).tolist()
-        _log.warning("the body is inside out, as at %s mm; it is turned", place)
+        near = place_text(mesh.vertices[mesh.triangles[0]].mean(axis=0))
+        _log.warning("the body is inside out, as at %s; it is turned", near)
         mesh = TriangleMesh(mesh.vertices, mesh.triangles[:, ::-1])
     shell = shells_of(mesh.triangles, len(mesh.vertices))
     volume = np.bincount(shell, weights=cone_volumes(mesh.vertices, mesh.triangles))
@@ -102,8 +102,7 @@ def turned_outwards(mesh: TriangleMesh) -> TriangleMesh:
         wrong[number] = winding_number(place + 1e-9 * outward, others) < 1
         if wrong[number]:
             _log.warning(
-                "a shell of the body is inside out, as at %s mm; it is turned",
-                np.round(place, 3).tolist(),
+                "a shell of the body is inside out, as at %s; it is turned", place_text(place)
             )
     if not wrong.any():
         return mesh
@@ -124,7 +123,7 @@ def check_uncrossed(mesh: TriangleMesh) -> None:
     crossings = self_intersections(mesh, tolerance=1e-9, limit=1)
     if len(crossings) > 0:
         raise MeshError(
-            f"the body crosses itself near {_crossing_place(mesh, crossings[0])} mm; need a "
+            f"the body crosses itself near {_crossing_place(mesh, crossings[0])}; need a "
             "surface that does not"
         )
 
@@ -139,18 +138,17 @@ def report_crossed(mesh: TriangleMesh, tolerance: float) -> None:
     crossings = crossings[shell[crossings[:, 0]] == shell[crossings[:, 1]]]
     if len(crossings) > 0:
         _log.warning(
-            "the body crosses itself near %s mm; what its surface winds around is taken as inside",
+            "the body crosses itself near %s; what its surface winds around is taken as inside",
             _crossing_place(mesh, crossings[0]),
         )
 
 
-def _crossing_place(mesh: TriangleMesh, pair: Ints) -> list[float]:
-    """Return about where two triangles (2,) cross, mm."""
+def _crossing_place(mesh: TriangleMesh, pair: Ints) -> str:
+    """Return about where two triangles (2,) cross."""
     one, other = (mesh.vertices[mesh.triangles[k]] for k in pair)
     low = np.maximum(one.min(axis=0), other.min(axis=0))
     high = np.minimum(one.max(axis=0), other.max(axis=0))
-    place: list[float] = np.round((low + high) / 2, 3).tolist()
-    return place
+    return place_text((low + high) / 2)
 
 
 def shells_of(triangles: Triangles, count: int) -> Ints:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Ints, Points
+from scaffold_cad.base.arrays import Floats, Ints, Points, place_text
 from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.summaries import counted
@@ -61,10 +61,10 @@ def _diameter(
     thinned = thickness.thinned
     if len(thinned):
         worst = int(thinned[np.argmin((thinnest / asked)[thinned])])
-        place = np.round(thickness.places[worst], 3).tolist()
+        place = place_text(thickness.places[worst])
         advice = (
             f"{counted(len(thinned), 'strut')} thinner than asked for: strut {worst} measures "
-            f"{thinnest[worst]:.4g} mm near {place} mm, not {asked[worst]:.4g}"
+            f"{thinnest[worst]:.4g} mm near {place}, not {asked[worst]:.4g}"
         )
     elif len(thin):
         advice = (

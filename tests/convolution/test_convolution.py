@@ -523,7 +523,7 @@ def test_vertices_on_the_skeleton_find_a_way_out_between_their_neighbors() -> No
 def test_vertex_that_has_no_way_to_the_surface_is_named() -> None:
     mesh = around(JACK, 0)
     flat = mesh.moved(np.zeros_like(mesh.vertices))
-    found = rf"vertex 0 at \[0.0, 0.0, 0.0\] mm finds no .*\({len(flat.vertices)} vertices do not"
+    found = rf"vertex 0 at \[0, 0, 0\] mm finds no .*\({len(flat.vertices)} vertices do not"
     with pytest.raises(MeshError, match=found):
         project(flat, ConvolutionField(JACK))
 

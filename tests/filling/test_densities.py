@@ -66,7 +66,7 @@ def test_a_density_that_is_jumped_over_is_refused_with_what_is_near() -> None:
 def test_wrong_densities_are_refused_by_name() -> None:
     with pytest.raises(OptionError, match="volume is given with measured=True"):
         solve_radius("sc", 10.0, 0.1, volume=lambda skeleton: 1.0, measured=True)
-    with pytest.raises(OptionError, match=r"relative density is 1.5 at \[0.0, 0.0, 0.0\] mm"):
+    with pytest.raises(OptionError, match=r"relative density is 1.5 at \[0, 0, 0\] mm"):
         graded_radius("sc", 10.0, lambda points: points[:, 0] + 1.5)(np.zeros((2, 3)))
     with pytest.raises(OptionError, match=r"returned shape \(2, 3\) for points"):
         graded_radius("sc", 10.0, lambda points: points)(np.zeros((2, 3)))

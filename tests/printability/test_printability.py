@@ -686,7 +686,7 @@ def test_struts_are_measured_where_they_are_thinner_than_asked_for() -> None:
     assert found.value["least_mm"] == pytest.approx(0.4 * 4.0, rel=0.03)
     assert found.value["strut"] == 0
     assert "strut 0 measures 1.6" in found.advice
-    assert "near [13.0, 0.0, 0.0] mm, not 4" in found.advice
+    assert "near [13, 0, 0] mm, not 4" in found.advice
 
 
 def test_the_bore_and_the_facets_of_struts_are_not_thin() -> None:

@@ -12,7 +12,16 @@ from numpy.typing import ArrayLike
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.linalg import spsolve
 
-from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points, as_floats
+from scaffold_cad.base.arrays import (
+    Bools,
+    Edges,
+    Floats,
+    Frozen,
+    Ints,
+    Points,
+    as_floats,
+    place_text,
+)
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice.maps.cellmap import CellMap
@@ -117,7 +126,7 @@ def sizes_at(size: Callable[[Points], ArrayLike], points: Points) -> Floats:
     bad = np.flatnonzero(~(np.isfinite(values) & (values > 0)))
     if len(bad):
         raise OptionError(
-            f"the cell size is {values[bad[0]]:g} mm at {points[bad[0]].tolist()} mm; need > 0"
+            f"the cell size is {values[bad[0]]:g} mm at {place_text(points[bad[0]])}; need > 0"
         )
     return values
 

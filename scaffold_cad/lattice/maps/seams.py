@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 from scipy.spatial import cKDTree
 
-from scaffold_cad.base.arrays import Floats, Ints, Points
+from scaffold_cad.base.arrays import Floats, Ints, Points, place_text
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.base.vectors import length, triple
 from scaffold_cad.errors import SkeletonError
@@ -95,7 +95,7 @@ def check_sides(mapping: CellMap, cell: UnitCell, counts: tuple[int, int, int]) 
             gaps = np.asarray(cKDTree(_on_torus(a)).query(_on_torus(b))[0])
             same = float(gaps.max()) < SAME_NODE
         where = (
-            f"at {np.round(place, 3).tolist()} mm, where the side {sides[one]} of a patch is the "
+            f"at {place_text(place)}, where the side {sides[one]} of a patch is the "
             f"{'mirrored ' * mirrored}side {sides[other]} of the next"
         )
         if not same:
@@ -172,7 +172,7 @@ def check_folds(corners: Points, counts: tuple[int, int, int], patches: int) -> 
         if len(folded) or mean == 0:
             at = tuple(folded[0].tolist()) if len(folded) else (0, 0, 0)
             raise SkeletonError(
-                f"the map folds cell {list(at)} at {np.round(grid[at], 3).tolist()} mm; need a "
+                f"the map folds cell {list(at)} at {place_text(grid[at])}; need a "
                 "layer thinner than the surface is curved there, or more cells"
             )
 

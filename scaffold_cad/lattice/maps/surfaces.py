@@ -11,7 +11,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_real
-from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, UnitVectors, as_floats
+from scaffold_cad.base.arrays import (
+    Floats,
+    Frozen,
+    Ints,
+    Points,
+    UnitVectors,
+    as_floats,
+    place_text,
+)
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice.maps.cellmap import CellMap
 
@@ -154,7 +162,7 @@ def heights_at(height: Height, points: Points, name: str) -> Floats:
     bad = np.flatnonzero(~np.isfinite(np.atleast_1d(values)))
     if len(bad):
         raise OptionError(
-            f"{name} is {np.atleast_1d(values)[bad[0]]:g} at {points[bad[0]].tolist()} mm; "
+            f"{name} is {np.atleast_1d(values)[bad[0]]:g} at {place_text(points[bad[0]])}; "
             "need a finite number"
         )
     return np.broadcast_to(values, (len(points),))
