@@ -19,20 +19,22 @@ import numpy as np
 from scipy import sparse
 
 from scaffold_cad.base.arguments import as_count, as_number, check_kind, checks_keywords
-from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Quads
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, Quads
 from scaffold_cad.base.vectors import dot, length, normalize
-from scaffold_cad.mechanics.hexplacement import Sides, section_sides, surface_points
+from scaffold_cad.errors import OptionError
+from scaffold_cad.mechanics.hexplacement import scaffold_plan
+from scaffold_cad.mechanics.hexplans import Plan, Span
 from scaffold_cad.mechanics.hexquality import (
     boundary_faces,
     enclosed_volume,
     hexahedron_volumes,
     scaled_jacobians,
 )
-from scaffold_cad.mechanics.hexrelax import Control, relaxed
+from scaffold_cad.mechanics.hexrelax import relaxed
+from scaffold_cad.mechanics.hexrounds import round_plan
+from scaffold_cad.mechanics.hexsections import Sections
 from scaffold_cad.scaffold import Scaffold
-
-CORE = 0.55
-"""How far out the core of a section with layers reaches, in radii."""
+from scaffold_cad.struts import RoundStruts
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,55 +81,88 @@ class Hexahedra(Frozen):
 
 @checks_keywords()
 def hexahedra(
-    scaffold: Scaffold, *, layers: int = 0, along: int = 1, relax: float = 0.2
+    struts: Scaffold | RoundStruts,
+    *,
+    sides: int | None = None,
+    layers: int | None = None,
+    along: int = 1,
+    relax: float = 0.2,
 ) -> Hexahedra:
-    """Return round struts as hexahedra, with the connectivity of the scaffold.
+    """Return struts as hexahedra that meet face to face.
 
-    Sections are octagons of the area of the circle; at branch points the outer points lie where
-    the struts' surfaces meet.
+    Those of a scaffold have its connectivity, and octagons of the area of the circle for sections;
+    at branch points the outer points lie where the struts' surfaces meet. Those of round struts
+    have their outer points on the exact surface: cylinders, cones, curves, blends, balls.
 
     Parameters
     ----------
-    scaffold : of any options; with collars the struts between them are straight
-    layers : of hexahedra around the core of each strut; without any, four hexahedra a section
+    struts : scaffold of any options; with collars the struts between them are straight. Or round
+        struts, solid, with blends
+    sides : points around a section: 8, 16, 24, ...; 8 for scaffolds, and by default 16 for round
+        struts. A section's core is 4 (sides / 8)² hexahedra
+    layers : of hexahedra around the core of each strut, `sides` each; 0 by default for scaffolds, 1
+        for round struts
     along : pieces that each straight part of a strut is cut into
-    relax : least scaled Jacobian that is aimed at: points near worse hexahedra are moved; 0
-        moves none
+    relax : least scaled Jacobian that is aimed at: points near worse hexahedra are moved, of round
+        struts those inside; 0 moves none
 
     Raises
     ------
     OptionError
-        If an argument is of another kind or out of its range.
+        If an argument is of another kind or out of its range, or round struts have a wall, sharp
+        nodes, or overlap: the node or strut is named with its place.
 
     Examples
     --------
-    >>> from scaffold_cad import Skeleton, build_scaffold
+    >>> from scaffold_cad import Skeleton, build_scaffold, round_struts
     >>> star = Skeleton([[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]], [[0, 1], [0, 2], [0, 3]], 1.0)
     >>> mesh = hexahedra(build_scaffold(star))
     >>> len(mesh.hexahedra), bool(mesh.quality.min() > 0.2)
     (12, True)
+    >>> bool(hexahedra(round_struts(star)).quality.min() > 0.2)
+    True
     """
-    check_kind(scaffold, Scaffold)
-    count = as_count(layers, "layers")
+    check_kind(struts, Scaffold, RoundStruts)
     pieces = as_count(along, "along", 1)
     goal = as_number(relax, "relax", unit="", or_zero=True)
-    sides = section_sides(scaffold)
-    rings, spread = _rings(scaffold, sides, count)
-    sections, weights = _stations(rings, spread, pieces)
-    cells = _between(sections, _section_quads(count))  # (m', k, 8)
-    control = Control(weights, cells.reshape(-1, 8), *_movable(scaffold, sides))
-    points = weights @ relaxed(control, surface_points(scaffold, sides), goal)
-    _make_round(
-        points, sections[(scaffold.refined.valency[scaffold.refined.edges] < 3).all(axis=1)]
-    )
-    per_edge = cells.shape[1]
-    return Hexahedra(
-        points=points,
-        hexahedra=control.hexahedra,
-        edge_of_hexahedron=np.repeat(scaffold.refinement.edge_of_edge, per_edge),
-        node_of_hexahedron=_nodes_touched(scaffold, per_edge, per_edge // pieces),
-        end_of_point=_end_points(scaffold, sections, len(points)),
-    )
+    if isinstance(struts, Scaffold):
+        around, count = _sides(sides, 8), as_count(layers or 0, "layers")
+        if around != 8:
+            raise OptionError(f"sides is {around} for a scaffold; need 8, or round struts")
+        plan = scaffold_plan(struts, pieces)
+    else:
+        around = _sides(sides, 16)
+        count = 1 if layers is None else as_count(layers, "layers")
+        plan = round_plan(struts, around, pieces)
+    return _made(plan, count, goal)
+
+
+def _sides(sides: int | None, usual: int) -> int:
+    """Return the points around a section."""
+    around = usual if sides is None else as_count(sides, "sides", 8)
+    if around % 8:
+        raise OptionError(f"sides is {around}; need a multiple of 8")
+    return around
+
+
+def _made(plan: Plan, layers: int, goal: float) -> Hexahedra:
+    """Return the hexahedra of a plan."""
+    sections = Sections(plan.frame, layers)
+    stations, weights = _stations(plan.spans, sections)
+    cells = [_between(each, sections.quads) for each in stations]  # (e, pieces, q, 8) each
+    control = plan.control(weights, np.concatenate([each.reshape(-1, 8) for each in cells]), layers)
+    points = weights @ relaxed(control, plan.frame.controls(layers), goal)
+    for span, each in zip(plan.spans, stations, strict=True):
+        _make_round(points, each[span.straight])
+    edges, nodes = [], []
+    for span, each in zip(plan.spans, cells, strict=True):
+        edges.append(np.broadcast_to(span.edge[:, None, None], each.shape[:3]).reshape(-1))
+        nodes.append(span.nodes_touched(each.shape[2]))
+    if plan.caps is not None:
+        plan.caps.put_on(points, sections.numbers[plan.closing])
+    ends = np.full(len(points), -1, dtype=np.intp)
+    ends[sections.numbers[plan.closing]] = plan.closed[:, None]
+    return Hexahedra(points, control.hexahedra, np.concatenate(edges), np.concatenate(nodes), ends)
 
 
 def sets_by_owner(prefix: str, owner: Ints) -> dict[str, Ints]:
@@ -170,108 +205,30 @@ def _make_round(points: Points, sections: Ints) -> None:
         points[sections[:, station]] = foot + scale[..., None] * across
 
 
-def _nodes_touched(scaffold: Scaffold, per_edge: int, per_piece: int) -> Ints:
-    """Return the branch point that each hexahedron touches, -1 for none, (k,)."""
-    refined = scaffold.refined
-    branch = np.where(refined.valency[refined.edges] >= 3, refined.edges, -1)  # (m', 2)
-    node = np.full((len(branch), per_edge), -1, dtype=np.intp)
-    node[:, :per_piece] = branch[:, :1]
-    last = node[:, per_edge - per_piece :]
-    last[:] = np.where(branch[:, 1:] >= 0, branch[:, 1:], last)
-    return node.reshape(-1)
+def _stations(spans: tuple[Span, ...], sections: Sections) -> tuple[list[Ints], sparse.csr_array]:
+    """Return the points of all sections of each span, (e, pieces + 1, s), and all points."""
+    numbers, weights = sections.numbers, sections.weights
+    stations, more = [], [weights]
+    count = sections.count
+    for span in spans:
+        first, last = np.moveaxis(numbers[span.sections], 1, 0)  # (e, s)
+        shape = (len(first), span.pieces - 1, first.shape[1])
+        share = np.arange(1, span.pieces)[:, None] / span.pieces
+        weight = np.broadcast_to(share, shape).reshape(-1)
+        near = np.broadcast_to(first[:, None], shape).reshape(-1)
+        far = np.broadcast_to(last[:, None], shape).reshape(-1)
+        row = np.arange(len(near))
+        number = count + row.reshape(shape)
+        stations.append(np.concatenate([first[:, None], number, last[:, None]], axis=1))
+        count += len(row)
+        values = np.concatenate([1.0 - weight, weight])
+        places = (np.tile(row, 2), np.concatenate([near, far]))
+        matrix = sparse.csr_array((values, places), shape=(len(row), sections.count))
+        more.append(matrix @ weights)
+    return stations, sparse.csr_array(sparse.vstack(more))
 
 
-def _end_points(scaffold: Scaffold, sections: Ints, count: int) -> Ints:
-    """Return the extremity in whose end face each point lies, -1 for none, (count,)."""
-    refined = scaffold.refined
-    ends = np.full(count, -1, dtype=np.intp)
-    for slot, station in ((0, 0), (1, -1)):
-        closing = np.flatnonzero(refined.valency[refined.edges[:, slot]] == 1)
-        ends[sections[closing, station]] = refined.edges[closing, slot][:, None]
-    return ends
-
-
-def _movable(scaffold: Scaffold, sides: Sides) -> tuple[Bools, Floats]:
-    """Return which corners, middles and centers may move, and by how much.
-
-    Those of branch points may, by their radii: sections of struts stay circles.
-    """
-    refined = scaffold.refined
-    owner = np.concatenate([scaffold.node_of_vertex, sides.node, np.arange(len(refined.nodes))])
-    return refined.valency[owner] >= 3, refined.radii[owner]
-
-
-def _rings(scaffold: Scaffold, sides: Sides, layers: int) -> tuple[Ints, sparse.csr_array]:
-    """Return the points of each section, and these as combinations of control points.
-
-    Control points are corners, middles of sides, centers. A section's points, (m', 2, s), are the
-    center, then from the inside out four corners and four middles a ring.
-    """
-    corners, middles = len(scaffold.node_of_vertex), len(sides.node)
-    rim, centers = corners + middles, len(scaffold.refined.nodes)
-    owner = np.concatenate([scaffold.node_of_vertex, sides.node])
-    factors = np.linspace(CORE, 1.0, layers + 1) if layers else np.ones(1)
-    flat = np.repeat(factors, rim)
-    row = centers + np.arange(len(flat))
-    inside = np.flatnonzero(flat < 1.0)
-    spread = sparse.csr_array(
-        (
-            np.concatenate([np.ones(centers), flat, 1.0 - flat[inside]]),
-            (
-                np.concatenate([np.arange(centers), row, row[inside]]),
-                np.concatenate(
-                    [
-                        rim + np.arange(centers),
-                        np.tile(np.arange(rim), layers + 1),
-                        rim + owner[inside % rim],
-                    ]
-                ),
-            ),
-        ),
-        shape=(centers + len(flat), rim + centers),
-    )
-    first = centers + rim * np.arange(layers + 1)[:, None, None, None]
-    around = np.concatenate([scaffold.sleeves, corners + sides.of_end], axis=2)  # (m', 2, 8)
-    numbers = (first + around).transpose(1, 2, 0, 3).reshape(len(around), 2, -1)
-    return np.concatenate([scaffold.refined.edges[:, :, None], numbers], axis=2), spread
-
-
-def _section_quads(layers: int) -> Ints:
-    """Return the quads of a section by its points, counter-clockwise, (4 + 8 layers, 4)."""
-    turn = np.arange(4)
-    following = (turn + 1) % 4
-    core = np.stack([0 * turn, 1 + turn, 5 + turn, 1 + following], axis=1)
-    quads = [core]
-    for layer in range(layers):
-        inside, outside = 1 + 8 * layer, 9 + 8 * layer
-        pairs = [(turn, turn + 4), (turn + 4, following)]
-        quads += [
-            np.stack([inside + a, outside + a, outside + b, inside + b], axis=1) for a, b in pairs
-        ]
-    return np.concatenate(quads)
-
-
-def _stations(rings: Ints, spread: sparse.csr_array, pieces: int) -> tuple[Ints, sparse.csr_array]:
-    """Return the points of all sections of each edge, (m', pieces + 1, s), and all points."""
-    if pieces == 1:
-        return rings, spread
-    share = np.arange(1, pieces)[:, None] / pieces
-    shape = (len(rings), pieces - 1, rings.shape[2])
-    near = np.broadcast_to(rings[:, None, 0], shape).reshape(-1)
-    far = np.broadcast_to(rings[:, None, 1], shape).reshape(-1)
-    weight = np.broadcast_to(share, shape).reshape(-1)
-    row = np.arange(len(near))
-    between = sparse.csr_array(
-        (np.concatenate([1.0 - weight, weight]), (np.tile(row, 2), np.concatenate([near, far]))),
-        shape=(len(near), spread.shape[0]),
-    )
-    number = spread.shape[0] + row.reshape(shape)
-    sections = np.concatenate([rings[:, :1], number, rings[:, 1:]], axis=1)
-    return sections, sparse.csr_array(sparse.vstack([spread, between @ spread]))
-
-
-def _between(sections: Ints, quads: Ints) -> Ints:
-    """Return the hexahedra between neighboring sections, (m', pieces · q, 8)."""
-    faces = sections[:, :, quads]  # (m', pieces + 1, q, 4)
-    cells = np.concatenate([faces[:, :-1], faces[:, 1:]], axis=3)
-    return cells.reshape(len(sections), -1, 8)
+def _between(stations: Ints, quads: Ints) -> Ints:
+    """Return the hexahedra between neighboring sections, (e, pieces, q, 8)."""
+    faces = stations[:, :, quads]  # (e, pieces + 1, q, 4)
+    return np.concatenate([faces[:, :-1], faces[:, 1:]], axis=3)

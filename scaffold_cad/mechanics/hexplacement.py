@@ -1,4 +1,4 @@
-"""Where the outer points and the centers of hexahedra stand."""
+"""Where the outer points of a scaffold's hexahedra stand."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.base.vectors import dot, length, normalize
+from scaffold_cad.mechanics.hexplans import Plan, Span
+from scaffold_cad.mechanics.hexsections import Frame
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.scaffold.collars import strut_radii
 
@@ -19,6 +21,34 @@ REACH = 0.45
 
 FREE_REACH = 0.8
 """The same where the other end is not one."""
+
+
+def scaffold_plan(scaffold: Scaffold, pieces: int) -> Plan:
+    """Return the sections of a scaffold: two an edge, which it shares at nodes."""
+    refined, sides = scaffold.refined, section_sides(scaffold)
+    rim = surface_points(scaffold, sides)
+    owner = np.concatenate([scaffold.node_of_vertex, sides.node])
+    around = np.empty((len(refined.edges), 2, 8), dtype=np.intp)
+    around[..., ::2] = scaffold.sleeves
+    around[..., 1::2] = len(scaffold.node_of_vertex) + sides.of_end
+    branches = refined.valency >= 3
+    frame = Frame(
+        refined.nodes,
+        rim,
+        owner,
+        refined.edges.reshape(-1),
+        around.reshape(-1, 8),
+        branches,
+        branches[owner],
+        refined.radii,
+    )
+    pairs = np.arange(2 * len(refined.edges)).reshape(-1, 2)
+    at_branch = branches[refined.edges]  # (m', 2)
+    edge = scaffold.refinement.edge_of_edge
+    nodes = np.where(at_branch, refined.edges, -1)
+    span = Span(pairs, pieces, edge, nodes, np.flatnonzero(~at_branch.any(axis=1)))
+    closing = np.flatnonzero((refined.valency == 1)[frame.hub])
+    return Plan(frame, (span,), None, closing, frame.hub[closing])
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +76,7 @@ def section_sides(scaffold: Scaffold) -> Sides:
 
 
 def surface_points(scaffold: Scaffold, sides: Sides) -> Points:
-    """Return corners, middles of sides, then centers, (v + s + n', 3), mm.
+    """Return corners, then middles of sides, (v + s, 3), mm.
 
     At joints and extremities they lie on the section's circle, seen along the strut. At branch
     points they keep their directions and lie where the last of the struts beside them ends.
@@ -65,7 +95,8 @@ def surface_points(scaffold: Scaffold, sides: Sides) -> Points:
     directions[len(offsets) :] = normalize(directions[a] + directions[b])
     distance = _distances(scaffold, sides, directions)
     rim[at_branch] = directions[at_branch] * distance[at_branch, None]
-    return np.concatenate([refined.nodes[owner] + rim, refined.nodes])
+    points: Points = refined.nodes[owner] + rim
+    return points
 
 
 def _section_scale(scaffold: Scaffold) -> Floats:

@@ -54,22 +54,16 @@ def curve_rings(curves: Curves, turns: Floats, rings: Ints, ends: Points, count:
     count : vertices so far
     """
     sides = rings.shape[1]
-    step = 2 * np.pi / sides
-    levels = np.maximum(np.ceil(turns / step - 1e-9), 1).astype(np.intp)  # (p,)
-    piece = np.repeat(np.arange(len(levels)), levels)
-    place = np.arange(len(piece)) - np.repeat(np.cumsum(levels) - levels, levels) + 1
-    order = _Order(curves.curve_of_piece[piece], curves.closed)
-    is_own = order.is_own
+    found = intervals(curves, turns, sides)
+    order, is_own = found.order, found.order.is_own
     high = count + sides * (np.cumsum(is_own) - 1)[:, None] + np.arange(sides)
     start, end = curves.half_runs[~curves.closed].T
     high[order.last] = rings[end]
     # Seen the way the curve runs, the ring of the strut before it runs the other way round.
     backward = -np.arange(sides) % sides
     low = order.before(high, rings[start][:, backward])
-    frames = np.einsum(
-        "lj,ljkx->lkx", bernstein(ALONG, place / levels[piece]), curves.frames[piece]
-    )
-    turned = (turns / levels)[piece] ** 2
+    frames, piece = found.frames, found.piece
+    turned = (turns / found.levels)[piece] ** 2
     growth = enlargement(np.zeros(1), sides)[0] + (turned + order.after(turned)) / 24
     wanted = _sums(piece_volumes(curves), curves.curve_of_piece, len(curves.closed))
     ends = np.stack([ends[:, 0, backward], ends[:, 1]], axis=1)
@@ -78,7 +72,39 @@ def curve_rings(curves: Curves, turns: Floats, rings: Ints, ends: Points, count:
 
 
 @dataclass(frozen=True, eq=False)
-class _Order(Frozen):
+class Intervals(Frozen):
+    """What lies between neighboring rings of curves."""
+
+    levels: Ints
+    """Intervals of each piece, shape (p,)."""
+    piece: Ints
+    """Piece that each interval is in, shape (l,)."""
+    order: Order
+    """How they follow each other."""
+    frames: Floats
+    """Center and half-diameters of the circle after each interval, shape (l, 3, 3), mm."""
+
+
+def intervals(curves: Curves, turns: Floats, sides: int) -> Intervals:
+    """Return the intervals of curves, which turn by 2π / sides at most.
+
+    Parameters
+    ----------
+    turns : (p,) how far pieces turn, rad
+    sides : points of a ring
+    """
+    step = 2 * np.pi / sides
+    levels = np.maximum(np.ceil(turns / step - 1e-9), 1).astype(np.intp)  # (p,)
+    piece = np.repeat(np.arange(len(levels)), levels)
+    place = np.arange(len(piece)) - np.repeat(np.cumsum(levels) - levels, levels) + 1
+    frames = np.einsum(
+        "lj,ljkx->lkx", bernstein(ALONG, place / levels[piece]), curves.frames[piece]
+    )
+    return Intervals(levels, piece, Order(curves.curve_of_piece[piece], curves.closed), frames)
+
+
+@dataclass(frozen=True, eq=False)
+class Order(Frozen):
     """How the intervals of curves follow each other; each is known by the ring after it."""
 
     curve: Ints
@@ -127,7 +153,7 @@ class _Order(Frozen):
         return ends[0], ends[1] - 1
 
 
-def _grown(frames: Floats, order: _Order, growth: Floats, ends: Points, wanted: Floats) -> Points:
+def _grown(frames: Floats, order: Order, growth: Floats, ends: Points, wanted: Floats) -> Points:
     """Return rings (l, sides, 3) that make up for the volumes (c,) of curves, mm.
 
     Parameters

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Ints, Points, Triangles
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, Triangles
 from scaffold_cad.struts.bands import polygon_slack
 from scaffold_cad.struts.runs import Runs
 from scaffold_cad.struts.volumes import triangle_volumes
@@ -34,6 +36,25 @@ def flat_ends(
     return runs.nodes[runs.tails[ends]], triangles.reshape(-1, 3)
 
 
+@dataclass(frozen=True, eq=False)
+class EndSpheres(Frozen):
+    """Spheres that touch struts along their last circles."""
+
+    center: Floats
+    """Distance of each center from the node, outward, shape (e,), mm."""
+    size: Floats
+    """Radius, shape (e,), mm."""
+    start: Floats
+    """Latitude of the last circle, shape (e,), rad."""
+
+
+def end_spheres(runs: Runs, ends: Ints, radius: Floats) -> EndSpheres:
+    """Return the spheres of round ends; the parameters are those of `flat_ends`."""
+    slope = -runs.slopes[ends]  # growth outward
+    center = radius * slope
+    return EndSpheres(center, radius * np.hypot(1.0, slope), np.arctan2(-center, radius))
+
+
 def round_ends(
     runs: Runs, ends: Ints, radius: Floats, rings: Ints, points: Points, count: int
 ) -> tuple[Points, Triangles]:
@@ -43,10 +64,8 @@ def round_ends(
     last circle. The parameters are those of `flat_ends`.
     """
     number, sides = rings.shape
-    slope = -runs.slopes[ends]  # growth outward
-    center = radius * slope  # along the outward axis, from the node
-    size = radius * np.hypot(1.0, slope)
-    start = np.arctan2(-center, radius)  # latitude of the last circle
+    sphere = end_spheres(runs, ends, radius)
+    center, size, start = sphere.center, sphere.size, sphere.start
     levels = max(1, sides // 4)
     share = np.arange(1, levels) / levels
     latitude = start[:, None] + share * (np.pi / 2 - start[:, None])  # (e, levels - 1)

@@ -12,6 +12,7 @@ from functools import cache
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, read_only
+from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.struts.blend import Solved
@@ -22,6 +23,12 @@ from scaffold_cad.struts.volumes import cells_of
 
 GRADING = 1.5
 """Power by which levels stand closer beside the arcs, where blends turn, than at the collars."""
+
+TABLE = 240
+"""Parts of a quarter circle whose parameters are looked up; those of 4, 8, ... sides are exact."""
+
+POINT_BYTES = 32
+"""What each coefficient of a point on a turned ring takes."""
 
 SAME = 1e-6
 """Growths that agree to this part of a radius are the same; nodes with one blend are made once."""
@@ -133,6 +140,41 @@ def angles_at(parameters: Floats) -> Floats:
     place = bernstein(DEGREE, parameters.reshape(-1)) @ ARC  # (k, 2)
     angles: Floats = np.arctan2(place[:, 1], place[:, 0])
     return angles.reshape(parameters.shape)
+
+
+def turned_rings(group: BlendedNodes, turns: Floats, at: Floats, sides: int) -> Points:
+    """Return points on the patches of M nodes, from the arcs outward, (M, N, k, sides, 3), mm.
+
+    Rings at the arcs are those that `first_rings` numbers. Further out they are turned about their
+    strut, the more the nearer they are to its collar, and stay on the patches.
+
+    Parameters
+    ----------
+    turns : (M, N) turn of the rings at the collars, counter-clockwise about their struts, rad
+    at : (k,) parameters from the arcs, 0, to the collars, 1
+    """
+    layout, control = group.shapes.layout, group.shapes.control  # (U, 4 N, n_u, n_v, 3)
+    count, valency = turns.shape
+    rows = np.einsum("vj,upijx->upvix", layout.v.values_at(at), control)
+    rings = np.empty((count, valency, len(at), sides, 3))
+    even = np.arange(sides) * (4.0 / sides)
+    strut, level = np.arange(valency)[:, None, None], np.arange(len(at))[:, None]
+    for part in blocks(count, valency * len(at) * sides * layout.u.count * POINT_BYTES):
+        turned = even + turns[part, :, None, None] / (np.pi / 2) * at[:, None]
+        quarter = np.floor(turned).astype(np.intp)  # (m, N, k, sides)
+        patch = 4 * strut + quarter % 4
+        values = layout.u.values_at(_parameters(turned - quarter).reshape(-1))
+        values = values.reshape(*turned.shape, -1)
+        shape = group.shape_of[part, None, None, None]
+        rings[part] = np.einsum("mnksi,mnksix->mnksx", values, rows[shape, patch, level])
+    return rings
+
+
+def _parameters(quarters: Floats) -> Floats:
+    """Return parameters of the quarter circle near its parts (...) in [0, 1), each its own."""
+    steps = quarter_parameters(TABLE)
+    even = np.linspace(0.0, 1.0, TABLE + 1)
+    return np.asarray(np.interp(quarters, even, np.append(steps, 1.0)))
 
 
 def _sampled(shapes: Solved, u: Floats, v: Floats) -> tuple[Floats, Floats]:

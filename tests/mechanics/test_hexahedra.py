@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
 import pytest
 
-from scaffold_cad import Skeleton, build_scaffold
+from scaffold_cad import RoundStruts, Scaffold, Skeleton, build_scaffold, round_struts
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import cells, tile
 from scaffold_cad.mechanics import hexahedra
@@ -161,12 +164,15 @@ def test_sets_name_the_edge_and_the_branch_point() -> None:
     assert np.isin(touching, middle).any(axis=1).all()
 
 
-def test_patch_test_with_scikit_fem() -> None:
+@pytest.mark.parametrize("make", [partial(build_scaffold, collars=True), round_struts])
+def test_patch_test_with_scikit_fem(
+    make: Callable[[Skeleton], Scaffold | RoundStruts],
+) -> None:
     skfem = pytest.importorskip("skfem")
     from skfem.helpers import ddot, eye, sym_grad, trace
     from skfem.models.elasticity import lame_parameters
 
-    mesh = hexahedra(build_scaffold(lattice("octet", count=1), collars=True), layers=1)
+    mesh = hexahedra(make(lattice("octet", count=1)), sides=8, layers=1)
     # Its corners are numbered bit by bit: 000, 001, 010, 100, ...; ours run around two faces.
     order = [0, 1, 3, 4, 2, 5, 7, 6]
     grid = skfem.MeshHex(mesh.points.T.copy(), mesh.hexahedra[:, order].T.copy())
