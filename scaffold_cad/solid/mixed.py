@@ -60,6 +60,8 @@ class _Part(Frozen):
     """Nodes that the first of these are around."""
     nodes: Bools
     """Nodes in clusters, (n,)."""
+    pieces: Bools
+    """Pieces of curves in clusters, (p,)."""
     fillets: Floats
     """Fillet radius of each node, mm, (n,)."""
 
@@ -118,15 +120,15 @@ def _part(struts: RoundStruts, fillets: Floats, core: Core, sags: Sags | None = 
     made, count = faceted(struts, fillets, core, sags), len(core.nodes)
     if made is None:
         part, _ = _exact(struts, np.zeros(len(struts.runs.nodes), dtype=np.bool_))
-        return replace(part, nodes=core.nodes, fillets=fillets)
+        return replace(part, nodes=core.nodes, pieces=core.zone, fillets=fillets)
     pieces = _pieces(made)
     piece = pieces.piece_of[made.mesh.triangles[:, 0]]
     names = _cluster_names(struts, made, pieces)
     facets = brep_of_triangles(made.mesh, piece, names)
     facets = _saying(facets, np.where(pieces.volumes[piece] < 0, VOID, BODY))
     if made.clusters is None:
-        none, every = np.zeros(0, dtype=np.intp), np.ones_like(core.nodes)
-        return _Part(facets, np.full(count, -1), 0, made.mesh, none, every, fillets)
+        none, nodes, every = np.zeros(0, np.intp), np.ones_like(core.nodes), np.ones_like(core.zone)
+        return _Part(facets, np.full(count, -1), 0, made.mesh, none, nodes, every, fillets)
     rest = made.clusters.rest
     beside, corners = _exact(rest.struts, rest.open_at)
     exact = _named(beside.faces, struts, made)
@@ -139,6 +141,7 @@ def _part(struts: RoundStruts, fillets: Floats, core: Core, sags: Sags | None = 
         _near(made, beside.mesh, corners),
         beside.node,
         made.clusters.nodes,
+        made.clusters.pieces,
         made.clusters.reached,
     )
 
@@ -168,6 +171,7 @@ def _exact(struts: RoundStruts, open_at: Bools) -> tuple[_Part, Ints]:
         shell.made.mesh,
         shell.made.node,
         np.zeros_like(open_at),
+        np.zeros(len(struts.curves.pieces), dtype=np.bool_),
         np.zeros(len(open_at)),
     )
     return part, corners

@@ -111,6 +111,11 @@ class RoundStruts(Frozen, Shown):
         return ~(self.crowded_runs | self.curves.curved)[self.runs.run_of_edge]
 
     @property
+    def within(self) -> float:
+        """How far these are inside the struts that they make hollow, mm; 0 for others."""
+        return float(self.options.wall or 0.0) if self.inner is None else 0.0
+
+    @property
     def overlapping(self) -> Ints:
         """Edges whose surface, or that at one of their nodes, may cross others, ascending."""
         crowded: Bools = self.crowded_runs | self.crowded[self.runs.edges].any(axis=1)

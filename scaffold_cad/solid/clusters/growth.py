@@ -65,11 +65,18 @@ class Core(Frozen):
     nodes: Bools
     """Shape (n,)."""
     pieces: Bools
-    """Pieces of curves, shape (p,)."""
+    """Pieces of curves, and with them what of the curves beside them a cut takes, shape (p,)."""
+    zone: Bools
+    """Pieces of curves and nothing beside them: those that are a field on the other side of a
+    wall, shape (p,)."""
 
     def with_nodes(self, nodes: Bools) -> Core:
         """Return the same with more nodes (n,)."""
-        return Core(self.nodes | nodes, self.pieces)
+        return replace(self, nodes=self.nodes | nodes)
+
+    def with_zone(self, pieces: Bools) -> Core:
+        """Return the same with more pieces (p,) in the zone."""
+        return replace(self, zone=self.zone | pieces)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +87,8 @@ class Clusters(Frozen):
     """What they began with, and what came near."""
     nodes: Bools
     """Shape (n,)."""
+    pieces: Bools
+    """Pieces of curves, shape (p,)."""
     spans: Spans
     """By run and place, with room for struts of their own between them."""
     reached: Floats
@@ -143,8 +152,9 @@ def clusters_of(
         near = near.chosen(~bent)
         settled = spans.covers(near, SETTLED * runs.radii.min(axis=1)[near.run]).all()
         if settled and not (joining.nodes & ~inside).any() and not (more & ~core.pieces).any():
-            return Clusters(core, inside, spans, reached, blend, rest, found.lines, seeds)
-        core = Core(core.nodes | joining.nodes, core.pieces | more)
+            lines = found.lines
+            return Clusters(core, inside, zones.pieces, spans, reached, blend, rest, lines, seeds)
+        core = replace(core.with_nodes(joining.nodes), pieces=core.pieces | more)
         seeds = Spans.joined([seeds, near])
 
 
@@ -161,7 +171,8 @@ def unproved(struts: RoundStruts) -> Core:
             found[own.nodes] = False
     used = struts.collar.reshape(-1, 2).sum(axis=1)
     found[runs.edges[used > runs.lengths]] = True
-    return Core(found, ~proved(struts.curves))
+    folded = ~proved(struts.curves)
+    return Core(found, folded, np.zeros_like(folded))
 
 
 def _settled(reaches: Reaches, core: Core, seeds: Spans) -> tuple[Bools, Zones, Spans, Floats]:
@@ -169,7 +180,8 @@ def _settled(reaches: Reaches, core: Core, seeds: Spans) -> tuple[Bools, Zones, 
     struts, nodes = reaches.struts, core.nodes
     runs, curves = struts.runs, struts.curves
     while True:
-        zones = zones_of(curves, core.pieces | core_of(curves, nodes), len(nodes))
+        pieces = core.pieces | core_of(curves, nodes)
+        zones = zones_of(curves, pieces, len(nodes), core.zone)
         inside = nodes | zones.nodes
         made = stumps(reaches, inside)
         collar = np.where(runs.valency[runs.tails] > 1, struts.collar, 0.0).reshape(-1, 2)
@@ -217,7 +229,8 @@ class _Found:
         """How axes lead to the cuts of curves."""
         cut = self.rest.cut_curves
         first = len(self.rest.cuts.node) - len(cut.nodes)
-        return lines_to(self.struts.runs, self.struts.curves, cut, self.rest.cuts.base[first:])
+        base, sizes = self.rest.cuts.base[first:], cut.radii + self.struts.within
+        return lines_to(self.struts.runs, self.struts.curves, cut, base, sizes)
 
     def meeting(self, slack: Slack) -> tuple[Core, Spans]:
         """Return what has to join the clusters, and the stretches of runs that do."""
@@ -240,7 +253,7 @@ class _Found:
             near.append(
                 near_spans(self.struts.runs, pieces, own, other, radius[other] + gap, inner)
             )
-        return Core(at, folded), Spans.joined(near)
+        return Core(at, folded, np.zeros_like(folded)), Spans.joined(near)
 
     def _pieces(self, slack: float) -> tuple[Pieces, Ints, Floats, Floats]:
         """Return all pieces, what they are, their radii without fillets, and their fillets."""

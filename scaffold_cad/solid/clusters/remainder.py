@@ -136,7 +136,8 @@ def _cuts(runs: Runs, spans: Spans) -> tuple[Cuts, Ints, Ints]:
 def _with_curves(straight: Cuts, struts: RoundStruts, spans: Spans, cut: CutCurves) -> Cuts:
     """Return cuts, and those of curves after them."""
     curves, runs = struts.curves, struts.runs
-    room = (CUT + BAND) * cut.radii
+    # The axes in a wall's two fields are one, so that it keeps its thickness.
+    room = (CUT + BAND) * (cut.radii + struts.within)
     return Cuts(
         np.append(straight.span, np.searchsorted(spans.run, curves.run[curves.pieces[cut.beyond]])),
         np.concatenate([straight.base, runs.nodes[cut.nodes] + room[:, None] * cut.outward]),

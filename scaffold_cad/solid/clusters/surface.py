@@ -70,6 +70,10 @@ class _Made(Protocol):
         """Nodes that are in fields, shape (n,)."""
 
     @property
+    def pieces(self) -> Bools:
+        """Pieces of curves that are in fields, shape (p,)."""
+
+    @property
     def fillets(self) -> Floats:
         """Fillet radius of each node, mm, shape (n,)."""
 
@@ -92,6 +96,8 @@ class _Surface:
     """Vertices of these, shape (e, sides)."""
     nodes: Bools
     """Nodes that are in fields, shape (n,)."""
+    pieces: Bools
+    """Pieces of curves that are in fields, shape (p,)."""
     fillets: Floats
     """Fillet radius of each node, mm, shape (n,)."""
     node: Ints
@@ -130,7 +136,7 @@ def _unmade(struts: RoundStruts, sides: int) -> Core:
     """Return the nodes and pieces that have no triangles of their own."""
     core = unproved(struts)
     nodes = core.nodes | without_triangles(struts.sharp, sides, len(core.nodes))
-    return Core(nodes, core.pieces)
+    return replace(core, nodes=nodes)
 
 
 def hollow(
@@ -153,7 +159,7 @@ def hollow(
     """
     inner = inside_of(struts)
     core, more = core_of(struts), core_of(inner)
-    core = Core(core.nodes | more.nodes, core.pieces | more.pieces)
+    core = replace(core.with_nodes(more.nodes), pieces=core.pieces | more.pieces)
     sags = Sags(float(struts.options.wall or 0.0) / 4.0)
     for _ in range(FINER):
         outside, inside = _both(struts, inner, make, core, sags)
@@ -193,18 +199,24 @@ def _both(
     core: Core,
     sags: Sags,
 ) -> tuple[Surface, Surface]:
-    """Return the surfaces outside and inside of hollow struts."""
+    """Return the surfaces outside and inside of hollow struts.
+
+    Of curves the same pieces are in fields on both sides, which follow edges and not the curve.
+    """
     wall, fillets = float(struts.options.wall or 0.0), wanted_fillets(struts)
     is_end, is_open = struts.runs.valency == 1, struts.options.ends == "open"
     while True:
         outside = make(struts, fillets, core, sags)
         own = _shortened(inner, core.nodes & is_end, wall)
+        core = core.with_zone(outside.pieces)
         inside = make(own, outside.fillets + wall, core, sags)
-        more = (outside.nodes | inside.nodes) & is_end & ~core.nodes
-        if not is_open or not more.any():
+        more = (outside.nodes | inside.nodes) & is_end & ~core.nodes & is_open
+        if not more.any() and np.array_equal(inside.pieces, outside.pieces):
             return outside, inside
-        _log.info("%d open ends overlap other struts: closed", more.sum())
-        core = core.with_nodes(more)
+        if more.any():
+            closed = counted(int(more.sum()), "open end overlaps", "open ends overlap")
+            _log.info("%s other struts: closed", closed)
+        core = core.with_nodes(more).with_zone(inside.pieces)
 
 
 def _walls(struts: RoundStruts, outside: _Surface, inside: _Surface) -> TriangleMesh:
@@ -275,10 +287,11 @@ def _surface(
         if len(failed) == 0:
             own = ends < count
             around = shell.made.node
-            inside = clusters.nodes
             if fields is not None:
                 report_thickened(fields, factor)
-            return _Surface(mesh, ends[own], shell.rings[own], inside, clusters.reached, around)
+            rings, fillets = shell.rings[own], clusters.reached
+            nodes, pieces = clusters.nodes, clusters.pieces
+            return _Surface(mesh, ends[own], rings, nodes, pieces, fillets, around)
         _log.debug("%d of %d seams failed", len(failed), len(rest.cuts.node))
         core, seeds = grown(struts, clusters, failed)
     _log.info(
@@ -289,7 +302,8 @@ def _surface(
     report_thickened(every, factor)
     mesh = filled(field_of(every, sags, factor))
     none = np.zeros((0, sides), dtype=np.intp)
-    return _Surface(mesh, none[:, 0], none, np.ones(count, dtype=np.bool_), fillets, none[:, 0])
+    nodes, pieces = np.ones_like(core.nodes), np.ones_like(core.pieces)
+    return _Surface(mesh, none[:, 0], none, nodes, pieces, fillets, none[:, 0])
 
 
 def field_of(fields: FieldStruts, sags: Sags | None, factor: float) -> TriangleMesh:

@@ -50,12 +50,13 @@ def core_of(curves: Curves, nodes: Bools) -> Bools:
     return np.asarray((nodes[ends] & (ends >= 0)).any(axis=1))
 
 
-def zones_of(curves: Curves, core: Bools, count: int) -> Zones:
+def zones_of(curves: Curves, core: Bools, count: int, others: Bools) -> Zones:
     """Return the zones around pieces (p,).
 
     Parameters
     ----------
     count : of nodes
+    others : (p,) pieces that are in zones too, without what is beside them
     """
     torn = np.unique(curves.curve_of_piece[core & np.isfinite(curves.tori)[curves.curve_of_piece]])
     core = core | np.isin(curves.curve_of_piece, torn)
@@ -63,6 +64,7 @@ def zones_of(curves: Curves, core: Bools, count: int) -> Zones:
     # Pieces between a joint and a straight strut take no cut: there the field follows the strut.
     lone = (ends < 0).any(axis=1)
     inside = core | (_distances(curves, core, np.where(lone, 0.0, sizes)) < MARGIN)
+    inside |= others
     inside |= _short(curves, inside, sizes)
     outside, touched = np.zeros((2, count + 1), dtype=np.bool_)
     outside[ends[~inside]], touched[ends[inside]] = True, True
@@ -110,12 +112,13 @@ class Lines(Frozen):
     """Joint from which the axis leads to the base of each cut, shape (v,)."""
 
 
-def lines_to(runs: Runs, curves: Curves, cut: CutCurves, base: Points) -> Lines:
+def lines_to(runs: Runs, curves: Curves, cut: CutCurves, base: Points, sizes: Floats) -> Lines:
     """Return how axes lead to cuts: from the first joint that is well behind each base.
 
     Parameters
     ----------
     base : (v, 3) of the cuts, mm
+    sizes : (v,) radii that tell how far behind joints are, mm
     """
     piece, at, passed = cut.beyond.copy(), cut.nodes.copy(), np.zeros_like(curves.curved)
     before, after = neighbors(curves)
@@ -129,7 +132,7 @@ def lines_to(runs: Runs, curves: Curves, cut: CutCurves, base: Points) -> Lines:
         at[rows] = far
         behind = dot(runs.nodes[far] - base[rows], cut.outward[rows])
         piece[rows] = np.where(way == 1, after[piece[rows]], before[piece[rows]])
-        rows = rows[(behind < BEHIND * cut.radii[rows]) & (piece[rows] >= 0)]
+        rows = rows[(behind < BEHIND * sizes[rows]) & (piece[rows] >= 0)]
     return Lines(passed, at)
 
 

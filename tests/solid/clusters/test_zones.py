@@ -69,7 +69,7 @@ def test_zones_reach_as_far_as_cuts_take() -> None:
     nodes[30] = True
     core = core_of(curves, nodes)
     assert core.sum() == 2
-    zones = zones_of(curves, core, 60)
+    zones = zones_of(curves, core, 60, np.zeros_like(core))
     assert zones.nodes[30]
     (inside,) = np.nonzero(zones.pieces)
     assert (np.diff(inside) == 1).all()

@@ -1,0 +1,55 @@
+"""Hollow curves that are crowded somewhere: both sides of their walls are fields there."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+from scipy.spatial import cKDTree
+
+from scaffold_cad import Skeleton, round_struts
+from scaffold_cad.base.arrays import Floats, Points
+from scaffold_cad.products import to_brep
+from scaffold_cad.solid.rounds import round_mesh
+from tests.crossings import check_as_written
+from tests.skeletons import polyline
+
+WALL = 0.3
+
+
+def shaky_curve(seed: int) -> Skeleton:
+    """Return a curve whose samples are off it by a fifth of its radius."""
+    t = np.linspace(0, 0.25, 30)
+    curve = np.stack([100 * t, 15 * np.sin(9 * t), 10 * np.cos(7 * t)], axis=1)
+    shaken = curve + 0.2 * np.random.default_rng(seed).normal(size=curve.shape)
+    return Skeleton(shaken, polyline(30), 0.95)
+
+
+def distances(points: Points, surface: trimesh.Trimesh) -> Floats:
+    """Return how far points (p, 3) are from the triangles near them, (p,)."""
+    _, near = cKDTree(surface.triangles_center).query(points, 24)
+    corners = surface.triangles[near.T]  # (24, p, 3, 3)
+    feet = [trimesh.triangles.closest_point(each, points) for each in corners]
+    return np.linalg.norm(np.array(feet) - points, axis=2).min(axis=0)
+
+
+@pytest.mark.parametrize("seed", [4, 7, 9])
+def test_walls_of_curves_are_thick_where_they_become_fields(seed: int) -> None:
+    struts = round_struts(shaky_curve(seed), wall=WALL)
+    assert struts.crowded.any()
+    mesh = round_mesh(struts)
+    check_as_written(mesh)
+    whole = trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
+    outside, inside = sorted(whole.split(only_watertight=False), key=lambda each: -each.area)
+    assert outside.volume > 0 > inside.volume
+    assert (
+        distances(inside.vertices, outside).min() > 0.7 * WALL
+    )  # sides of triangles have a quarter of it
+
+
+def test_walls_of_curves_that_become_facets_are_valid() -> None:
+    struts = round_struts(shaky_curve(7), wall=WALL)
+    solid = to_brep(struts, overlaps="unite")
+    assert solid.is_valid
+    assert len(solid.solids()) == 1
+    assert solid.volume == pytest.approx(round_mesh(struts).signed_volume, rel=0.02)
