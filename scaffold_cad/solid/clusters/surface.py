@@ -18,6 +18,7 @@ from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
+from scaffold_cad.solid.clusters.closing import shortened
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
 from scaffold_cad.solid.clusters.growth import Clusters, Core, bodies_of, clusters_of, unproved
 from scaffold_cad.solid.clusters.sags import Sags
@@ -31,7 +32,6 @@ from scaffold_cad.struts.apart import Slack
 from scaffold_cad.struts.bands import polygon_slack
 from scaffold_cad.struts.curverings import rings_hold
 from scaffold_cad.struts.model import RoundStruts
-from scaffold_cad.struts.runs import Runs
 from scaffold_cad.struts.sharp.surface import without_triangles
 from scaffold_cad.struts.surface import Shell, Triangulated, inside_of, open_ends, shell_of
 
@@ -207,7 +207,7 @@ def _both(
     is_end, is_open = struts.runs.valency == 1, struts.options.ends == "open"
     while True:
         outside = make(struts, fillets, core, sags)
-        own = _shortened(inner, core.nodes & is_end, wall)
+        own = shortened(inner, core.nodes & is_end, wall)
         core = core.with_zone(outside.pieces)
         inside = make(own, outside.fillets + wall, core, sags)
         more = (outside.nodes | inside.nodes) & is_end & ~core.nodes & is_open
@@ -232,19 +232,6 @@ def _walls(struts: RoundStruts, outside: _Surface, inside: _Surface) -> Triangle
         points.append(more)
         faces.append(closing)
     return TriangleMesh(np.concatenate(points), np.concatenate(faces))
-
-
-def _shortened(struts: RoundStruts, closed: Bools, wall: float) -> RoundStruts:
-    """Return struts that end a wall before `closed` (n,) ends, where they are to be open."""
-    runs = struts.runs
-    half = np.flatnonzero(closed[runs.tails])
-    if struts.options.ends != "open" or len(half) == 0:
-        return struts
-    nodes, radii = runs.nodes.copy(), runs.radii.reshape(-1).copy()
-    nodes[runs.tails[half]] += wall * runs.directions[half]
-    radii[half] += wall * runs.slopes[half]
-    moved = Runs.of(nodes, runs.edges, radii.reshape(-1, 2), runs.run_of_edge)
-    return replace(struts, runs=moved)
 
 
 def _surface(
