@@ -73,7 +73,17 @@ def _made(shape: SharpShape, edges: SampledEdges, sides: int) -> ShapeTriangles 
         return None
     triangles = np.concatenate([np.array(found, dtype=np.intp).reshape(-1, 3), ball])
     points = _swelled(points, ball, len(edges.points), float(enlargement(np.zeros(1), sides)[0]))
-    return ShapeTriangles(points, triangles) if _closes(triangles, len(points)) else None
+    return _compacted(points, triangles) if _closes(triangles, len(points)) else None
+
+
+def _compacted(points: Points, triangles: Triangles) -> ShapeTriangles:
+    """Return triangles without the points that none of them has."""
+    own = triangles < len(points)
+    kept = np.zeros(len(points), dtype=np.bool_)
+    kept[triangles[own]] = True
+    number = np.append(np.cumsum(kept) - 1, kept.sum() - len(points))
+    moved = np.where(own, number[np.minimum(triangles, len(points))], triangles + number[-1])
+    return ShapeTriangles(points[kept], moved)
 
 
 def _closes(triangles: Triangles, count: int) -> bool:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from scaffold_cad import Skeleton, round_struts, slices, tile, to_brep, to_solid
+from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts.sharp.earcut import ears
 from tests.solids import check_solid_of
 from tests.struts.sharp.nodes import BEND, NODES, random_node
@@ -46,6 +47,13 @@ def test_hollow_nodes_are_solids() -> None:
     solid = to_solid(struts)
     assert solid.volume() == pytest.approx(to_brep(struts).volume, rel=1e-3)
     assert solid.genus() == 2  # three open ends
+
+
+def test_triangles_have_all_vertices() -> None:
+    nodes, edges = [[-9, 0, 0], [0, 0, 0], [3, 8, 0]], [[0, 1], [1, 2]]
+    necks = Skeleton(nodes, edges, [0.6, 2.5, 0.6], edge_radii=0.6)
+    mesh = round_mesh(round_struts(necks, nodes="sharp"))
+    assert len(np.unique(mesh.triangles)) == len(mesh.vertices)
 
 
 def test_layers_have_the_volume() -> None:
