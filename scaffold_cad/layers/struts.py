@@ -22,6 +22,7 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
 from scaffold_cad.struts import RoundStruts
 from scaffold_cad.struts.bodies import NodeBodies, beside_crowded, curve_bodies, sharp_bodies
+from scaffold_cad.struts.runs import ball_ends
 
 OVERLAP = 1e-3
 """How far struts reach into the bodies of their nodes, in their radii: where sections only touched
@@ -215,7 +216,8 @@ def balls_of(struts: RoundStruts, wanted: Own | None = None) -> Balls:
     centers = runs.nodes[runs.tails[ends]] + (radius * slope)[:, None] * runs.directions[ends]
     widest = np.zeros(len(runs.nodes))
     np.maximum.at(widest, runs.tails, runs.radii.reshape(-1))
-    places = np.flatnonzero(crowded & (runs.valency > 1))
+    inner = (runs.valency > 1) | ball_ends(struts.skeleton, runs)
+    places = np.flatnonzero(crowded & inner)
     sizes = np.maximum(widest, struts.skeleton.radii)[places]
     return Balls(
         np.concatenate([centers, runs.nodes[places]]),

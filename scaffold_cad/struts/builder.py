@@ -26,7 +26,7 @@ from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.nodes import nearest_collars
 from scaffold_cad.struts.options import Bend, Blend, Ends, Joints, Nodes, StrutOptions, as_blend
 from scaffold_cad.struts.room import allotted
-from scaffold_cad.struts.runs import Runs, balls_of, straight_runs
+from scaffold_cad.struts.runs import Runs, ball_ends, balls_of, straight_runs
 from scaffold_cad.struts.sharp.builder import sharp_struts
 from scaffold_cad.struts.sockets import sockets_of
 from scaffold_cad.struts.walls import without_wall
@@ -104,6 +104,7 @@ def round_struts(
         return outer
     bored = sockets_of(sockets, skeleton, wall)
     at_ends = np.full(len(skeleton.nodes), wall if ends == "flat" else 0.0)
+    at_ends[ball_ends(skeleton, outer.runs)] = 0.0  # they are a wall smaller themselves
     at_ends[bored.nodes] = bored.depths
     inside = without_wall(skeleton, wall, at_ends)
     bare = replace(options, wall=None, ends="flat", sockets=None)
@@ -323,6 +324,7 @@ def _assembled(
     no_room = plan.no_room | (collar.reshape(-1, 2).sum(axis=1) > runs.lengths)
     crowded[runs.edges[no_room]] = True
     _crowd_curves(passed, crowded)
+    crowded |= ball_ends(skeleton, runs)
     crossing = crossings(runs, solved, passed, collar, options.ends, crowded)
     crowded |= crossing.nodes
     crowded_runs = no_room | crossing.struts | crowded[runs.edges].all(axis=1)

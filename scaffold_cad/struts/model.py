@@ -83,7 +83,8 @@ class RoundStruts(Frozen, Shown):
     bends: Floats
     """Centerline radius of the torus that each bend is, mm; nan at other nodes, shape (n,)."""
     crowded: Bools
-    """Nodes without a surface of their own, shape (n,): what is there overlaps or is not proved."""
+    """Nodes without a surface of their own, shape (n,): what is there overlaps or is not proved,
+    or is a ball at an extremity."""
     crowded_runs: Bools
     """Runs that have no surface of their own, shape (k,): they cross others between their collars,
     or both of their nodes are crowded."""

@@ -126,6 +126,11 @@ def balls_of(skeleton: Skeleton, runs: Runs) -> Floats:
     return np.where(is_ball & (runs.valency > 0), skeleton.radii, 0.0)
 
 
+def ball_ends(skeleton: Skeleton, runs: Runs) -> Bools:
+    """Return the extremities that are balls, thicker than their strut, (n,)."""
+    return np.asarray((balls_of(skeleton, runs) > 0) & (runs.valency == 1))
+
+
 def straight_runs(skeleton: Skeleton) -> Runs:
     """Return the edges of `skeleton`, joined where a joint changes nothing."""
     through = _passed(skeleton)

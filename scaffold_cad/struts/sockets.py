@@ -23,6 +23,7 @@ from scaffold_cad.base.arrays import (
 from scaffold_cad.brep.analytic import AnalyticBrep, Axes, BrepEdges, BrepFaces, Surface
 from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.struts.runs import ball_ends, straight_runs
 
 TURN = 2 * np.pi
 
@@ -59,7 +60,8 @@ def sockets_of(
     Raises
     ------
     OptionError
-        If a node is not an extremity, or its edge has no room for the socket; it is named.
+        If a node is not an extremity or is a ball, or its edge has no room for the socket; it is
+        named.
     """
     rows = sorted((given or {}).items())
     nodes = np.array([node for node, _ in rows], dtype=np.intp)
@@ -69,6 +71,13 @@ def sockets_of(
         raise OptionError(f"sockets has node {wrong[0]}, which is not an end of a strut; need one")
     half = skeleton.incidence.half_edges[skeleton.incidence.offsets[nodes]]
     outer, other = (skeleton.edge_radii.reshape(-1)[each] for each in (half, half ^ 1))
+    for row in np.flatnonzero(ball_ends(skeleton, straight_runs(skeleton))[nodes])[:1].tolist():
+        node = nodes[row]
+        raise OptionError(
+            f"the socket at node {node} at {place_text(skeleton.nodes[node])} is in a ball of "
+            f"radius {skeleton.radii[node]:g} mm; need the {outer[row]:g} mm of its strut, whose "
+            "end is open"
+        )
     lengths = skeleton.lengths[half >> 1]
     at_shoulder = outer + (other - outer) * np.minimum(depths / lengths, 1.0)
     for node, place, radius, depth, length, size, inside in zip(

@@ -40,7 +40,7 @@ from scaffold_cad.struts.pieces import (
     strut_pieces,
     with_domes,
 )
-from scaffold_cad.struts.runs import Runs, balls_of
+from scaffold_cad.struts.runs import Runs, ball_ends, balls_of
 
 SETTLED = 0.01
 """By how much spans may still grow where clusters have settled, in radii."""
@@ -159,7 +159,10 @@ def clusters_of(
 
 
 def unproved(struts: RoundStruts) -> Core:
-    """Return the nodes whose blend is not proved, or whose struts have no room, and such pieces."""
+    """Return the nodes whose blend is not proved, or whose struts have no room, and such pieces.
+
+    Extremities that are balls are no end that struts have of their own.
+    """
     runs = struts.runs
     found = np.zeros(len(runs.nodes), dtype=np.bool_)
     for group in struts.blended:
@@ -169,6 +172,7 @@ def unproved(struts: RoundStruts) -> Core:
         found = runs.valency > 1
         for own in struts.sharp:
             found[own.nodes] = False
+    found |= ball_ends(struts.skeleton, runs)
     used = struts.collar.reshape(-1, 2).sum(axis=1)
     found[runs.edges[used > runs.lengths]] = True
     folded = ~proved(struts.curves)

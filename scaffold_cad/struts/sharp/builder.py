@@ -9,7 +9,7 @@ from scaffold_cad.struts.apart import crossings
 from scaffold_cad.struts.curved import Curves
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.options import StrutOptions
-from scaffold_cad.struts.runs import straight_runs
+from scaffold_cad.struts.runs import ball_ends, straight_runs
 from scaffold_cad.struts.sharp.nodes import ring_starts, seams_of, sharp_nodes
 
 
@@ -27,6 +27,7 @@ def sharp_struts(skeleton: Skeleton, options: StrutOptions) -> RoundStruts:
     no_room |= collar.reshape(-1, 2).sum(axis=1) > runs.lengths
     crowded[runs.edges[no_room]] = True
     crowded[runs.valency <= 1] = False
+    crowded |= ball_ends(skeleton, runs)
     curves = Curves.none(len(runs.edges))
     crossing = crossings(runs, (), curves, collar, options.ends, crowded, sharp=made)
     crowded |= crossing.nodes
