@@ -175,6 +175,17 @@ def largest_at_nodes(edges: Edges, edge_radii: Floats, count: int) -> Floats:
     return largest
 
 
+def radii_left(radii: Floats, before: Floats, left: Floats) -> Floats:
+    """Return the radii of nodes once edges are gone: balls stay, others are as thick as edges left.
+
+    Parameters
+    ----------
+    before, left : (n,) largest radius of the edges that each node had and has, 0 for none
+    """
+    is_ball = (radii > before) | (left == 0)
+    return np.where(is_ball, radii, np.minimum(radii, left))
+
+
 def _known_sizes(edge_radii: Floats | None, count: int) -> Floats:
     """Return the radii of edges at both ends, (m, 2), nan where they follow the nodes."""
     if edge_radii is None:

@@ -44,6 +44,7 @@ from scaffold_cad.skeleton.joining import joined_graph
 from scaffold_cad.skeleton.repair import (
     Repairs,
     largest_at_nodes,
+    radii_left,
     repaired,
 )
 from scaffold_cad.skeleton.thinning import thinned_edges
@@ -283,12 +284,17 @@ class Skeleton(Frozen, Shown, Editing):
         return Skeleton(self.nodes, self.edges, radii, edge_radii)
 
     def with_edges(self, edges: ArrayLike) -> Skeleton:
-        """Return some of the edges, by number or by mark, and their nodes, numbered anew."""
+        """Return some of the edges, by number or by mark, and their nodes, numbered anew.
+
+        Nodes are no thicker than the edges left, unless they were balls before.
+        """
         chosen = as_chosen(edges, "edges", len(self.edges))
         nodes, ends = np.unique(self.edges[chosen], return_inverse=True)
-        return Skeleton(
-            self.nodes[nodes], ends.reshape(-1, 2), self.radii[nodes], self.edge_radii[chosen]
-        )
+        struts, count = self.edge_radii[chosen], len(self.nodes)
+        before = largest_at_nodes(self.edges, self.edge_radii, count)
+        left = largest_at_nodes(self.edges[chosen], struts, count)
+        radii = radii_left(self.radii, before, left)
+        return Skeleton(self.nodes[nodes], ends.reshape(-1, 2), radii[nodes], struts)
 
     def scaled(self, factor: float) -> Skeleton:
         """Return the skeleton with positions and radii multiplied by `factor` > 0."""

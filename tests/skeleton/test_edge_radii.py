@@ -182,3 +182,14 @@ def test_collared_scaffolds_have_the_radius_of_each_strut() -> None:
     strut = refined.valency[refined.edges].max(axis=1) < 3  # between collar and extremity
     widths: Floats = refined.radii[refined.edges[strut]]
     assert widths.tolist() == [[3, 3], [2, 2], [1, 1]]
+
+
+def test_nodes_are_no_thicker_than_the_edges_left_unless_they_were_balls() -> None:
+    nodes, edges = [[0, 0, 0], [20, 0, 0], [20, 20, 0]], [[0, 1], [1, 2]]
+    path = Skeleton(nodes, edges, edge_radii=[3.0, 0.5])
+    ball = Skeleton(nodes, edges, [3.0, 4.0, 0.5], edge_radii=[3.0, 0.5])
+    corner = [[15, -1, -1], [25, 25, 1]]
+    for skeleton, expected in ((path, 0.5), (ball, 4.0)):
+        assert skeleton.with_edges([1]).radii.tolist() == [expected, 0.5]
+        assert skeleton.cut(corner, keep="whole").radii.tolist() == [expected, 0.5]
+    assert sorted(path.cut(corner).radii.tolist()) == [0.5, 3.0, 3.0]
