@@ -31,7 +31,7 @@ from scaffold_cad.errors import FormatError
 from scaffold_cad.io._nodes import NamedGraph, radius_of_area
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import line_error, read_text
-from scaffold_cad.io._units import length_of
+from scaffold_cad.io._units import MILLIMETERS, length_of
 from scaffold_cad.io.content import Content
 from scaffold_cad.io.register import register_reader, register_writer
 from scaffold_cad.skeleton import Skeleton
@@ -65,6 +65,9 @@ _KNOWN = {
     *(name for group in (*_START, *_END, *_ENDS) for name in group),
 }  # fmt: skip
 
+_LENGTHS = (*_AXES, *(name for group in (*_START, *_END) for name in group), *_SIZES)
+"""Columns of lengths and areas."""
+
 _NODE_FILES, _MEMBER_FILES = (
     ("nodes", "points"),
     ("members", "edges", "elements", "links", "struts"),
@@ -89,8 +92,8 @@ class _Table:
     """Where a column is, by its plain name."""
     units: dict[str, float]
     """mm in the unit that a column names."""
-    unit: str | None
-    """The first of these units."""
+    said: dict[str, str]
+    """The name of this unit, also where it is no length."""
     rows: list[tuple[int, list[str]]]
 
     def first(self, groups: Sequence[tuple[str, ...]]) -> tuple[str, ...] | None:
@@ -145,7 +148,8 @@ def read_csv(path: Path) -> RawSkeleton:
     """
     tables = _tables(path)
     raw = _graph(path, tables)
-    unit = next((table.unit for table in tables if table.unit is not None), None)
+    units = (table.said[name] for table in tables for name in _LENGTHS if name in table.said)
+    unit = next(units, None)
     return raw if unit is None else replace(raw, unit=unit)
 
 
@@ -181,6 +185,11 @@ def _of_members(tables: list[_Table]) -> RawSkeleton:
     graph = NamedGraph(tables[0].path)
     for table in tables:
         start, end = table.first(_START) or (), table.first(_END) or ()
+        if (start[2] in table.columns) != (end[2] in table.columns):
+            there, missing = sorted((start[2], end[2]), key=lambda name: name not in table.columns)
+            raise FormatError(
+                f"{table.path} has a column {there} and no column {missing}; need both, or none"
+            )
         for row in table.rows:
             ends = [tuple(table.point(row, names)) for names in (start, end)]
             for place in ends:
@@ -270,8 +279,8 @@ def _tables(path: Path) -> list[_Table]:
             for k, (name, _) in enumerate(named):
                 columns.setdefault(name, k)
             units = {name: unit for name, unit in named if unit is not None}
-            said = (_unit(cell) for cell, (_, unit) in zip(cells, named, strict=True) if unit)
-            tables.append(_Table(path, columns, units, next(said, None), []))
+            said = {name: _unit(cells[k]) for name, k in columns.items() if _unit(cells[k])}
+            tables.append(_Table(path, columns, units, said, []))
             inside = True
         elif not tables:
             raise line_error(path, line, f"{text.strip()!r} names no columns", _NEED)
@@ -280,7 +289,30 @@ def _tables(path: Path) -> list[_Table]:
             inside = True
     if not tables:
         raise FormatError(f"{path} holds no table; need {_NEED}")
+    _check_units(path, tables)
     return tables
+
+
+def _check_units(path: Path, tables: list[_Table]) -> None:
+    """Raise where a column of lengths names no unit of length, or only some of them have one.
+
+    Columns without a unit are in mm, and beside places in another unit nobody means that.
+    """
+    lengths = [(table, name) for table in tables for name in _LENGTHS if name in table.columns]
+    for table, name in lengths:
+        if name in table.said and name not in table.units:
+            raise FormatError(
+                f"{path}: column {name} has the unit {table.said[name]!r}; need one of "
+                f"{', '.join(MILLIMETERS)}, or none"
+            )
+    places = (name for table, name in lengths if table.units.get(name, 1.0) != 1.0)
+    other = next((name for name in places if name not in _SIZES), None)
+    bare = next((name for table, name in lengths if name not in table.said), None)
+    if other is not None and bare is not None:
+        raise FormatError(
+            f"{path}: column {other} has a unit and column {bare} has none; need one in each, "
+            "or in none of them, with units="
+        )
 
 
 def _is_header(cells: list[str]) -> bool:

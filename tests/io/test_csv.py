@@ -68,6 +68,12 @@ def test_a_skeleton_reads_back_exactly(tmp_path: Path) -> None:
         ("x1,y1,z1,x2,y2,z2\n0,0,0,9\n", r"x\.csv, line 2: y2 is ''; need a number"),
         ("node,x,y\n1,0,0\n1,9,0\n\ni,j\n1,1\n", r"line 3: node '1' is there already; need each"),
         ("node,x,y\n1,0,0\n2,9,0\n\ni,j\n1,7\n", r"line 6: an edge has the end '7'; need a node"),
+        ("x1,y1,z1,x2,y2\n0,0,0,9,0\n", r"x\.csv has a column z1 and no column z2; need both"),
+        ("x1,y1,x2,y2,z2\n0,0,9,0,0\n", r"x\.csv has a column z2 and no column z1; need both"),
+        ("x [px],y [px]\n0,0\n9,0\n", r"column x has the unit 'px'; need one of nm, um, mm"),
+        ("x,y,r (acres)\n0,0,1\n9,0,1\n", r"column r has the unit 'acres'; need one of nm"),
+        ("x [m],y\n0,0\n9,0\n", r"column x has a unit and column y has none; need one in each"),
+        ("x[m],y[m],r\n0,0,1\n9,0,1\n", r"column x has a unit and column r has none; need one"),
         ("radius,d\n1,2\n", r"x\.csv has the columns radius, d; need columns x1 y1 z1"),
     ],
 )
