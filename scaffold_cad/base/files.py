@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,8 +12,34 @@ from secrets import token_hex
 from scaffold_cad.errors import FormatError
 
 
+def check_name(path: Path, failed: str) -> None:
+    """Raise a FormatError if a path has more characters than the system takes."""
+    try:
+        path.lstat()
+    except OSError as error:
+        if error.errno == errno.ENAMETOOLONG:
+            raise FormatError(f"{failed}: its name is too long for a file") from None
+
+
+def make_folder(path: Path) -> None:
+    """Make a folder, and those that it is in, where they are missing.
+
+    Raises
+    ------
+    FormatError
+        If it cannot be made.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise FormatError(f"{path} is a file; need a folder, or a name with a suffix") from None
+    except OSError as error:
+        raise FormatError(f"cannot make the folder {path}: {error.strerror or error}") from None
+
+
 def check_there(path: Path) -> None:
     """Raise a FormatError if a file that is to be read is missing or a folder."""
+    check_name(path, f"{path} cannot be read")
     if path.is_dir():
         raise FormatError(f"{path} is a folder; need a file")
     if not path.exists():
@@ -49,8 +76,10 @@ def check_target(path: Path) -> None:
     Raises
     ------
     FormatError
-        If its folder is missing or read-only, or something else than a file is there.
+        If its name is too long, its folder is missing or read-only, or something else than a file
+        is there.
     """
+    check_name(path, f"cannot write {path}")
     folder = path.parent
     if not folder.exists():
         raise FormatError(f"cannot write {path}: there is no folder {folder}")

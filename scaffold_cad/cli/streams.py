@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from scaffold_cad.base.files import check_name, make_folder
 from scaffold_cad.errors import OptionError
 
 STREAM = "-"
@@ -81,6 +82,7 @@ def each_file(options: argparse.Namespace) -> list[argparse.Namespace]:
     if not hasattr(options, "output"):
         return [_changed(options, input=one) for one in inputs]
     output: Path = options.output
+    check_name(output, f"cannot write {output}")
     if output.suffix and not output.is_dir():
         if len(inputs) > 1:
             raise OptionError(f"{output} is one file for {len(inputs)} inputs; need a folder")
@@ -88,12 +90,13 @@ def each_file(options: argparse.Namespace) -> list[argparse.Namespace]:
         return [_changed(options, input=inputs[0])]
     if getattr(options, "tiles", None) is not None:
         raise OptionError("--tiles is for one file; need -o with its name")
-    suffix = _suffix(options.format, f"{output} is a folder; --format")
+    folder = "is a folder" if output.is_dir() else "has no suffix, as folders have none"
+    suffix = _suffix(options.format, f"{output} {folder}; --format")
     outputs = [output / f"{Path(one).stem}{suffix}" for one in inputs]
     for path, count in Counter(outputs).items():
         if count > 1:
             raise OptionError(f"{count} inputs would be written to {path}; need other names")
-    output.mkdir(parents=True, exist_ok=True)
+    make_folder(output)
     many = len(inputs) > 1
     return [
         _changed(options, input=one, output=path, format=None, **({"jobs": None} if many else {}))

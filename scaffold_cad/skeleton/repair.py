@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arguments import as_number
-from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, Radii
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, Radii, place_text
 from scaffold_cad.base.positions import equal_positions
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.topology import component_labels
@@ -225,7 +225,8 @@ def _with_radii_filled(
     lost = missing[nearest[missing] < 0]
     if len(lost):
         raise SkeletonError(
-            f"node {lost[0]} and all of its component have no radius; need at least one > 0"
+            f"node {lost[0]} at {place_text(nodes[lost[0]])} and all that is joined to it have no "
+            f"radius > {_least_radius(nodes[used]):.3g} mm; need one at least"
         )
     filled = radii.copy()
     filled[missing] = radii[nearest[missing]]

@@ -20,7 +20,7 @@ from threadpoolctl import threadpool_limits
 
 from scaffold_cad.base.arguments import as_path, checks_keywords
 from scaffold_cad.base.backends import need
-from scaffold_cad.base.files import replacing
+from scaffold_cad.base.files import make_folder, replacing
 from scaffold_cad.errors import FormatError
 from scaffold_cad.tiles.tiling import LatticeTiles, SkeletonTiles, Source
 from scaffold_cad.tiles.works import Work
@@ -109,10 +109,7 @@ def run_tiles(
     import joblib
 
     target = as_path(folder, "folder").absolute()  # processes may be elsewhere
-    try:
-        target.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FormatError(f"cannot make the folder {folder}: {error.strerror or error}") from None
+    make_folder(target)
     key = str(joblib.hash((VERSION, type(work).__name__, vars(work), parts.content)))
     files = joblib.Parallel()(
         joblib.delayed(_task)(parts.source(number), number, work, target, key)

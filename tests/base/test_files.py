@@ -98,6 +98,7 @@ def test_bad_targets_are_refused(tmp_path: Path) -> None:
         ("nowhere/cube.stl", f"there is no folder {tmp_path / 'nowhere'}"),
         ("file/cube.stl", f"{tmp_path / 'file'} is not a folder"),
         ("folder.stl", "it is a folder; need the name of a file"),
+        (f"{300 * 'a'}.stl", "its name is too long for a file"),
     ):
         path = tmp_path / name
         with pytest.raises(FormatError, match=re.escape(f"cannot write {path}: {reason}")):

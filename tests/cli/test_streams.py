@@ -89,7 +89,14 @@ def test_a_pipe_of_two_commands() -> None:
     ("words", "need"),
     [
         ("build angle.json strut.json -o one.stl", "one.stl is one file for 2 inputs"),
-        ("build angle.json -o out", "out is a folder; --format is missing"),
+        ("build angle.json -o out", "out has no suffix, as folders have none; --format is"),
+        ("build angle.json -o .", ". is a folder; --format is missing"),
+        (
+            "build angle.json -o taken --format stl",
+            "taken is a file; need a folder, or a name",
+        ),
+        (f"build angle.json -o {300 * 'a'}.stl", ".stl: its name is too long for a file"),
+        (f"build {300 * 'a'}.json -o a.stl", ".json cannot be read: its name is too long"),
         ("build angle.json -o a.stl --format stl", "a.stl names its own"),
         ("build - -o a.stl", "--from is missing"),
         ("build angle.json ./angle.json -o out --format stl", "2 inputs would be written to"),
@@ -100,6 +107,7 @@ def test_a_pipe_of_two_commands() -> None:
 def test_what_does_not_go_together(
     words: str, need: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    (folder / "taken").touch()
     before = set(folder.iterdir())
     assert main(words.split()) == 2
     assert need in capsys.readouterr().err

@@ -157,7 +157,7 @@ def test_what_no_repair_can_mend_is_refused_with_the_name_of_the_file(tmp_path: 
     with pytest.raises(SkeletonError, match=r"dots\.obj: the skeleton has no edge of length > 0"):
         read_skeleton(path, 1.0)
     path = written(tmp_path, "thin.swc", "1 1 0 0 0 0 -1\n2 3 10 0 0 0 1\n")
-    with pytest.raises(SkeletonError, match=r"thin\.swc: node 0 and all of its component have no"):
+    with pytest.raises(SkeletonError, match=r"thin\.swc: node 0 at \[0, 0, 0\] mm and all that"):
         read_skeleton(path)
 
 

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -213,10 +214,12 @@ def test_a_radius_goes_through_nodes_that_were_welded() -> None:
 
 def test_each_component_needs_a_radius() -> None:
     nodes = [[0, 0, 0], [3, 0, 0], [0, 5, 0], [3, 5, 0]]
-    for radii, lost in [([1, 0, 0, np.nan], 2), ([0, 0, 0, 0], 0)]:
-        with pytest.raises(
-            SkeletonError, match=f"node {lost} and all of its component have no radius; need"
-        ):
+    for radii, lost in [
+        ([1, 0, 0, np.nan], "2 at [0, 5, 0] mm"),
+        ([1e-9] * 4, "0 at [0, 0, 0] mm"),
+    ]:
+        message = f"node {lost} and all that is joined to it have no radius > 5e-09 mm; need one"
+        with pytest.raises(SkeletonError, match=re.escape(message)):
             mended(nodes, [[0, 1], [2, 3]], radii)
 
 
