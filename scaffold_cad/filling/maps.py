@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_number, checks_keywords
 from scaffold_cad.base.arrays import Points
 from scaffold_cad.base.backends import need
+from scaffold_cad.base.builders import built
+from scaffold_cad.errors import OptionError
 from scaffold_cad.filling.fill import HasTriangles
 from scaffold_cad.lattice.maps import BetweenMap, QuadMap, SurfaceMap
 from scaffold_cad.lattice.maps.grading import sizes_at
@@ -34,7 +36,7 @@ def face_map(face: Face, thickness: Height, offset: Height = 0.0) -> SurfaceMap:
 
     Parameters
     ----------
-    face : trimmed or not
+    face : trimmed or not; or a sketch, a builder or another shape that has this one face
     thickness : of the layer, mm, a number or a function of positions on the face (n, 3) that
         returns (n,), such as a height field; negative for a layer at the back
     offset : height at which the layer begins, likewise
@@ -42,7 +44,7 @@ def face_map(face: Face, thickness: Height, offset: Height = 0.0) -> SurfaceMap:
     Raises
     ------
     OptionError
-        If `face` is not a face, or the thickness is 0.
+        If `face` is not one face, or the thickness is 0.
     BrepError
         If the face has no area in its parameters.
     MissingBackendError
@@ -60,7 +62,7 @@ def face_map(face: Face, thickness: Height, offset: Height = 0.0) -> SurfaceMap:
     need("build123d", "a map of cells on its face")
     from scaffold_cad.brep.facesurfaces import FaceSurface
 
-    return SurfaceMap(FaceSurface.of(face), thickness, offset)
+    return SurfaceMap(FaceSurface.of(_only_face(face)), thickness, offset)
 
 
 @checks_keywords()
@@ -72,7 +74,7 @@ def between_faces(lower: Face, upper: Face) -> BetweenMap:
     Raises
     ------
     OptionError
-        If one is not a face, or only one of them closes.
+        If one is not one face, or only one of them closes.
     BrepError
         If a face has no area in its parameters.
     MissingBackendError
@@ -90,7 +92,20 @@ def between_faces(lower: Face, upper: Face) -> BetweenMap:
     need("build123d", "a map of cells between its faces")
     from scaffold_cad.brep.facesurfaces import FaceSurface
 
-    return BetweenMap(FaceSurface.of(lower), FaceSurface.of(upper))
+    return BetweenMap(FaceSurface.of(_only_face(lower)), FaceSurface.of(_only_face(upper)))
+
+
+def _only_face(what: Any) -> Any:
+    """Return a face, or the face of a shape that has one, as a sketch."""
+    shape = built(what)
+    if not callable(getattr(shape, "faces", None)):
+        raise OptionError(f"got a {type(what).__name__}; need a build123d Face")
+    faces = shape.faces()
+    if len(faces) != 1:
+        raise OptionError(
+            f"the {type(shape).__name__} has {len(faces)} faces; need one Face, such as .faces()[0]"
+        )
+    return faces[0]
 
 
 @checks_keywords()

@@ -171,9 +171,7 @@ def _one_solid(body: Shape) -> Solid:
     need("build123d", "a B-rep")
     body = built(body)
     if not callable(getattr(body, "solids", None)):
-        raise OptionError(
-            f"the body is a {type(body).__name__}; need a build123d solid ({_MESH}, of triangles)"
-        )
+        raise OptionError(f"the body is a {type(body).__name__}; need a build123d solid ({_MESH})")
     solids = body.solids()
     if len(solids) != 1:
         raise OptionError(f"the body has {len(solids)} solids; need one at a time")

@@ -135,8 +135,8 @@ def homogenized(
     Raises
     ------
     OptionError
-        If the cell is not known or a number is out of its range, or the lattice resists no
-        strain of some kind.
+        If the cell is not known or a number is out of its range, or struts are so thick that
+        their volumes come to that of the cell.
 
     References
     ----------
@@ -150,12 +150,32 @@ def homogenized(
     >>> print(f"{cubic.young_axes[0] / (cubic.relative_density * 210e3):.4f}")
     0.3333
     """
+    law = beam_law(cell, radius, material, size, hollow=hollow, rigid_ends=rigid_ends)
+    density = law.relative_density
+    if not density < 1:
+        raise OptionError(
+            f"radius is {law.radius:g} mm, which gives relative density {density:.3g}; need less "
+            f"than {law.radius / density**0.5:.3g} mm for beams in cells of this size"
+        )
+    return law
+
+
+def beam_law(
+    cell: str | UnitCell,
+    radius: float,
+    material: Material | str,
+    size: ArrayLike,
+    *,
+    hollow: float = 0.0,
+    rigid_ends: float = 0.0,
+) -> Homogenized:
+    """Return the law of beams of any thickness, see `homogenized`."""
     cell = unit_cell(cell) if isinstance(cell, str) else cell
     law = as_material(material)
     radius = as_number(radius, "radius")
     sizes = _sizes(cell, size)
     motif = cell.motif
-    ends = (motif.sites[motif.struts] + motif.moves) * sizes  # (s, 2, 3)
+    ends = (motif.sites[motif.struts] + motif.moves) * sizes @ cell.axes  # (s, 2, 3)
     spans = ends[:, 1] - ends[:, 0]
     lengths = np.linalg.norm(spans, axis=1)
     rigid = np.full((len(spans), 2), as_number(rigid_ends, "rigid_ends", or_zero=True))
@@ -166,8 +186,9 @@ def homogenized(
     ratio = as_hollow(hollow)
     stiffnesses = end_stiffnesses(lengths, np.full((len(spans), 2), radius), law, ratio, rigid)
     blocks = beam_blocks(spans, spans / lengths[:, None], stiffnesses)
-    stiffness = _condensed(motif.struts, blocks, spans, cell.site_count) / sizes.prod()
-    density = np.pi * radius**2 * (1.0 - ratio**2) * lengths.sum() / sizes.prod()
+    volume = cell.volume(sizes)
+    stiffness = _condensed(motif.struts, blocks, spans, cell.site_count) / volume
+    density = np.pi * radius**2 * (1.0 - ratio**2) * lengths.sum() / volume
     return Homogenized(cell, sizes, radius, law, (stiffness + stiffness.T) / 2.0, float(density))
 
 

@@ -14,7 +14,7 @@ from scaffold_cad.base.arrays import Floats, Ints, Points
 from scaffold_cad.base.vectors import sums_by_row
 from scaffold_cad.errors import MeshError
 from scaffold_cad.lattice import UnitCell, tile
-from scaffold_cad.mechanics.cells import VOIGT_PAIRS, Homogenized, homogenized
+from scaffold_cad.mechanics.cells import VOIGT_PAIRS, Homogenized, beam_law
 from scaffold_cad.mechanics.hexahedra import hexahedra
 from scaffold_cad.mechanics.hexquality import boundary_faces
 from scaffold_cad.mechanics.hexstiffness import elasticity, hexahedron_stiffnesses
@@ -66,7 +66,7 @@ def homogenized_solid(
     >>> bool(solid.shear_axes[0] > beams.shear_axes[0])  # real nodes are stiffer
     True
     """
-    beams = homogenized(cell, radius, material, size=size)
+    beams = beam_law(cell, radius, material, size)
     lattice = tile(beams.cell, beams.size, (3, 3, 3), radius=beams.radius)
     scaffold = build_scaffold(lattice, collars=True)
     struts = _middle_struts(beams, lattice)
@@ -89,7 +89,8 @@ def homogenized_solid(
         )
     used, cells = np.unique(mesh.hexahedra[chosen], return_inverse=True)
     points, cells = mesh.points[used], cells.reshape(-1, 8)
-    freedom = _repeating(points, beams.size, MEETING * beams.radius)
+    along_sides = points @ np.linalg.inv(beams.cell.axes)
+    freedom = _repeating(along_sides, beams.size, MEETING * beams.radius)
     sides = 8 * (int(chosen.sum()) // (8 * count + 4))  # faces on the struts' surfaces
     if len(boundary_faces(freedom[cells])) != sides:
         raise MeshError(
@@ -97,15 +98,16 @@ def homogenized_solid(
             "need thinner struts"
         )
     stiffness = _condensed(points, cells, freedom, elasticity(beams.material))
-    stiffness = (stiffness + stiffness.T) / (2.0 * beams.size.prod())
-    filled = float(mesh.volumes[chosen].sum() / beams.size.prod())
+    volume = beams.cell.volume(beams.size)
+    stiffness = (stiffness + stiffness.T) / (2.0 * volume)
+    filled = float(mesh.volumes[chosen].sum() / volume)
     return replace(beams, stiffness=stiffness, relative_density=filled)
 
 
 def _middle_struts(law: Homogenized, lattice: Skeleton) -> Ints:
     """Return the struts of the middle one of 3 × 3 × 3 cells, each of an endless lattice once."""
     motif = law.cell.motif
-    ends = (motif.sites[motif.struts] + motif.moves + 1.0) * law.size  # (s, 2, 3)
+    ends = (motif.sites[motif.struts] + motif.moves + 1.0) * law.size @ law.cell.axes  # (s, 2, 3)
     middles = lattice.nodes[lattice.edges].mean(axis=1)
     distance, edge = KDTree(middles).query(ends.mean(axis=1))
     if np.max(distance) > 1e-6 * law.size.max():
@@ -114,7 +116,12 @@ def _middle_struts(law: Homogenized, lattice: Skeleton) -> Ints:
 
 
 def _repeating(points: Points, size: Floats, tolerance: float) -> Ints:
-    """Return a number for each point, the same for those that are whole cells apart, (p,)."""
+    """Return a number for each point, the same for those that are whole cells apart, (p,).
+
+    Parameters
+    ----------
+    points : along the sides of cells, (p, 3), mm
+    """
     wrapped = np.mod(points / size, 1.0)
     # A point just below 1 is one just above 0: the tree closes at its box's sides.
     wrapped[wrapped >= 1.0] = 0.0

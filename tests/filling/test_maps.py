@@ -5,7 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from build123d import Axis, Box, Cylinder, Face, GeomType, Pos, Rot, Sphere, Vector
+from build123d import (
+    Axis,
+    Box,
+    Circle,
+    Cylinder,
+    Face,
+    GeomType,
+    Pos,
+    Rectangle,
+    Rot,
+    Sphere,
+    Vector,
+)
 
 from scaffold_cad import (
     QuadMesh,
@@ -172,9 +184,24 @@ def test_quads_are_taken_as_they_are() -> None:
     assert len(lattice.nodes) == 4 * 4 * 2
 
 
+def test_a_sketch_of_one_face_stands_for_it() -> None:
+    sketch = Rectangle(20, 10) - Circle(2)
+    of_sketch = tile("bcc", 5.0, radius=0.5, on=face_map(sketch, 5.0))
+    of_face = tile("bcc", 5.0, radius=0.5, on=face_map(sketch.faces()[0], 5.0))
+    np.testing.assert_array_equal(of_sketch.nodes, of_face.nodes)
+
+
+def test_a_layer_without_thickness_is_told_with_the_place() -> None:
+    floor = Rectangle(20, 10)
+    with pytest.raises(SkeletonError, match="and nowhere of thickness 0"):
+        tile("bcc", 5.0, radius=0.5, on=face_map(floor, lambda points: points[:, 0]))
+
+
 def test_what_cannot_be_is_refused_by_name() -> None:
-    with pytest.raises(OptionError, match="need a Face"):
+    with pytest.raises(OptionError, match="the Box has 6 faces; need one Face, such as"):
         face_map(Box(1, 1, 1), 1.0)
+    with pytest.raises(OptionError, match="got a ndarray; need a build123d Face"):
+        between_faces(np.zeros((3, 3)), Rectangle(2, 2))
     with pytest.raises(OptionError, match="size of the quads"):
         mesh_map(trimesh.creation.icosphere(1, 5.0), 1.0)
     bore = (Box(20, 20, 5) - Cylinder(4, 9)).faces().filter_by(GeomType.CYLINDER)[0]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from scaffold_cad.errors import OptionError
-from scaffold_cad.lattice import cells, tile
+from scaffold_cad.lattice import UnitCell, cells, tile
 from scaffold_cad.mechanics import (
     Load,
     Material,
@@ -19,6 +19,34 @@ from scaffold_cad.mechanics import (
 )
 
 STEEL = Material(210e3, 0.3)
+
+
+def triangular_cells() -> tuple[UnitCell, UnitCell]:
+    """Return layers of triangles joined by columns, as one cell of 60° and as a box of two."""
+    skewed = UnitCell.of_net(
+        "triangles",
+        [[0, 0, 0]],
+        [[0, 0]] * 4,
+        [[1, 0, 0], [0, 1, 0], [1, -1, 0], [0, 0, 1]],
+        angles=np.radians([90, 90, 60]),
+    )
+    straight = UnitCell.of_net(
+        "triangles in a box",
+        [[0, 0, 0], [0.5, 0.5, 0]],
+        [[0, 0], [1, 1], [0, 1], [0, 1], [0, 1], [0, 1], [0, 0], [1, 1]],
+        [
+            [1, 0, 0],
+            [1, 0, 0],
+            [0, 0, 0],
+            [-1, 0, 0],
+            [0, -1, 0],
+            [-1, -1, 0],
+            [0, 0, 1],
+            [0, 0, 1],
+        ],
+        proportions=[1.0, np.sqrt(3), 1.0],
+    )
+    return skewed, straight
 
 
 def test_octet_has_the_stiffness_of_deshpande_fleck_and_ashby() -> None:
@@ -106,6 +134,16 @@ def test_stiffer_nodes_make_a_stiffer_cell() -> None:
     assert (stiff.young_axes > soft.young_axes * 1.2).all()
 
 
+def test_cells_of_any_angles_are_as_stiff_as_boxes_of_the_same_struts() -> None:
+    skewed, straight = triangular_cells()
+    law = homogenized(skewed, 0.3, STEEL, size=10.0)
+    same = homogenized(straight, 0.3, STEEL, size=10.0 * straight.proportions)
+    np.testing.assert_allclose(law.stiffness, same.stiffness, rtol=1e-9, atol=1e-9)
+    assert law.relative_density == pytest.approx(same.relative_density)
+    # Struts in three directions of a plane, at 60° to each other: isotropic there.
+    assert law.young([1, 0, 0]) == pytest.approx(float(law.young([0.3, 0.8, 0])), rel=1e-6)
+
+
 def test_maxwell_count_of_trusses_that_bend_and_that_do_not() -> None:
     assert homogenized("octet", 0.01, STEEL).maxwell == 24 - 12 - 3
     assert homogenized("kelvin", 0.01, STEEL).maxwell == 24 - 36 - 3
@@ -140,6 +178,10 @@ def test_polar_plot_of_an_isotropic_law_is_a_circle() -> None:
         (lambda: homogenized("sc", 0.1, STEEL, rigid_ends=0.5), "rigid_ends is 0.5 mm; need less"),
         (lambda: homogenized("sc", 0.1, STEEL, hollow=1.0), "hollow is 1"),
         (lambda: homogenized("sc", 0.1, STEEL).young([0, 0, 0]), "none of length 0"),
+        (
+            lambda: homogenized("octet", 9, STEEL, size=10),
+            r"need less than 1\.37 mm",
+        ),
         (lambda: cell_table(1.5), "relative density is 1.5"),
         (lambda: young_polar(homogenized("sc", 0.1, STEEL), "xx"), "plane is 'xx'"),
     ],

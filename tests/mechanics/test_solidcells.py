@@ -10,6 +10,7 @@ from scaffold_cad.errors import MeshError
 from scaffold_cad.lattice import tile
 from scaffold_cad.mechanics import Material, hexahedra, homogenized, homogenized_solid
 from scaffold_cad.mechanics.hexstiffness import elasticity, hexahedron_stiffnesses
+from tests.mechanics.test_cells import triangular_cells
 
 STEEL = Material(210e3, 0.3)
 
@@ -77,6 +78,16 @@ def test_beams_of_a_fat_octet_are_too_soft() -> None:
     assert c[0, 0] == pytest.approx(c[1, 1], rel=1e-3)
     assert c[0, 1] == pytest.approx(c[0, 2], rel=1e-3)
     assert np.abs(c[:3, 3:]).max() < 1e-3 * c[0, 0]
+
+
+def test_cells_of_any_angles_are_as_stiff_as_boxes_of_the_same_struts() -> None:
+    skewed, straight = triangular_cells()
+    solid = homogenized_solid(skewed, 0.5, STEEL, size=10.0, layers=1, along=2)
+    size = 10.0 * straight.proportions
+    same = homogenized_solid(straight, 0.5, STEEL, size=size, layers=1, along=2)
+    assert solid.young_axes == pytest.approx(same.young_axes, rel=1e-4)
+    assert solid.shear_axes == pytest.approx(same.shear_axes, rel=1e-3)
+    assert solid.relative_density == pytest.approx(same.relative_density, rel=1e-6)
 
 
 def test_struts_that_overlap_beyond_their_nodes_are_refused() -> None:

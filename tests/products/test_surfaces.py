@@ -73,3 +73,18 @@ def test_solids_are_shown_and_written_with_what_tells_of_them(tmp_path: Path) ->
     mesh = read_triangles(tmp_path / "solid.stl")
     assert mesh is not None
     assert mesh.signed_volume == pytest.approx(solid.manifold.volume(), rel=1e-5)
+
+
+@pytest.mark.parametrize("empty", [bd.Part(), bd.Box(1, 1, 1) - bd.Box(2, 2, 2), [bd.Sketch()]])
+def test_empty_shapes_are_refused(empty: object, tmp_path: Path) -> None:
+    for call in (triangles_of, lambda shape: write(shape, tmp_path / "empty.step")):
+        with pytest.raises(OptionError, match="is empty; need a shape"):
+            call(empty)
+    assert not list(tmp_path.iterdir())
+
+
+def test_of_a_list_only_one_shape_is_taken() -> None:
+    cubes = [bd.Box(1, 1, 1), bd.Pos(5, 0, 0) * bd.Box(1, 1, 1)]
+    assert len(triangles_of(cubes[0].solids()).triangles) == 12
+    with pytest.raises(OptionError, match="the list holds 2 shapes; need one, such as their sum"):
+        triangles_of(cubes)

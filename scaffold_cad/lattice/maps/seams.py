@@ -172,8 +172,8 @@ def check_folds(corners: Points, counts: tuple[int, int, int], patches: int) -> 
         if len(folded) or mean == 0:
             at = tuple(folded[0].tolist()) if len(folded) else (0, 0, 0)
             raise SkeletonError(
-                f"the map folds cell {list(at)} at {place_text(grid[at])}; need a "
-                "layer thinner than the surface is curved there, or more cells"
+                f"the map folds cell {list(at)} at {place_text(grid[at])}; need a layer that is "
+                "thinner than the surface is curved there and nowhere of thickness 0, or more cells"
             )
 
 
