@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 from scaffold_cad.base.arguments import as_path
 from scaffold_cad.base.arrays import Edges, Floats, Ints, Points
 from scaffold_cad.base.backends import need
+from scaffold_cad.base.files import reading
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.errors import FormatError, OptionError, SkeletonError
@@ -56,15 +57,17 @@ def read_nets(path: str | Path) -> list[UnitCell]:
     Raises
     ------
     FormatError
-        If a line is not what it must be, there is no net, or a node has another number of edges
-        than the file says.
+        If the file cannot be read, a line is not what it must be, there is no net, or a node has
+        another number of edges than the file says.
     SkeletonError
         If a net cannot be a lattice: two of its struts leave a node in one direction, or overlap.
     MissingBackendError
         If a group is not P1 and gemmi is not installed.
     """
     source = as_path(path)
-    nets = [_net(source, block) for block in _blocks(source)]
+    with reading(source):
+        blocks = _blocks(source)
+    nets = [_net(source, block) for block in blocks]
     if not nets:
         raise FormatError(f"{source} has no block CRYSTAL; need one")
     return nets

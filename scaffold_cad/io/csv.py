@@ -18,20 +18,18 @@ the other name beside it (``truss_nodes.csv``, ``truss_members.csv``).
 
 from __future__ import annotations
 
-import csv
-import io
 import logging
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from scaffold_cad.errors import FormatError
+from scaffold_cad.io._columns import cells_of, plain_name, unit_name, unit_of
 from scaffold_cad.io._nodes import NamedGraph, radius_of_area
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import line_error, read_text
-from scaffold_cad.io._units import MILLIMETERS, length_of
+from scaffold_cad.io._units import MILLIMETERS
 from scaffold_cad.io.content import Content
 from scaffold_cad.io.register import register_reader, register_writer
 from scaffold_cad.skeleton import Skeleton
@@ -78,9 +76,6 @@ _NEED = (
 )
 
 _log = logging.getLogger(__name__)
-
-_NAME_AND_UNIT = re.compile(r"[^\[(]*[\[(]([^\])]*)[\])]?\s*")
-"""Such as ``x1 [m]`` or ``radius (in)``."""
 
 
 @dataclass(frozen=True)
@@ -136,7 +131,7 @@ def _recognises(head: bytes) -> bool:
         return False
     lines = head.decode("utf-8-sig", errors="replace").replace("\r", "\n").split("\n")
     first = next((line for line in lines if line.strip() and not line.startswith("#")), "")
-    names = {_plain(cell)[0] for cell in _cells(first)}
+    names = {plain_name(cell) for cell in cells_of(first)}
     return len(names) >= 2 and len(names & _KNOWN) >= 2
 
 
@@ -270,16 +265,16 @@ def _tables(path: Path) -> list[_Table]:
     for line, text in enumerate(read_text(path).split("\n"), start=1):
         if text.lstrip().startswith("#"):
             continue
-        cells = _cells(text)
+        cells = cells_of(text)
         if not any(cell.strip() for cell in cells):
             inside = False
         elif not inside and _is_header(cells):
-            named = [_plain(cell) for cell in cells]
+            named = [(plain_name(cell), unit_of(cell)) for cell in cells]
             columns: dict[str, int] = {}
             for k, (name, _) in enumerate(named):
                 columns.setdefault(name, k)
             units = {name: unit for name, unit in named if unit is not None}
-            said = {name: _unit(cells[k]) for name, k in columns.items() if _unit(cells[k])}
+            said = {name: unit_name(cells[k]) for name, k in columns.items() if unit_name(cells[k])}
             tables.append(_Table(path, columns, units, said, []))
             inside = True
         elif not tables:
@@ -316,27 +311,7 @@ def _check_units(path: Path, tables: list[_Table]) -> None:
 
 
 def _is_header(cells: list[str]) -> bool:
-    return any(_plain(cell)[0] in _KNOWN for cell in cells)
-
-
-def _cells(line: str) -> list[str]:
-    """Return the cells of a line; its separator is the semicolon, the tab or the comma."""
-    mark = next((mark for mark in (";", "\t") if mark in line), ",")
-    cells = next(csv.reader(io.StringIO(line), delimiter=mark), []) if line.strip() else []
-    return [cell.replace(",", ".") for cell in cells] if mark == ";" else cells
-
-
-def _plain(cell: str) -> tuple[str, float | None]:
-    """Return the plain name of a column, and mm in the unit that it names."""
-    name = re.split(r"[\[(]", cell)[0] if _NAME_AND_UNIT.fullmatch(cell) else cell
-    return re.sub(r"[^a-z0-9]", "", name.lower()), length_of(_unit(cell))
-
-
-def _unit(cell: str) -> str:
-    """Return the unit of length that a column names, or "" if it names none."""
-    found = _NAME_AND_UNIT.fullmatch(cell)
-    unit = found[1] if found else ""
-    return unit.strip().removesuffix("²").removesuffix("^2").removesuffix("2")
+    return any(plain_name(cell) in _KNOWN for cell in cells)
 
 
 @register_writer(".csv", name="CSV", solids=False)

@@ -85,12 +85,16 @@ class Layers(Iterator[Layer]):
         box : lowest and highest corner of a box that holds all polygons, shape (2, 2), mm
         """
         self._layers = counted("layers", layers, [1] * len(heights))
+        self.taken = 0
+        """How many of them were asked for: they are gone."""
         self.heights = heights
         self.thickness = thickness
         self.box = box
 
     def __next__(self) -> Layer:
-        return next(self._layers)
+        layer = next(self._layers)
+        self.taken += 1
+        return layer
 
     def __len__(self) -> int:
         return len(self.heights)

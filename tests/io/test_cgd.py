@@ -121,6 +121,11 @@ def test_faults_are_named(tmp_path: Path, text: str, message: str) -> None:
         read_nets(write(tmp_path, text))
 
 
+def test_a_missing_file_is_named(tmp_path: Path) -> None:
+    with pytest.raises(FormatError, match=r"none\.cgd cannot be read: there is no such file"):
+        read_nets(tmp_path / "none.cgd")
+
+
 def test_an_unknown_group_is_named(tmp_path: Path) -> None:
     pytest.importorskip("gemmi")
     with pytest.raises(FormatError, match=r"has the group 'P9'; need one of the 230"):

@@ -66,8 +66,31 @@ def test_tables_are_read(tmp_path: Path, places: np.ndarray, heading: str) -> No
 
 
 @pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("x;y;z;r\n0;0;0;0,5\n10;0;0;1,5\n", None),  # decimal commas
+        ("0 0 0 0.5\n10 0 0 1.5\n", None),
+        ("made by hand\n0\t0\t0\t0.5\n10\t0\t0\t1.5\n", None),
+        ("r,z,y,x\n0.5,0,0,0\n1.5,0,0,10\n", None),
+        ("x [m],y [m],z [m],r [mm]\n0,0,0,0.5\n0.01,0,0,1.5\n", None),
+        ("node,x,y,z,heat,radius (cm)\n7,0,0,0,3,0.05\n8,10,0,0,3,0.15\n", "radius"),
+        ('"mises","Points:0","Points:1","Points:2"\n0.5,0,0,0\n1.5,10,0,0\n', "mises"),
+    ],
+)
+def test_headings_tell_the_columns_of_a_table(tmp_path: Path, text: str, name: str | None) -> None:
+    (tmp_path / "field.csv").write_text(text, "utf-8")
+    field = read_field(tmp_path / "field.csv", name)
+    np.testing.assert_allclose(field(np.array([[0.0, 0, 0], [10, 0, 0]])), [0.5, 1.5])
+
+
+@pytest.mark.parametrize(
     ("name", "text", "message"),
     [
+        ("field.csv", "x,y,z,a,b\n0,0,0,1,2\n", "has the data 'a', 'b'; need name= one of them"),
+        ("field.csv", "a,b,c,d\n0,0,0,1\n", "headings 'a, b, c, d' above 4 columns; need one for"),
+        ("field.csv", "x,y,z\n0,0,0,1\n", "headings 'x, y, z' above 4 columns; need one for each"),
+        ("field.csv", "x [px],y,z,r\n0,0,0,1\n", r"column 'x \[px\]' has no unit of length; need"),
+        ("field.csv", "x,y,z\n0,0,0\n", "line 2: '0 0 0' is too short; need x, y, z and a value"),
         ("field.stl", "solid", "holds no field; need one of .vti"),
         ("field.csv", "x,y,z\n", "has no line of numbers"),
         ("field.csv", "0,0,0,1\n0,0,1\n", "line 2.*too short"),

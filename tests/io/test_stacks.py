@@ -250,6 +250,14 @@ def test_after_an_error_the_old_file_is_still_there(suffix: str, tmp_path: Path)
     assert path.read_bytes() == b"old"
 
 
+def test_layers_that_were_taken_are_not_left_out_of_a_file(tmp_path: Path) -> None:
+    layers = slices(tile("sc", 5.0, 1, radius=0.5), thickness=1.0)
+    next(layers)
+    with pytest.raises(OptionError, match=r"1 of 7 layers are taken already, .*; need those"):
+        write_layers(layers, tmp_path / "late.cli")
+    assert not list(tmp_path.iterdir())
+
+
 def test_write_layers_refuses_what_it_cannot_write(tmp_path: Path) -> None:
     with pytest.raises(FormatError, match=r"its suffix is '.stl'; layers need .3mf, .cli, .svg"):
         write_layers(made(), tmp_path / "a.stl")

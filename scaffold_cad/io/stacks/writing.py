@@ -53,7 +53,8 @@ def write_layers(
         If the suffix is unknown, there is no layer, a format cannot hold the layers, or the file
         cannot be written.
     OptionError
-        If `layers` are not Layers, or an option does not fit the format.
+        If `layers` are not Layers, or some of them were taken already, or an option does not fit
+        the format.
 
     Examples
     --------
@@ -76,6 +77,11 @@ def write_layers(
     if (pixel is not None) != (suffix == ".zip"):
         need = "is for .zip files" if suffix != ".zip" else "is not given; need it, mm"
         raise OptionError(f"pixel {need}: {path.name}")
+    if layers.taken:
+        raise OptionError(
+            f"{layers.taken} of {len(layers)} layers are taken already, as each is made only once; "
+            "need those of a new call of slices"
+        )
     if len(layers) == 0:
         raise FormatError(f"cannot write {path}: there are no layers; need at least one")
     with replacing(path) as fresh:
