@@ -19,7 +19,8 @@ from scaffold_cad.cli.streams import each_file, streamed
 from scaffold_cad.errors import ScaffoldCadError
 
 PARAMETER = re.compile(
-    r"\b(overlaps|radius|blend|ends|joints|wall|sides|collars|section|fit|max_nodes)=('?)([\w.]*)\2"
+    r"\b(overlaps|radius|blend|ends|joints|wall|sides|collars|section|fit|max_nodes|units|scale)"
+    r"=('?)([\w.]*)\2"
 )
 """Parameters of the library that are flags here, as messages give them."""
 
@@ -139,7 +140,7 @@ class _Lines(logging.Formatter):
     def format(self, record: logging.LogRecord) -> str:
         """Return the line of a record."""
         color = YELLOW if record.levelno >= logging.WARNING else ""
-        return _prefix(sys.stderr, color) + _without(record.getMessage(), self._folder)
+        return _prefix(sys.stderr, color) + _without(with_flags(record.getMessage()), self._folder)
 
 
 def _without(text: str, folder: str) -> str:

@@ -171,6 +171,12 @@ def test_a_file_of_options_is_checked(
     assert message in capsys.readouterr().err
 
 
+def test_advice_that_is_logged_names_flags(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("cell.swc").write_text("1 1 0 0 0 1 -1\n2 3 10 0 0 1 1\n")
+    assert main(["info", "cell.swc"]) == 0
+    assert "are taken as mm (--units um converts them)" in capsys.readouterr().err
+
+
 def test_verbose_tells_more(capsys: pytest.CaptureFixture[str]) -> None:
     told = []
     for flag in ("-q", "--quiet", "-v", "--verbose"):
