@@ -32,7 +32,7 @@ def make_folder(path: Path) -> None:
     try:
         path.mkdir(parents=True, exist_ok=True)
     except FileExistsError:
-        raise FormatError(f"{path} is a file; need a folder, or a name with a suffix") from None
+        raise FormatError(f"cannot make the folder {path}: a file has this name") from None
     except OSError as error:
         raise FormatError(f"cannot make the folder {path}: {error.strerror or error}") from None
 

@@ -93,7 +93,7 @@ def test_a_pipe_of_two_commands() -> None:
         ("build angle.json -o .", ". is a folder; --format is missing"),
         (
             "build angle.json -o taken --format stl",
-            "taken is a file; need a folder, or a name",
+            "cannot make the folder taken: a file has this",
         ),
         (f"build angle.json -o {300 * 'a'}.stl", ".stl: its name is too long for a file"),
         (f"build {300 * 'a'}.json -o a.stl", ".json cannot be read: its name is too long"),

@@ -6,7 +6,7 @@ import meshio
 import numpy as np
 import pytest
 
-from scaffold_cad import write
+from scaffold_cad import Skeleton, write
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io import read_raw, read_skeleton
 from scaffold_cad.lattice import tile
@@ -60,6 +60,32 @@ def test_beams_that_are_written_are_read_by_meshio_and_by_us(tmp_path: Path) -> 
     again = read_skeleton(tmp_path / "bcc.inp", strict=True)
     np.testing.assert_array_equal(again.nodes, lattice.nodes)
     assert sorted(again.edges.tolist()) == sorted(lattice.edges.tolist())
+
+
+@pytest.mark.parametrize(("units", "young"), [(None, 210e3), ("m", 210e9), ("cm", 210e5)])
+def test_the_modulus_is_in_the_unit_of_lengths(
+    tmp_path: Path, units: str | None, young: float
+) -> None:
+    write(Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0), tmp_path / "beam.inp", units=units)
+    lines = (tmp_path / "beam.inp").read_text().splitlines()
+    assert float(lines[lines.index("*ELASTIC") + 1].split(",")[0]) == pytest.approx(young)
+
+
+def test_the_first_axis_of_sections_is_not_along_their_beams(tmp_path: Path) -> None:
+    lattice = tile("bcc_sc", 10.0, 1, radius=0.5)
+    write(lattice, tmp_path / "cell.inp")
+    blocks = (tmp_path / "cell.inp").read_text().split("*")
+    sections = [block.splitlines() for block in blocks if block.startswith("BEAM SECTION")]
+    axes = {rows[0].split("ELSET=")[1].split(",")[0]: rows[2] for rows in sections}
+    count = 0
+    for rows in (block.splitlines() for block in blocks if block.startswith("ELEMENT")):
+        axis = np.array(axes[rows[0].split("ELSET=")[1]].split(","), dtype=float)
+        ends = lattice.nodes[np.array([row.split(",")[1:] for row in rows[1:]], dtype=int) - 1]
+        along = ends[:, 1] - ends[:, 0]
+        cosines = np.abs(along @ axis) / np.linalg.norm(along, axis=1)
+        assert cosines.max() < 0.8
+        count += len(along)
+    assert count == len(lattice.edges)
 
 
 @pytest.mark.parametrize(

@@ -10,9 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats
+from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._nodes import NamedGraph
 from scaffold_cad.io._raw import RawSkeleton
+from scaffold_cad.io._units import factor_of
 from scaffold_cad.io.abaqus.model import Block, Model, Part, model_of, nodes_named, numbers_of
 from scaffold_cad.io.content import Content
 from scaffold_cad.io.register import register_reader, register_writer
@@ -26,6 +28,12 @@ HELD = {
 
 SIGNIFICANT = 9
 """Digits to which radii are the same section when beams are written."""
+
+UPRIGHT = 0.7
+"""Cosine of the angle to z below which a beam's section has its first axis along -z."""
+
+YOUNG = 210e3
+"""Young's modulus of steel, MPa."""
 
 _log = logging.getLogger(__name__)
 
@@ -104,14 +112,21 @@ def _add(graph: NamedGraph, part: Part, number: int, matrix: Floats) -> None:
 
 @register_writer(".inp", name="Abaqus input", solids=False)
 def write_abaqus(content: Content, path: Path) -> None:
-    """Write a Skeleton as beams B31, mm, with one circular section a radius.
+    """Write a Skeleton as beams B31 of steel, with one circular section a radius.
 
-    A beam has the mean of the radii of its ends: the format has no beams that taper.
+    A beam has the mean of the radii of its ends: the format has no beams that taper. The modulus
+    is in N over the square of the unit of lengths. Beams along z have sections of their own, as
+    the format's first axis of a section, if none is given, is along z too.
     """
     skeleton = content.skeleton("an .inp file")
     radii = skeleton.edge_radii.mean(axis=1)
     rounded = np.array([float(f"{radius:.{SIGNIFICANT}g}") for radius in radii.tolist()])
-    sections, section = np.unique(rounded, return_inverse=True)
+    along = skeleton.nodes[skeleton.edges[:, 1]] - skeleton.nodes[skeleton.edges[:, 0]]
+    upright = np.abs(along[:, 2]) > UPRIGHT * length(along)
+    kinds = np.stack([rounded, upright], axis=1)
+    sections, section = np.unique(kinds, axis=0, return_inverse=True)
+    section = section.reshape(-1)
+    young = YOUNG * factor_of(content.unit, None) ** 2
     with path.open("w", encoding="ascii", newline="\n") as file:
         file.write(f"*HEADING\nscaffold_cad, unit: {content.unit}\n*NODE\n")
         rows = enumerate(skeleton.nodes.tolist(), start=1)
@@ -123,6 +138,7 @@ def write_abaqus(content: Content, path: Path) -> None:
             file.writelines(
                 f"{k + 1}, {a}, {b}\n" for k, (a, b) in zip(chosen.tolist(), pairs, strict=True)
             )
-        file.write("*MATERIAL, NAME=M\n*ELASTIC\n210000., 0.3\n")
-        for number, radius in enumerate(sections.tolist(), start=1):
+        file.write(f"*MATERIAL, NAME=M\n*ELASTIC\n{young!r}, 0.3\n")
+        for number, (radius, is_upright) in enumerate(sections.tolist(), start=1):
             file.write(f"*BEAM SECTION, ELSET=S{number}, MATERIAL=M, SECTION=CIRC\n{radius!r}\n")
+            file.write("1., 0., 0.\n" if is_upright else "0., 0., -1.\n")
