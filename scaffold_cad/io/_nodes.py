@@ -25,6 +25,7 @@ class NamedGraph:
         self._path = path
         self._number: dict[Hashable, int] = {}
         self._points: list[Sequence[float]] = []
+        self._dimension = 3
         self._radii: list[float] = []
         self._edges: list[tuple[int, int]] = []
         self._edge_radii: list[tuple[float, float]] = []
@@ -44,10 +45,17 @@ class NamedGraph:
         Raises
         ------
         FormatError
-            If the name is taken.
+            If the name is taken, or some nodes have a z and others have none.
         """
         if name in self._number:
             raise self._error(where, f"node {name!r:.80} is there already", "each name once")
+        if self._points and len(point) != self._dimension:
+            raise self._error(
+                where,
+                f"node {name!r:.80} has {len(point)} coordinates, those before {self._dimension}",
+                "x, y and z of all, or x and y",
+            )
+        self._dimension = len(point)
         self._number[name] = len(self._points)
         self._points.append([*point, 0.0][:3])
         self._radii.append(radius)

@@ -89,3 +89,10 @@ POINTS = {"points": [[0, 0, 0], [9, 0, 0]], "edges": [[0, 1]]}
 def test_errors_name_the_item(tmp_path: Path, name: str, text: str | bytes, message: str) -> None:
     with pytest.raises(FormatError, match=message):
         read_raw(written(tmp_path, name, text))
+
+
+def test_nodes_with_and_without_z_are_refused(tmp_path: Path) -> None:
+    nodes = [{"id": "a", "x": 0, "y": 0, "z": 5}, {"id": "b", "x": 9, "y": 0}]
+    text = json.dumps({"nodes": nodes, "links": [{"source": "a", "target": "b"}]})
+    with pytest.raises(FormatError, match="node 'b' has 2 coordinates, those before 3; need"):
+        read_raw(written(tmp_path, "x.json", text))
