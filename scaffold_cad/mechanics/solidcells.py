@@ -61,6 +61,7 @@ def homogenized_solid(
 
     Examples
     --------
+    >>> from scaffold_cad.mechanics import homogenized, homogenized_solid
     >>> solid = homogenized_solid("sc", 0.15, "steel", layers=1, along=2)
     >>> beams = homogenized("sc", 0.15, "steel")
     >>> bool(solid.shear_axes[0] > beams.shear_axes[0])  # real nodes are stiffer
