@@ -59,7 +59,7 @@ class Recipe:
 
 
 WHOLE, DENSE = Layout(1, 1, 5), Layout(1, 1, 7)
-CUT = Layout(2, 2, 4)
+CUT, FINE = Layout(2, 2, 4), Layout(4, 4, 4)
 SHORT = (
     Stage(WHOLE, ((1e-2, 1), (1e-3, 5), (1e-4, 5))),
     Stage(DENSE, ((1e-5, 3), (1e-6, 3)), lifted=True),
@@ -68,18 +68,18 @@ STIFF = ((1e-2, 1), (1e-3, 5), (1e-4, 10), (1e-5, 8))
 COARSE = ((1e-3, 6), (1e-4, 8), (1e-5, 6))
 LONG = ((1e-4, 6), (1e-3, 4), (1e-4, 10), (1e-5, 8), (1e-6, 6))
 """For struts that part late: at first soft, or stiff patches pull the far side of the node in."""
+SOFT = ((1e-4, 8), (1e-5, 8))
+STIFFER = ((1e-3, 4), *SOFT)
+"""For many small pieces, which begin with a surface that is nearly right."""
 
 RECIPES = (
     Recipe(SHORT, 0.3, kept=2),
     Recipe((Stage(WHOLE, STIFF),), 0.15, pinch=1.0),
     Recipe((Stage(WHOLE, LONG),), 0.0, pinch=1.0),
-    Recipe((Stage(CUT, COARSE),), 0.3),
     Recipe((Stage(CUT, COARSE),), 0.15, pinch=1.0),
-    Recipe((Stage(CUT, LONG),), 0.0, pinch=1.0),
-    Recipe((Stage(WHOLE, STIFF),), 0.15, pinch=1.0, swell=1.25),
-    Recipe((Stage(CUT, COARSE),), 0.15, pinch=1.0, swell=1.25),
-    Recipe((Stage(WHOLE, STIFF),), 0.15, pinch=1.0, swell=1.6),
-    Recipe((Stage(CUT, COARSE),), 0.15, pinch=1.0, swell=1.6),
+    Recipe((Stage(WHOLE, LONG), Stage(FINE, SOFT)), 0.0, pinch=1.0),
+    Recipe((Stage(WHOLE, LONG), Stage(FINE, SOFT)), 0.0, pinch=1.0, swell=1.6),
+    Recipe((Stage(WHOLE, LONG), Stage(FINE, STIFFER)), 0.15, pinch=1.0, swell=1.6),
 )
 """Tried in this order, each for the nodes that the ones before left unproved, deep inside or
 bulging."""
@@ -90,7 +90,7 @@ ROUGH = (Stage(WHOLE, ((1e-3, 2),)),)
 FINER = (
     Stage(Layout(2, 2, 5), ((1e-5, 4),), lifted=True),
     Stage(Layout(2, 4, 5), ((1e-5, 8),), lifted=True),
-    Stage(Layout(4, 4, 4), ((3e-5, 16),), lifted=True),
+    Stage(FINE, ((3e-5, 16),), lifted=True),
 )
 """What is tried in turn for blends that are proved but deep inside a strut or bulge, each beginning
 with them. The patch of a thin strut beside thick ones is long and has its fillet at one end: one

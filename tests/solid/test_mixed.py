@@ -19,10 +19,10 @@ from scaffold_cad.struts import RoundStruts, round_struts
 from scaffold_cad.struts.faces import brep_of_struts
 from tests.skeletons import K4
 
-TIPS = [[20, 0, 0], [19, 4, 0], [-15, 8, 0], [-9, -10, 17]]
+TIPS = [[20, 0, 0], [19, 3.4, 0], [-15, 8, 0], [-9, -10, 17]]
 FOUR = [[0, i] for i in range(1, 5)]
 NARROW = Skeleton([[0, 0, 0], *TIPS], FOUR, 1.0)
-"""Four struts, two of them 12° apart: their node is crowded."""
+"""Four struts, two of them 10° apart: their node is crowded."""
 
 TAPERS = Skeleton([[0, 0, 0], [20, 0, 0], [20, 2, 0], *TIPS[2:]], FOUR, [1.2, 0.5, 0.6, 1.8, 0.9])
 

@@ -5,9 +5,9 @@ share proved with one polynomial patch a quad, the share proved in all, the shar
 that, the greatest misfit and depth inside a strut, the greatest angle between normals across
 joins, and the milliseconds of processor time a node.
 
-Families: N struts with a least angle between them, of equal radii or of radii from 0.5 to 2; all
-struts within 60° of an axis; all in a plane; a straight pair with one more; a big ball on thin
-necks; five tubes; bends.
+Families: N struts with a least angle between them, of equal radii or of radii from 0.5 to 2, with
+wide fillets or the usual ones of half the thinnest strut (ρ r/2); all struts within 60° of an axis;
+all in a plane; a straight pair with one more; a big ball on thin necks; five tubes; bends.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.struts import Blends, Stars, blends
+from scaffold_cad.struts.options import BLEND
 from tests.struts.stars import FIVE_TUBES, random_stars, stars_of
 
 STARS = 100
@@ -54,9 +55,13 @@ def families(count: int, rng: np.random.Generator) -> dict[str, Stars]:
             found[f"N = {valency:2d}, {least}°"] = stars_of(star)
             if valency in (3, 4, 6):
                 radii = np.exp(rng.uniform(np.log(0.5), np.log(2), star.shape[:2]))
-                found[f"N = {valency:2d}, {least}°, radii 0.5..2"] = stars_of(
-                    star, radii, blends=0.6 * radii.mean(axis=1)
-                )
+                for name, blend in (
+                    ("", 0.6 * radii.mean(axis=1)),
+                    (", ρ r/2", BLEND * radii.min(axis=1)),
+                ):
+                    found[f"N = {valency:2d}, {least}°, radii 0.5..2{name}"] = stars_of(
+                        star, radii, blends=blend
+                    )
     found["N =  4 within 60° of an axis, 30°"] = stars_of(_fans(count, rng))
     found["N =  4 in a plane, 30°"] = stars_of(_planar(count, 4, rng))
     found["N =  3, a straight pair, 30°"] = stars_of(_tees(count, rng))

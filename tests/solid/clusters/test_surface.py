@@ -21,9 +21,9 @@ from tests.crossings import check_as_written
 from tests.skeletons import TRIPOD
 from tests.solids import distance_to_axes
 
-TIPS = [[20, 0, 0], [19, 4, 0], [-15, 8, 0], [-9, -10, 17]]
+TIPS = [[20, 0, 0], [19, 3.4, 0], [-15, 8, 0], [-9, -10, 17]]
 NARROW = Skeleton([[0, 0, 0], *TIPS], [[0, i] for i in range(1, 5)], 1.0)
-"""Four struts, two of them 12° apart: their node is crowded."""
+"""Four struts, two of them 10° apart: their node is crowded."""
 
 CROSSING = Skeleton([[0, 0, 0], [40, 0, 0], [20, -16, 0.5], [20, 16, 0.5]], [[0, 1], [2, 3]], 1.0)
 """Two struts that cross in their middles."""
