@@ -15,6 +15,8 @@ from scaffold_cad.struts.layouts import Layout
 
 TOO_DEEP = 0.1
 """Depth inside a strut, over its radius, of a surface that is not the one asked for."""
+TOO_FAR = 0.5
+"""Distance outside the filleted union, over the least radius, of such a surface."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,8 +158,9 @@ class Solved(Frozen):
 
     @property
     def sound(self) -> Bools:
-        """Whether each blend is proved, has room and is nowhere deep inside a strut, shape (U,)."""
-        return np.asarray(self.proved & self.has_room & (self.depth <= TOO_DEEP))
+        """Whether each blend is proved, has room and is near to what was asked for, shape (U,)."""
+        near = (self.depth <= TOO_DEEP) & (self.bulge <= TOO_FAR)
+        return np.asarray(self.proved & self.has_room & near)
 
     @property
     def reach(self) -> Floats:

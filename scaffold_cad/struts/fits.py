@@ -145,8 +145,15 @@ def free_of_pulls(twins: Ints, layout: Layout, stiffness: float) -> Floats:
 @kept(KEPT_BYTES)
 def _free_of_pulls(key: tuple[int, ...], layout: Layout, stiffness: float) -> Floats:
     system = system_of(np.array(key, dtype=np.intp), layout)
-    rims = system.rim_of_free[:, system.rims]  # (k, 4 N, rim)
-    pulls = rims @ patch_fit(layout, stiffness).pulls_of_rim
-    free = len(rims)
-    energy = -(pulls.reshape(free, -1) @ rims.reshape(free, -1).T)
-    return np.ascontiguousarray(cho_solve(cho_factor(energy), rims.reshape(free, -1)).T)
+    rims = np.moveaxis(system.rim_of_free[:, system.rims], 1, 0)  # (4 N, k, rim)
+    # Most free numbers are of one curve, and move the rims of a few patches only.
+    moving = [np.flatnonzero(of_patch.any(axis=1)) for of_patch in rims]
+    parts = [of_patch[free] for of_patch, free in zip(rims, moving, strict=True)]
+    pulls = patch_fit(layout, stiffness).pulls_of_rim
+    energy = np.zeros((len(system.rim_of_free),) * 2)
+    for part, free in zip(parts, moving, strict=True):
+        energy[np.ix_(free, free)] -= part @ pulls @ part.T
+    inverse = cho_solve(cho_factor(energy), np.eye(len(energy)))
+    return np.concatenate(
+        [part.T @ inverse[free] for part, free in zip(parts, moving, strict=True)]
+    )
