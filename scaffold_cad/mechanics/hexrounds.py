@@ -34,9 +34,6 @@ JOINT_GAP = 0.02
 RIM_OF_CAP = 0.5
 """Where the last section of a round end has its rim, from its circle, 0, to its pole, 1."""
 
-GRADING = 1.0
-"""Power by which these stand closer beside the arcs than at the collars."""
-
 
 def round_plan(struts: RoundStruts, sides: int, pieces: int) -> Plan:
     """Return the sections of round struts and what lies between them.
@@ -128,7 +125,7 @@ def _stack(
     runs, half_runs = struts.runs, group.half_runs
     count, valency, sides = own.shape[:3]
     levels = max(2, round(LEVELS * sides / 16))
-    at = np.linspace(0.0, 1.0, levels + 1) ** GRADING
+    at = np.linspace(0.0, 1.0, levels + 1)
     node = runs.nodes[group.nodes][:, None, None, None]
     points = node + turned_rings(group, turns.turn[half_runs], at, sides)
     points[:, :, -1] = own
