@@ -22,7 +22,7 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
 from scaffold_cad.struts import RoundStruts
 from scaffold_cad.struts.bodies import NodeBodies, beside_crowded, curve_bodies, sharp_bodies
-from scaffold_cad.struts.runs import ball_ends
+from scaffold_cad.struts.ends import end_spheres
 
 OVERLAP = 1e-3
 """How far struts reach into the bodies of their nodes, in their radii: where sections only touched
@@ -170,7 +170,8 @@ def cones_of(struts: RoundStruts, is_inside: bool, wanted: Own | None = None) ->
     is_end = runs.valency[runs.tails] == 1
     own = ~struts.crowded[runs.tails] & ~is_end
     radius = runs.radii.reshape(-1)
-    opening = OPENING * radius if is_inside and struts.options.ends == "open" else 0.0
+    is_open = is_end & ~struts.at_balls & is_inside & (struts.options.ends == "open")
+    opening = np.where(is_open, OPENING * radius, 0.0)
     begin = np.where(is_end & ~np.isin(runs.tails, list(bores)), -opening, 0.0)
     begin = np.where(own, struts.collar - OVERLAP * radius, begin)
     ends = runs.nodes[runs.tails] + begin[:, None] * runs.directions
@@ -199,27 +200,26 @@ def _with_bores(cones: Cones, struts: RoundStruts) -> Cones:
 
 
 def balls_of(struts: RoundStruts, wanted: Own | None = None) -> Balls:
-    """Return the balls at round ends, tangent to their strut, and those at crowded nodes.
+    """Return the balls at ends, and those at crowded nodes.
 
     Where a curve is crowded beyond a joint there is one too.
     """
     runs = struts.runs
     is_end = runs.valency[runs.tails] == 1
     rounds, crowded = (
-        is_end & (struts.options.ends == "round"),
+        is_end & ((struts.options.ends == "round") | struts.at_balls),
         struts.crowded | beside_crowded(struts),
     )
     if wanted is not None:
         rounds, crowded = rounds & np.repeat(wanted.runs, 2), crowded & wanted.nodes
     ends = np.flatnonzero(rounds)
-    radius, slope = runs.radii.reshape(-1)[ends], runs.slopes[ends]
-    centers = runs.nodes[runs.tails[ends]] + (radius * slope)[:, None] * runs.directions[ends]
+    sphere = end_spheres(struts, ends)
+    centers = runs.nodes[runs.tails[ends]] - sphere.center[:, None] * runs.directions[ends]
     widest = np.zeros(len(runs.nodes))
     np.maximum.at(widest, runs.tails, runs.radii.reshape(-1))
-    inner = (runs.valency > 1) | ball_ends(struts.skeleton, runs)
-    places = np.flatnonzero(crowded & inner)
+    places = np.flatnonzero(crowded & (runs.valency > 1))
     sizes = np.maximum(widest, struts.skeleton.radii)[places]
     return Balls(
         np.concatenate([centers, runs.nodes[places]]),
-        np.concatenate([radius * np.hypot(1.0, slope), sizes]),
+        np.concatenate([sphere.size, sizes]),
     )

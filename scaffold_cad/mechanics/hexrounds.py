@@ -285,7 +285,7 @@ def _round_ends(
     sections : (e,) those there
     """
     runs, radius = struts.runs, turns.radius[ends]
-    sphere = end_spheres(runs, ends, radius)
+    sphere = end_spheres(struts, ends)
     outward, node = -runs.directions[ends], runs.nodes[runs.tails[ends]]
     levels = max(1, frames.sides // 8)
     share = np.arange(1, levels + 1) / levels

@@ -41,6 +41,12 @@ def check_has_hexahedra(struts: RoundStruts) -> None:
             f"strut {over[0]} overlaps others near {place_text(middle)} ({len(over)} in all), so "
             "it has no hexahedra; need thinner struts"
         )
+    balls = struts.runs.tails[struts.at_balls]
+    if len(balls):
+        raise OptionError(
+            f"node {balls[0]} at {place_text(nodes[balls[0]])} is a ball at an extremity "
+            f"({len(balls)} in all), which has no hexahedra; need it as thin as its strut"
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -63,13 +63,8 @@ def described(edges: Ints, skeleton: Skeleton) -> str:
     place = skeleton.nodes[skeleton.edges[edges[0]]].mean(axis=0)
     named = ", ".join(str(edge) for edge in edges[:NAMED].tolist())
     more = "" if len(edges) <= NAMED else ", ..."
-    one = len(edges) == 1
-    ends = skeleton.edges[edges]  # (e, 2)
-    thicker = skeleton.radii[ends] > skeleton.edge_radii[edges]
-    balls = (thicker & (skeleton.valency[ends] == 1)).any()
-    or_balls = f", or {'ends in a ball' if one else 'end in balls'}" if balls else ""
     return (
         f"{len(edges)} of {counted(len(skeleton.edges), 'strut')} "
-        f"{'overlaps' if one else 'overlap'} others or their nodes{or_balls} "
+        f"{'overlaps' if len(edges) == 1 else 'overlap'} others or their nodes "
         f"(edges {named}{more}; the first near {place_text(place)})"
     )

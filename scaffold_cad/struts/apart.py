@@ -22,6 +22,7 @@ from scaffold_cad.struts.model import BlendedNodes
 from scaffold_cad.struts.options import Ends
 from scaffold_cad.struts.pieces import (
     Pieces,
+    ball_pieces,
     curve_pieces,
     joined,
     node_pieces,
@@ -97,12 +98,16 @@ def crossings(
     crowded : (n,) nodes without a surface of their own: there struts go on to the node
     slack : how much thicker all are taken to be: polygons reach beyond their circles
     """
-    straight = runs.valency[runs.tails] > 1
-    reach = np.where(crowded[runs.tails] & straight, 0.0, collar)
+    reach = np.where(crowded[runs.tails], 0.0, collar)
     reach = with_domes(runs, reach, ends, len(runs.nodes), slack.ratio)
     curved = curves.curved & ~crowded[runs.edges].any(axis=1)
     bodies = joined(
-        [node_pieces(runs, blended), curve_pieces(curves), sharp_pieces(runs, sharp, collar)]
+        [
+            node_pieces(runs, blended),
+            curve_pieces(curves),
+            sharp_pieces(runs, sharp, collar),
+            ball_pieces(runs, collar),
+        ]
     )
     own: Bools = ~np.asarray(crowded[bodies.nodes].any(axis=1))
     bodies = bodies.chosen(own)

@@ -26,7 +26,7 @@ from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.nodes import nearest_collars
 from scaffold_cad.struts.options import Bend, Blend, Ends, Joints, Nodes, StrutOptions, as_blend
 from scaffold_cad.struts.room import allotted
-from scaffold_cad.struts.runs import Runs, ball_ends, balls_of, straight_runs
+from scaffold_cad.struts.runs import Runs, ball_collars, ball_ends, balls_of, straight_runs
 from scaffold_cad.struts.sharp.builder import sharp_struts
 from scaffold_cad.struts.sockets import sockets_of
 from scaffold_cad.struts.walls import without_wall
@@ -183,7 +183,7 @@ def _planned(
     blended: Bools | None,
 ) -> _Plan:
     """Return the plan; joints that have no room for a bend and can be of a curve are."""
-    model = outer if like is None else like
+    model, balls = outer if like is None else like, ball_collars(skeleton, runs)
     able = possible(skeleton, runs)
     at = sampled(runs, able, options.joints) if model is None else model.at_curves
     bendable = ~at if blended is None else ~(at | blended)
@@ -193,7 +193,7 @@ def _planned(
         bent[elbows.nodes] = True
         groups = _groups(runs, at | bent)
         wanted = [_stars(skeleton, runs, group, options, outer, like) for group in groups]
-        full, least = _collars(runs, groups, wanted)
+        full, least = _collars(balls, groups, wanted)
         closed = _shortening(options)
         curved = None if model is None else model.curves.curved
         joints = curved_joints(runs, at, full, closed, curved)
@@ -278,9 +278,14 @@ def _of_nodes(struts: RoundStruts, group: Group) -> tuple[Ints, UnitVectors]:
     return quads, vertices
 
 
-def _collars(runs: Runs, groups: list[Group], wanted: list[Stars]) -> tuple[Floats, Floats]:
-    """Return the collar distances that blends want, and those of the smallest fillets, (2 k,)."""
-    full, least = np.zeros(len(runs.tails)), np.zeros(len(runs.tails))
+def _collars(balls: Floats, groups: list[Group], wanted: list[Stars]) -> tuple[Floats, Floats]:
+    """Return the collar distances that blends want, and those of the smallest fillets, (2 k,).
+
+    Parameters
+    ----------
+    balls : (2 k,) those at balls, see `ball_collars`
+    """
+    full, least = balls.copy(), balls.copy()
     for group, stars in zip(groups, wanted, strict=True):
         full[group.half_runs], least[group.half_runs] = nearest_collars(stars)
     return full, least
@@ -303,6 +308,7 @@ def _assembled(
 ) -> RoundStruts:
     """Return the struts, once it is known which nodes are crowded."""
     collar, x = np.minimum(plan.joints.wanted, plan.limits), np.zeros((len(runs.tails), 3))
+    collar += ball_collars(skeleton, runs)
     fillet = np.full(len(skeleton.nodes), np.nan)
     crowded = np.zeros(len(skeleton.nodes), dtype=np.bool_)
     for group in solved:
@@ -324,7 +330,6 @@ def _assembled(
     no_room = plan.no_room | (collar.reshape(-1, 2).sum(axis=1) > runs.lengths)
     crowded[runs.edges[no_room]] = True
     _crowd_curves(passed, crowded)
-    crowded |= ball_ends(skeleton, runs)
     crossing = crossings(runs, solved, passed, collar, options.ends, crowded)
     crowded |= crossing.nodes
     crowded_runs = no_room | crossing.struts | crowded[runs.edges].all(axis=1)

@@ -116,7 +116,7 @@ def curved_joints(
     Parameters
     ----------
     at : (n,) the joints
-    collars : (2 k,) distances from other nodes that their blends ask for, mm
+    collars : (2 k,) distances from other nodes that their blends and balls ask for, mm
     closed : thickness of the plane ends of hollow struts, mm
     curved : (k,) runs without a straight part, if that is known
     """
@@ -138,7 +138,7 @@ def curved_joints(
     wanted[np.repeat(both, 2)] *= np.repeat(shrunk, 2)[np.repeat(both, 2)]
     single = np.flatnonzero(is_joint.reshape(-1) & ~np.repeat(both, 2))
     at_end = runs.valency[runs.tails[single ^ 1]] == 1
-    room = usable[single >> 1] - np.where(at_end, closed, collars[single ^ 1])
+    room = usable[single >> 1] - np.maximum(np.where(at_end, closed, 0.0), collars[single ^ 1])
     wanted[single] = np.clip(wanted[single], least[single], np.maximum(room, least[single]))
     none = np.repeat(curved, 2)
     wanted[none], least[none] = 0.0, 0.0

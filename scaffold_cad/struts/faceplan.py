@@ -10,6 +10,7 @@ from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points
 from scaffold_cad.partition.arcs import side_twins
 from scaffold_cad.struts.curvefaces import CurveParts
 from scaffold_cad.struts.elbows import Tori, tori_of
+from scaffold_cad.struts.ends import end_spheres
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.seams import Seams, seams
 
@@ -35,7 +36,7 @@ class FacePlan(Frozen):
     discs: Ints
     """Places in `ends` of the flat ends, shape (d,)."""
     balls: Ints
-    """Places in `ends` of the round ends, shape (b,)."""
+    """Places in `ends` of the round ends and of balls, shape (b,)."""
     run_face: Ints
     """Place of each run's face among those of all runs, cylinders first, shape (k,)."""
     curves: CurveParts
@@ -64,7 +65,7 @@ class FacePlan(Frozen):
         closed = np.ones(len(ends), dtype=np.bool_)
         if open_at is not None:
             closed = ~open_at[runs.tails[ends]]
-        kind = struts.options.ends
+        kind, is_ball = struts.options.ends, struts.at_balls[ends]
         is_torus = np.isfinite(struts.curves.tori)
         return FacePlan(
             struts,
@@ -75,8 +76,8 @@ class FacePlan(Frozen):
             ranks[1],
             ends,
             ranks[2],
-            np.flatnonzero(closed & (kind == "flat")),
-            np.flatnonzero(closed & (kind == "round")),
+            np.flatnonzero(closed & ~is_ball & (kind == "flat")),
+            np.flatnonzero(closed & (is_ball | (kind == "round"))),
             run_face,
             CurveParts.of(struts.curves.chosen(~is_torus)),
             tori_of(runs, struts.curves.half_runs[is_torus], struts.curves.tori[is_torus]),
@@ -249,10 +250,9 @@ def owners(quads: Ints) -> tuple[Ints, Bools]:
 def domes(plan: FacePlan) -> tuple[Points, Floats, Floats]:
     """Return center and radius of the spheres at round ends, and the latitude of their rings."""
     runs, ends = plan.struts.runs, plan.ends[plan.balls]
-    radius = runs.radii.reshape(-1)[ends]
-    growth = -runs.slopes[ends]  # outward
-    center = runs.nodes[runs.tails[ends]] - (radius * growth)[:, None] * runs.directions[ends]
-    return center, radius * np.hypot(1.0, growth), np.arctan2(-radius * growth, radius)
+    sphere = end_spheres(plan.struts, ends)
+    center = runs.nodes[runs.tails[ends]] - sphere.center[:, None] * runs.directions[ends]
+    return center, sphere.size, sphere.start
 
 
 def curve_corners(plan: FacePlan) -> Ints:

@@ -100,6 +100,8 @@ def end_rings(
 def faces_of(struts: RoundStruts, open_at: Bools | None = None) -> tuple[AnalyticBrep, Ints, Ints]:
     """Return the shells of solid straight struts, and half-runs (e,) at ends, their circles (e,).
 
+    Ends that are balls are not among them.
+
     Parameters
     ----------
     open_at : (n,) nodes where struts end without a face; none by default
@@ -108,7 +110,8 @@ def faces_of(struts: RoundStruts, open_at: Bools | None = None) -> tuple[Analyti
         made = sharp_brep(struts, open_at)
         return made.brep, made.ends, made.rings
     plan = FacePlan.of(struts, open_at)
-    return _shells_of(plan), plan.ends, plan.end_rings + np.arange(len(plan.ends))
+    plain = np.flatnonzero(~struts.at_balls[plan.ends])
+    return _shells_of(plan), plan.ends[plain], plan.end_rings + plain
 
 
 def bored(

@@ -9,6 +9,7 @@ from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.options import SHARP, StrutOptions
+from scaffold_cad.struts.runs import ball_ends, straight_runs
 
 
 def check_like(skeleton: Skeleton, options: StrutOptions, like: RoundStruts) -> None:
@@ -17,7 +18,7 @@ def check_like(skeleton: Skeleton, options: StrutOptions, like: RoundStruts) -> 
     Raises
     ------
     OptionError
-        If the graph, the ends or the walls are others, or nodes are sharp.
+        If the graph, the ends, the balls there or the walls are others, or nodes are sharp.
     """
     check_kind(like, RoundStruts)
     if "sharp" in (options.nodes, like.options.nodes):
@@ -37,6 +38,12 @@ def check_like(skeleton: Skeleton, options: StrutOptions, like: RoundStruts) -> 
         raise OptionError(
             f"like has ends={like.options.ends!r} and wall={like.options.wall}; need the same"
         )
+    balls = [
+        np.flatnonzero(ball_ends(skeleton, straight_runs(skeleton))).tolist(),
+        np.flatnonzero(ball_ends(like.skeleton, like.runs)).tolist(),
+    ]
+    if balls[0] != balls[1]:
+        raise OptionError(f"like has balls at ends {balls[1]}, not {balls[0]}; need the same")
     nodes = [sorted(each.sockets or {}) for each in (options, like.options)]
     if nodes[0] != nodes[1]:
         raise OptionError(f"like has sockets at nodes {nodes[1]}, not {nodes[0]}; need the same")

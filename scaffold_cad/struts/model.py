@@ -15,7 +15,7 @@ from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts.blend import Solved
 from scaffold_cad.struts.curved import Curves
 from scaffold_cad.struts.options import StrutOptions
-from scaffold_cad.struts.runs import Runs
+from scaffold_cad.struts.runs import Runs, at_balls
 from scaffold_cad.struts.sharp.nodes import SharpNodes
 from scaffold_cad.struts.sockets import NO_SOCKETS, Sockets
 
@@ -73,7 +73,8 @@ class RoundStruts(Frozen, Shown):
     blended: tuple[BlendedNodes, ...]
     """Branch points and bends that have a blend, by valency."""
     collar: Floats
-    """Distance from each half-run's node at which its own surface begins, shape (2 k,), mm."""
+    """Distance from each half-run's node at which its own surface begins, shape (2 k,), mm; at
+    extremities > 0 where they are balls."""
     curves: Curves
     """Struts that run on smoothly through joints."""
     x: UnitVectors
@@ -83,8 +84,7 @@ class RoundStruts(Frozen, Shown):
     bends: Floats
     """Centerline radius of the torus that each bend is, mm; nan at other nodes, shape (n,)."""
     crowded: Bools
-    """Nodes without a surface of their own, shape (n,): what is there overlaps or is not proved,
-    or is a ball at an extremity."""
+    """Nodes without a surface of their own, shape (n,): what is there overlaps or is not proved."""
     crowded_runs: Bools
     """Runs that have no surface of their own, shape (k,): they cross others between their collars,
     or both of their nodes are crowded."""
@@ -110,6 +110,11 @@ class RoundStruts(Frozen, Shown):
         Edges that are curved from end to end are not: see `curves`.
         """
         return ~(self.crowded_runs | self.curves.curved)[self.runs.run_of_edge]
+
+    @property
+    def at_balls(self) -> Bools:
+        """Whether each half-run leaves an extremity that is a ball, shape (2 k,)."""
+        return at_balls(self.runs, self.collar)
 
     @property
     def within(self) -> float:

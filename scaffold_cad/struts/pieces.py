@@ -18,7 +18,7 @@ from scaffold_cad.struts.curved import ALONG, Curves
 from scaffold_cad.struts.model import BlendedNodes
 from scaffold_cad.struts.options import Ends
 from scaffold_cad.struts.quarter import DEGREE
-from scaffold_cad.struts.runs import Runs
+from scaffold_cad.struts.runs import Runs, at_balls
 from scaffold_cad.struts.sharp.nodes import CORNER, SLIVER, SharpNodes
 from scaffold_cad.struts.splines import Spline
 
@@ -47,7 +47,7 @@ class Pieces(Frozen):
     """Run that each is of, shape (c,)."""
     hull: Ints
     """Row of `points`, table after table, whose hull it is, or -1 for the cylinder around its
-    segment, shape (c,)."""
+    segment, the ball where that has no length, shape (c,)."""
     points: tuple[Floats, ...]
     """Tables of the points of hulls relative to their node, each of shape (h, k, 3), mm."""
     offset: Points
@@ -128,12 +128,15 @@ def _furthest_of_discs(discs: Floats, directions: Floats) -> Points:
 def with_domes(runs: Runs, collar: Floats, ends: Ends, count: int, slack: float) -> Floats:
     """Return `collar` (2 k,), at round ends as far beyond the node as the strut is thick, < 0.
 
+    Balls are pieces of their own.
+
     Parameters
     ----------
     count : nodes that are those of a skeleton, the first ones
     slack : how much further they reach, in radii
     """
-    domed = (runs.valency[runs.tails] == 1) & (runs.tails < count) & (ends == "round")
+    at_end = (runs.valency[runs.tails] == 1) & (collar == 0)
+    domed = at_end & (runs.tails < count) & (ends == "round")
     return np.where(domed, -(1.0 + slack) * runs.radii.reshape(-1), collar)
 
 
@@ -282,6 +285,29 @@ def sharp_pieces(runs: Runs, sharp: tuple[SharpNodes, ...], collar: Floats) -> P
             )
         )
     return joined(parts)
+
+
+def ball_pieces(runs: Runs, collar: Floats) -> Pieces:
+    """Return the balls at extremities: cylinders around segments of no length.
+
+    Parameters
+    ----------
+    collar : (2 k,) distance of each half-run's collar from its node, mm
+    """
+    ends = np.flatnonzero(at_balls(runs, collar))
+    node, none = runs.nodes[runs.tails[ends]], np.full(len(ends), -1, dtype=np.intp)
+    return Pieces(
+        node,
+        node,
+        np.hypot(collar[ends], runs.radii_at(ends, collar[ends])),
+        np.repeat(runs.tails[ends][:, None], 2, axis=1),
+        ends >> 1,
+        none,
+        (),
+        np.zeros_like(node),
+        none,
+        _NO_DISCS,
+    )
 
 
 def joined(parts: list[Pieces]) -> Pieces:

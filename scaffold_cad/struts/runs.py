@@ -131,6 +131,29 @@ def ball_ends(skeleton: Skeleton, runs: Runs) -> Bools:
     return np.asarray((balls_of(skeleton, runs) > 0) & (runs.valency == 1))
 
 
+def ball_collars(skeleton: Skeleton, runs: Runs) -> Floats:
+    """Return how far from its node each half-run leaves the ball there, mm, (2 k,).
+
+    It is 0 but at extremities that are balls.
+    """
+    found = np.zeros(len(runs.tails))
+    ends = np.flatnonzero(ball_ends(skeleton, runs)[runs.tails])
+    size, radius, slope = (
+        skeleton.radii[runs.tails[ends]],
+        runs.radii.reshape(-1)[ends],
+        runs.slopes[ends],
+    )
+    stretch = np.hypot(1.0, slope)
+    out = np.sqrt((stretch * size - radius) * (stretch * size + radius))
+    found[ends] = (out - radius * slope) / stretch**2
+    return found
+
+
+def at_balls(runs: Runs, collar: Floats) -> Bools:
+    """Return whether half-runs leave extremities that are balls, by their `collar`, (2 k,)."""
+    return np.asarray((collar > 0) & (runs.valency[runs.tails] == 1))
+
+
 def straight_runs(skeleton: Skeleton) -> Runs:
     """Return the edges of `skeleton`, joined where a joint changes nothing."""
     through = _passed(skeleton)

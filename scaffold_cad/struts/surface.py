@@ -17,7 +17,7 @@ from scaffold_cad.struts.bands import (
     twist_of,
 )
 from scaffold_cad.struts.curverings import CurveRings, curve_rings
-from scaffold_cad.struts.ends import flat_ends, round_ends
+from scaffold_cad.struts.ends import closings
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.rings import block_size, stacks
 from scaffold_cad.struts.sharp.surface import node_triangles
@@ -67,7 +67,7 @@ class Shell(Frozen):
     made: Triangulated
     """Its triangles."""
     ends: Ints
-    """Half-runs that leave the nodes where struts end, ascending, shape (e,)."""
+    """Half-runs that leave the nodes where struts end, but for balls, ascending, shape (e,)."""
     rings: Ints
     """Vertices of the ring at each of these, counter-clockwise about the half-run, (e, sides)."""
 
@@ -219,13 +219,13 @@ def shell_of(struts: RoundStruts, sides: int, open_at: Bools | None = None) -> S
     faces.append(ring_triangles(np.concatenate(points), passed.low, passed.high))
     curve_runs = struts.curves.run[struts.curves.pieces][passed.piece]
     along.append(np.repeat(curve_runs, 2 * sides))
-    closed = np.full(len(ends), struts.options.ends != "open")
+    is_ball = struts.at_balls[ends]
+    closed = is_ball | (struts.options.ends != "open")
     if open_at is not None:
         closed &= ~open_at[struts.runs.tails[ends]]
-    if closed.any():
-        make = flat_ends if struts.options.ends == "flat" else round_ends
-        some = ends[closed]
-        extra, closing = make(struts.runs, some, sized.radius[some], rings[some], own[some], count)
+    for make, some in closings(struts, ends[closed]):
+        extra, closing = make(struts, some, rings[some], own[some], count)
+        count += len(extra)
         points.append(extra)
         faces.append(closing)
         along.append(np.repeat(run_of[some >> 1], len(closing) // len(some)))
@@ -237,6 +237,7 @@ def shell_of(struts: RoundStruts, sides: int, open_at: Bools | None = None) -> S
         around, triangles, owner = model.node, model.mesh.triangles, model.owner
     mesh = TriangleMesh(np.concatenate(points), triangles)
     found = Triangulated(mesh, around, passed, sized.shift, owner, swell)
+    ends = ends[~is_ball]
     return Shell(found, number[ends], rings[ends])
 
 

@@ -9,16 +9,12 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts.model import RoundStruts
-from scaffold_cad.struts.runs import Runs, balls_of
+from scaffold_cad.struts.runs import Runs
 
 
 def shortened(struts: RoundStruts, closed: Bools, wall: float) -> RoundStruts:
-    """Return struts that end a wall before `closed` (n,) ends, where they are to be open.
-
-    Balls stay, as they are a wall smaller than those outside.
-    """
+    """Return struts that end a wall before `closed` (n,) ends, where they are to be open."""
     runs, skeleton = struts.runs, struts.skeleton
-    closed = closed & (balls_of(skeleton, runs) == 0)
     half = np.flatnonzero(closed[runs.tails])
     if struts.options.ends != "open" or len(half) == 0:
         return struts

@@ -33,6 +33,7 @@ from scaffold_cad.struts.curveproof import proved
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.pieces import (
     Pieces,
+    ball_pieces,
     curve_pieces,
     joined,
     node_pieces,
@@ -40,7 +41,7 @@ from scaffold_cad.struts.pieces import (
     strut_pieces,
     with_domes,
 )
-from scaffold_cad.struts.runs import Runs, ball_ends, balls_of
+from scaffold_cad.struts.runs import Runs, balls_of
 
 SETTLED = 0.01
 """By how much spans may still grow where clusters have settled, in radii."""
@@ -104,13 +105,14 @@ class Clusters(Frozen):
 
 
 def bodies_of(struts: RoundStruts) -> Pieces:
-    """Return the pieces around nodes and curves."""
+    """Return the pieces around nodes and curves, and balls at extremities."""
     runs = struts.runs
     return joined(
         [
             node_pieces(runs, struts.blended),
             curve_pieces(struts.curves),
             sharp_pieces(runs, struts.sharp, struts.collar),
+            ball_pieces(runs, struts.collar),
         ]
     )
 
@@ -159,10 +161,7 @@ def clusters_of(
 
 
 def unproved(struts: RoundStruts) -> Core:
-    """Return the nodes whose blend is not proved, or whose struts have no room, and such pieces.
-
-    Extremities that are balls are no end that struts have of their own.
-    """
+    """Return the nodes whose blend is not proved, or whose struts have no room, and such pieces."""
     runs = struts.runs
     found = np.zeros(len(runs.nodes), dtype=np.bool_)
     for group in struts.blended:
@@ -172,7 +171,6 @@ def unproved(struts: RoundStruts) -> Core:
         found = runs.valency > 1
         for own in struts.sharp:
             found[own.nodes] = False
-    found |= ball_ends(struts.skeleton, runs)
     used = struts.collar.reshape(-1, 2).sum(axis=1)
     found[runs.edges[used > runs.lengths]] = True
     folded = ~proved(struts.curves)
@@ -188,7 +186,7 @@ def _settled(reaches: Reaches, core: Core, seeds: Spans) -> tuple[Bools, Zones, 
         zones = zones_of(curves, pieces, len(nodes), core.zone)
         inside = nodes | zones.nodes
         made = stumps(reaches, inside)
-        collar = np.where(runs.valency[runs.tails] > 1, struts.collar, 0.0).reshape(-1, 2)
+        collar = struts.collar.reshape(-1, 2)
         free = np.stack([collar[:, 0], runs.lengths - collar[:, 1]], axis=1)
         free = np.where(made.nodes[runs.edges], [-np.inf, np.inf], free)
         half = np.flatnonzero(made.nodes[runs.tails] & ~np.repeat(curves.curved, 2))
@@ -246,7 +244,8 @@ class _Found:
         pairs, kinds = pairs[~idle], kinds[~idle]
         found = pairs[kinds == NODE]
         at, folded = np.zeros_like(self.nodes), np.zeros_like(self.zone)
-        at[pieces.nodes[found[pieces.hull[found] >= 0], 0]] = True
+        is_ball = self.struts.runs.valency[pieces.nodes[found, 0]] == 1
+        at[pieces.nodes[found[is_ball | (pieces.hull[found] >= 0)], 0]] = True
         folded[pieces.curve[found[pieces.curve[found] >= 0]]] = True
         both = pairs[(kinds != NODE).all(axis=1)]
         near = [no_spans()]

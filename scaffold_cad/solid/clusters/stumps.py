@@ -48,9 +48,8 @@ class Reaches:
     def __init__(self, struts: RoundStruts, fillets: Floats) -> None:
         self.struts = struts
         self.fillets = fillets
-        collar = np.where(struts.runs.valency[struts.runs.tails] > 1, struts.collar, 0.0)
-        self._rings = collar
-        self._wanted, self._least = collar.copy(), collar.copy()
+        self._rings = struts.collar
+        self._wanted, self._least = struts.collar.copy(), struts.collar.copy()
         self._known = np.zeros(len(struts.runs.nodes), dtype=np.bool_)
 
     def of(self, nodes: Bools) -> tuple[Floats, Floats]:

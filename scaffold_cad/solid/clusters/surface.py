@@ -32,6 +32,7 @@ from scaffold_cad.struts.apart import Slack
 from scaffold_cad.struts.bands import polygon_slack
 from scaffold_cad.struts.curverings import rings_hold
 from scaffold_cad.struts.model import RoundStruts
+from scaffold_cad.struts.runs import ball_ends
 from scaffold_cad.struts.sharp.surface import without_triangles
 from scaffold_cad.struts.surface import Shell, Triangulated, inside_of, open_ends, shell_of
 
@@ -204,7 +205,8 @@ def _both(
     Of curves the same pieces are in fields on both sides, which follow edges and not the curve.
     """
     wall, fillets = float(struts.options.wall or 0.0), wanted_fillets(struts)
-    is_end, is_open = struts.runs.valency == 1, struts.options.ends == "open"
+    is_end = (struts.runs.valency == 1) & ~ball_ends(struts.skeleton, struts.runs)
+    is_open = struts.options.ends == "open"
     while True:
         outside = make(struts, fillets, core, sags)
         own = shortened(inner, core.nodes & is_end, wall)

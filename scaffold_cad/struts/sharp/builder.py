@@ -9,7 +9,7 @@ from scaffold_cad.struts.apart import crossings
 from scaffold_cad.struts.curved import Curves
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.options import StrutOptions
-from scaffold_cad.struts.runs import ball_ends, straight_runs
+from scaffold_cad.struts.runs import at_balls, ball_collars, straight_runs
 from scaffold_cad.struts.sharp.nodes import ring_starts, seams_of, sharp_nodes
 
 
@@ -18,7 +18,7 @@ def sharp_struts(skeleton: Skeleton, options: StrutOptions) -> RoundStruts:
     runs = straight_runs(skeleton)
     x = ring_starts(runs)
     made = sharp_nodes(skeleton, runs, x)
-    collar = np.zeros(len(runs.tails))
+    collar = ball_collars(skeleton, runs)
     crowded = runs.valency > 1
     for group in made:
         collar[group.half_runs] = group.collars
@@ -26,8 +26,9 @@ def sharp_struts(skeleton: Skeleton, options: StrutOptions) -> RoundStruts:
     no_room = seams_of(runs, made, x) < 0
     no_room |= collar.reshape(-1, 2).sum(axis=1) > runs.lengths
     crowded[runs.edges[no_room]] = True
-    crowded[runs.valency <= 1] = False
-    crowded |= ball_ends(skeleton, runs)
+    is_ball = np.zeros_like(crowded)
+    is_ball[runs.tails[at_balls(runs, collar)]] = True
+    crowded[(runs.valency <= 1) & ~is_ball] = False
     curves = Curves.none(len(runs.edges))
     crossing = crossings(runs, (), curves, collar, options.ends, crowded, sharp=made)
     crowded |= crossing.nodes

@@ -77,7 +77,7 @@ def sharp_brep(struts: RoundStruts, open_at: Bools | None = None) -> SharpBrep:
     rings = add_ends(parts, struts, seams, loops, open_at)
     add_struts(parts, struts, seams, loops, holes)
     brep, number = _assembled(parts, struts)
-    ends = np.flatnonzero(runs.valency[runs.tails] == 1)
+    ends = np.flatnonzero((runs.valency[runs.tails] == 1) & ~struts.at_balls)
     return SharpBrep(brep, ends, number[[rings[end] for end in ends.tolist()]])
 
 

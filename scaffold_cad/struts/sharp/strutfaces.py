@@ -6,6 +6,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints
 from scaffold_cad.brep.analytic import Surface
+from scaffold_cad.struts.ends import end_spheres
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.sharp.faceparts import Around, Face, Parts, Use
 from scaffold_cad.struts.sharp.loops import seam_angles
@@ -51,46 +52,39 @@ def add_ends(
     runs, rings = struts.runs, {}
     for half_run in np.flatnonzero(runs.valency[runs.tails] == 1).tolist():
         node, axis = int(runs.tails[half_run]), runs.directions[half_run]
-        place, radius = runs.nodes[node], float(runs.radii.reshape(-1)[half_run])
+        height = float(struts.collar[half_run])
+        place = runs.nodes[node] + height * axis
+        radius = float(runs.radii_at(np.array([half_run]), np.array([height]))[0])
         x = _seam_direction(struts, seams, half_run)
         vertex = parts.add_points((place + radius * x)[None])
         axes = np.stack([place, axis, x])
         whole = np.array([0.0, TURN])
         ring = parts.add_edge((vertex, vertex), 1, axes, np.full(2, radius), whole)
         rings[half_run] = ring
-        trace = Trace(np.array([[0.0, 0.0], [TURN, 0.0]]), 0)
-        loops[half_run] = Around([Use(ring, True, trace)], vertex, 0.0)
+        trace = Trace(np.array([[0.0, height], [TURN, height]]), 0)
+        loops[half_run] = Around([Use(ring, True, trace)], vertex, height)
         name = len(runs.edges) + node
         if open_at is not None and open_at[node]:
             continue
-        if struts.options.ends == "flat":
+        if struts.options.ends == "round" or struts.at_balls[half_run]:
+            _add_dome(parts, struts, half_run, ring, vertex, x, name)
+        elif struts.options.ends == "flat":
             nothing = Trace(np.full((2, 2), np.nan), 0)
             uses = [Use(ring, False, nothing)]
             parts.faces.append(
                 Face(Surface.PLANE, (place, -axis, x), (0.0, 0.0), [uses], node, name)
             )
-        elif struts.options.ends == "round":
-            _add_dome(parts, ring, vertex, node, name, axes, radius, -runs.slopes[half_run])
     return rings
 
 
 def _add_dome(
-    parts: Parts,
-    ring: int,
-    vertex: int,
-    node: int,
-    name: int,
-    axes: Floats,
-    radius: float,
-    growth: float,
+    parts: Parts, struts: RoundStruts, half_run: int, ring: int, vertex: int, x: Floats, name: int
 ) -> None:
-    """Add the part of a sphere that touches a strut along its last circle."""
-    place, axis, x = axes
-    center, size, low = (
-        place - radius * growth * axis,
-        radius * np.hypot(1.0, growth),
-        np.arctan2(-radius * growth, radius),
-    )
+    """Add the part of a sphere in which a strut ends, beyond its last circle."""
+    sphere = end_spheres(struts, np.array([half_run]))
+    size, low = float(sphere.size[0]), float(sphere.start[0])
+    node, axis = int(struts.runs.tails[half_run]), struts.runs.directions[half_run]
+    center = struts.runs.nodes[node] - sphere.center[0] * axis
     pole = parts.add_points((center - size * axis)[None])
     placed = np.stack([center, np.cross(x, -axis), x])
     begin = np.mod(low, TURN)
