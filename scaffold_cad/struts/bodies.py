@@ -191,10 +191,11 @@ def sharp_bodies(struts: RoundStruts, sides: int, chosen: Bools) -> TriangleMesh
     for part in node_triangles(struts, sides):
         rows = np.flatnonzero(chosen[part.nodes])
         half_runs = part.half_runs[rows]
-        rings = own_rings(struts, half_runs.reshape(-1), sized, sides).reshape(len(rows), -1, 3)
-        centers = ring_centers(struts, half_runs.reshape(-1)).reshape(len(rows), -1, 3)
-        placed = np.concatenate([part.points[rows], rings, centers], axis=1)  # (m, ..., 3)
         first, valency = part.points.shape[1], half_runs.shape[1]
+        flat = half_runs.reshape(-1)
+        rings = own_rings(struts, flat, sized, sides).reshape(len(rows), valency * sides, 3)
+        centers = ring_centers(struts, flat).reshape(len(rows), valency, 3)
+        placed = np.concatenate([part.points[rows], rings, centers], axis=1)  # (m, ..., 3)
         ring = first + np.arange(valency * sides).reshape(valency, sides)
         middle = first + valency * sides + np.arange(valency)[:, None]
         discs = np.stack(

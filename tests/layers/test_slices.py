@@ -118,6 +118,16 @@ def test_a_crowded_node_is_the_union_of_its_struts_and_a_ball() -> None:
     assert sharp * 0.98 < found < sharp * 1.1
 
 
+def test_layers_of_sharp_nodes_that_others_cross_have_their_volume() -> None:
+    tips = [[12, 0, 0], [0, 12, 0], [0, 0, 12]]
+    beside = [[-1, -1, -9], [-1, -1, 9]]
+    edges = [[0, 1], [0, 2], [0, 3], [4, 5]]
+    struts = round_struts(Skeleton([[0, 0, 0], *tips, *beside], edges, 1.0), nodes="sharp")
+    assert struts.crowded[0]
+    exact = to_solid(struts, sides=32).volume()
+    assert volume(slices(struts, thickness=0.05)) == pytest.approx(exact, rel=0.005)
+
+
 def test_a_region_cuts_the_struts_and_a_skin_closes_them() -> None:
     struts = round_struts(tile("bcc", 4.0, 3, radius=0.4))
     body = cube(1.0, 11.0)
