@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import product
 from typing import TypeAlias
 
 import numpy as np
@@ -15,9 +16,11 @@ from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import UnitCell
 from scaffold_cad.lattice.density import density_of_unit_radius, measured_density
 from scaffold_cad.lattice.registry import as_cell
-from scaffold_cad.lattice.tiling import cell_size
+from scaffold_cad.lattice.repetition import further_layers, placed
+from scaffold_cad.lattice.tiling import cell_size, tile
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import to_solid
+from scaffold_cad.solid.manifolds import filled_share
 from scaffold_cad.struts import round_struts
 
 Density: TypeAlias = float | Callable[[Points], ArrayLike]
@@ -38,8 +41,8 @@ LEAST_RADIUS = 1e-3
 LARGEST_STEPS = 30
 """Densities measured before the search for a radius is given up."""
 
-JUMP = 1.001
-"""Ratio of two radii between which a density is taken to jump, as where voids close."""
+STEEPEST = 4.0
+"""Most that a density grows by, as a power of the radius, but where it jumps, as voids close."""
 
 
 @checks_keywords()
@@ -60,9 +63,9 @@ def solve_radius(
     relative_density : in (0, 1)
     volume : function that makes the solid of a skeleton and returns its volume, mm³; with it
         the density is that of the inside of a large lattice, within 0.1 %
-    measured : whether the density is measured so on the solid that `to_solid` makes, round struts
-        and their nodes included; otherwise, and without `volume`, it is that of the first-order
-        formula, which counts overlaps at nodes several times
+    measured : whether the density is that of the solid that `to_solid` makes, round struts and
+        their nodes included, measured in the middle of a block; otherwise, and without `volume`,
+        it is that of the first-order formula, which counts overlaps at nodes several times
 
     Raises
     ------
@@ -81,11 +84,18 @@ def solve_radius(
         raise OptionError(
             f"relative density is {relative_density:g}; need more than 0, less than 1"
         )
-    radius = float(np.sqrt(relative_density / density_of_unit_radius(cell, size)))
-    volume = solid_volume if measured else volume
-    return (
-        radius if volume is None else _measured_radius(cell, size, relative_density, radius, volume)
-    )
+    known = as_cell(cell)
+    sizes = cell_size(known, size)
+    radius = float(np.sqrt(relative_density / density_of_unit_radius(known, sizes)))
+    if volume is None and not measured:
+        return radius
+
+    def density(tried: float) -> float:
+        if volume is None:
+            return solid_density(known, sizes, tried)
+        return measured_density(known, sizes, tried, volume)
+
+    return _measured_radius(density, relative_density, radius, float(sizes.max()))
 
 
 @checks_keywords()
@@ -124,9 +134,7 @@ def graded_radius(
     full = 1 / np.sqrt(known.density_coefficient_of(sizes))
     if as_flag(measured, "measured"):
         tried = full * np.geomspace(*RANGE, MEASURED)
-        densities = [
-            measured_density(known, sizes, float(radius), solid_volume) for radius in tried
-        ]
+        densities = [solid_density(known, sizes, float(radius)) for radius in tried]
         between = PchipInterpolator(np.log(densities), np.log(tried), extrapolate=True)
 
     def radius_at(points: Points) -> Floats:
@@ -140,31 +148,26 @@ def graded_radius(
 
 
 def _measured_radius(
-    cell: str | UnitCell,
-    size: ArrayLike,
-    relative_density: float,
-    radius: float,
-    volume: Callable[[Skeleton], float],
+    density: Callable[[float], float], wanted: float, radius: float, greatest: float
 ) -> float:
-    """Return the radius whose solid has a relative density, looked for from a first one."""
-    least, greatest = LEAST_RADIUS * radius, cell_size(as_cell(cell), size).max()
+    """Return the radius with the density wanted, looked for from a first one to the greatest."""
+    least = LEAST_RADIUS * radius
     # Secant steps on log density against log radius, which is almost a line of slope 2.
     slope, before = 2.0, (np.nan, np.nan)
     # The largest radius tried that is too thin, the least that is too thick, and their densities.
     thin, thick = (least, 0.0), (greatest, np.inf)
     for _ in range(LARGEST_STEPS):
-        ratio = measured_density(cell, size, radius, volume) / relative_density
+        ratio = density(radius) / wanted
         if abs(ratio - 1) <= DENSITY_ACCURACY:
             return radius
         if ratio < 1:
             thin = max(thin, (radius, ratio))
         else:
             thick = min(thick, (radius, ratio))
-        if thin[0] < thick[0] < JUMP * thin[0]:
+        if _is_jumped_over(thin, thick):
             raise OptionError(
-                f"no radius gives relative density {relative_density:g}: struts of {thin[0]:.5g} "
-                f"mm give {thin[1] * relative_density:.3g}, of {thick[0]:.5g} mm "
-                f"{thick[1] * relative_density:.3g}"
+                f"no radius gives relative density {wanted:g}: struts of {thin[0]:.5g} mm give "
+                f"{thin[1] * wanted:.3g}, of {thick[0]:.5g} mm {thick[1] * wanted:.3g}"
             )
         here = (np.log(radius), np.log(ratio))
         secant = (here[1] - before[1]) / (here[0] - before[0])
@@ -178,14 +181,36 @@ def _measured_radius(
             break
         radius, before = following, here
     raise OptionError(
-        f"no radius gives relative density {relative_density:g}: "
+        f"no radius gives relative density {wanted:g}: "
         f"the last one tried, {radius:g} mm, is off by {100 * abs(ratio - 1):.2g} %"
     )
 
 
-def solid_volume(skeleton: Skeleton) -> float:
-    """Return the volume of the round struts around a skeleton, nodes included, mm³."""
-    return float(to_solid(round_struts(skeleton)).volume())
+def _is_jumped_over(thin: tuple[float, float], thick: tuple[float, float]) -> bool:
+    """Return whether a ratio of 1 is so far from those of two radii that none between has it.
+
+    The volume of the union of equal balls grows with at most the third power of their radius
+    (Kneser, 1955), but where voids close.
+
+    Parameters
+    ----------
+    thin, thick : radius, and ratio of its density to that wanted, < 1 and > 1
+    """
+    if thin[1] == 0 or thick[1] == np.inf:  # not tried yet
+        return False
+    growth = (thick[0] / thin[0]) ** STEEPEST
+    return bool(thin[1] * growth < 1 < thick[1] / growth)
+
+
+def solid_density(cell: UnitCell, size: Floats, radius: float) -> float:
+    """Return the relative density of an endless lattice of round struts, measured on its solid.
+
+    It is that of the middle cell of a block, all of whose neighbors are there.
+    """
+    around = further_layers(cell.motif)
+    corners = np.array(list(product((around, around + 1), repeat=3)), dtype=np.float64)
+    block = tile(cell, size, 2 * around + 1, radius=radius)
+    return filled_share(to_solid(round_struts(block)), placed(cell, size, corners))
 
 
 def _densities(relative_density: Density, points: Points) -> Floats:

@@ -173,6 +173,14 @@ def eroded(manifold: Manifold, thickness: float) -> Manifold:
     return simpler.minkowski_difference(ball)
 
 
+def filled_share(manifold: Manifold, corners: Points) -> float:
+    """Return the share of the convex hull of points (p, 3) that a solid fills, from 0 to 1."""
+    import manifold3d
+
+    hull = manifold3d.Manifold.hull_points(corners)
+    return float((manifold ^ hull).volume() / hull.volume())
+
+
 def without_voids(manifold: Manifold) -> tuple[Manifold, list[float]]:
     """Return the solid with its enclosed voids filled, and the volumes of these, mm³."""
     import manifold3d
