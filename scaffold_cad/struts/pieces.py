@@ -104,7 +104,9 @@ class Pieces(Frozen):
             hulls = np.flatnonzero((hull >= first) & (hull < first + len(table)))
             points = table[hull[hulls] - first]  # (q, k, 3)
             first += len(table)
-            best = np.einsum("qkx,qx->qk", points, directions[hulls]).argmax(axis=1)
+            # (q, k, 1); einsum takes four times as long.
+            along = points @ directions[hulls, :, None]
+            best = along[..., 0].argmax(axis=1)
             corner = points[np.arange(len(hulls)), best] + self.offset[piece[hulls]]
             found[hulls] = corner + around[hulls, None] * normalize(directions[hulls])
         curves = np.flatnonzero(self.curve[piece] >= 0)
