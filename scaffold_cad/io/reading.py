@@ -7,8 +7,6 @@ from os import PathLike
 from pathlib import Path
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from scaffold_cad.base.arguments import as_count, as_path, checks_keywords
 from scaffold_cad.base.arrays import Floats
@@ -20,6 +18,7 @@ from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._units import factor_of, length_of
 from scaffold_cad.io.register import HEAD_SIZE, known_suffixes, reader_of
 from scaffold_cad.skeleton import Cleaning, Skeleton, check_skeleton
+from scaffold_cad.skeleton.proportions import thicker_than_long
 from scaffold_cad.skeleton.repair import repaired
 
 BYTES_PER_EDGE = 9000
@@ -210,31 +209,9 @@ def in_millimeters(
 
 def _warn_of_radii(path: str | PathLike[str], skeleton: Skeleton) -> None:
     """Log a warning if most edges are on paths that are thicker than long: units may be mixed."""
-    radii, lengths = skeleton.edge_radii.min(axis=1), _path_lengths(skeleton)  # (m,) both
-    thick = int((radii > lengths).sum())
-    if 2 * thick > len(radii):
-        _log.warning(
-            "%s: %d of %s thicker than long (middle radius %g mm, length between branch points "
-            "%g mm): check the units?",
-            path,
-            thick,
-            counted(len(radii), "edge"),
-            np.median(radii),
-            np.median(lengths),
-        )
-
-
-def _path_lengths(skeleton: Skeleton) -> Floats:
-    """Return the length of each edge's path through joints, (m,): curves are many short edges."""
-    count = len(skeleton.edges)
-    node = skeleton.edges.ravel()  # (2 m,)
-    order = np.argsort(node, kind="stable")
-    at_joints = order[skeleton.valency[node[order]] == 2]  # two ends a joint, side by side
-    first, second = at_joints.reshape(-1, 2).T // 2
-    links = coo_array((np.ones(len(first)), (first, second)), shape=(count, count))
-    path = connected_components(links, directed=False)[1]
-    totals: Floats = np.bincount(path, weights=skeleton.lengths).astype(np.float64)
-    return totals[path]
+    found = thicker_than_long(skeleton)
+    if found:
+        _log.warning("%s: %s: check the units?", path, found)
 
 
 def _head(path: Path) -> bytes:

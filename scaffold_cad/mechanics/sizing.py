@@ -14,6 +14,7 @@ from scaffold_cad.errors import OptionError
 from scaffold_cad.mechanics.beams import BeamModel, BeamSolution
 from scaffold_cad.mechanics.leastmass import less_mass
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.skeleton.proportions import thicker_than_long
 
 CLOSE = 2e-3
 """How far above 1 the largest utilization of a result may be."""
@@ -135,13 +136,17 @@ def sized(
         solution = _safe(solution, group, low, high)
     masses.append(solution.mass)
     _log.info("radii sized: %.4g kg before, %.4g kg after", masses[0], masses[-1])
-    return Sized(
+    result = Sized(
         solution=solution,
         radii=solution.model.edge_radii[:, 0].copy(),
         masses=np.array(masses),
         fully_stressed_steps=stressed,
         overloaded=np.flatnonzero(solution.utilization > 1.0 + CLOSE),
     )
+    thick = thicker_than_long(result.skeleton)
+    if thick:
+        _log.warning("radii sized: %s: check the loads?", thick)
+    return result
 
 
 def needed_radii(solution: BeamSolution, low: float, high: float) -> Floats:

@@ -124,3 +124,11 @@ def test_a_material_without_strength_is_refused() -> None:
     model = beam_model(strut, Material(1e3), Support([0]))
     with pytest.raises(OptionError, match="no strength or no density"):
         sized(model, least_radius=1.0)
+
+
+def test_struts_that_become_thicker_than_long_are_told(caplog: pytest.LogCaptureFixture) -> None:
+    sized(rod(5000.0), least_radius=0.5)
+    assert not caplog.records
+    sized(rod(2e9), least_radius=0.5)
+    assert "radii sized: 1 of 1 edge thicker than long (middle radius 1784" in caplog.text
+    assert "length between branch points 100 mm): check the loads?" in caplog.text
