@@ -19,7 +19,7 @@ from scaffold_cad.cli.streams import each_file, streamed
 from scaffold_cad.errors import ScaffoldCadError
 
 PARAMETER = re.compile(
-    r"\b(overlaps|radius|blend|ends|joints|wall|sides|collars|section|fit|max_nodes|units|scale)"
+    r"\b(overlaps|radius|blend|ends|joints|wall|sides|collars|section|fit|max_nodes|units|scale|block)"
     r"=('?)([\w.]*)\2"
 )
 """Parameters of the library that are flags here, as messages give them."""

@@ -7,8 +7,6 @@ import logging
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from scaffold_cad.base.arguments import as_count, as_number
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.files import check_target
@@ -63,24 +61,11 @@ def cut(skeleton: Skeleton, options: argparse.Namespace) -> SkeletonTiles:
     """Return the tiles of a skeleton, in blocks of the size asked for."""
     need("joblib", "work on tiles")
     from scaffold_cad.tiles import tiles
+    from scaffold_cad.tiles.tiling import block_size
 
     given = options.block is not None
-    block = as_number(options.block, "--block") if given else block_size(skeleton)
+    block = as_number(options.block, "--block") if given else block_size(skeleton, ENOUGH)
     return tiles(skeleton, block=block)
-
-
-def block_size(skeleton: Skeleton) -> float:
-    """Return the side of a cube that holds as many struts as a tile should, mm.
-
-    As if struts were spread evenly in a box, or over a plane where that is flat.
-    """
-    sides = np.sort(np.ptp(skeleton.nodes, axis=0))[::-1]
-    parts = len(skeleton.edges) / ENOUGH
-    for count in (3, 2, 1):
-        side = (np.prod(sides[:count]) / max(parts, 1.0)) ** (1.0 / count)
-        if 0 < side <= sides[count - 1]:
-            return float(side)
-    return 2.0 * float(sides[0])
 
 
 def make(

@@ -29,6 +29,12 @@ reach 4.3."""
 NEAREST = 1.0
 """The same for thin struts, mm: more than the least gap of any process of printing."""
 
+MANY = 100
+"""Tiles of a skeleton above which they must have `FEWEST` struts, in the mean."""
+
+FEWEST = 4
+"""Struts of a tile: each is made with dozens around it, so that fewer take as long."""
+
 
 class Source(Protocol):
     """What a tile can be made of, in another process too."""
@@ -70,7 +76,8 @@ def tiles(what: Skeleton | PeriodicLattice, *, block: ArrayLike) -> SkeletonTile
     Raises
     ------
     OptionError
-        If `what` is something else, or a size is not > 0.
+        If `what` is something else, or a size is not > 0, or so small that most of many tiles
+        would have a strut or two.
     SkeletonError
         If the skeleton cannot be built on.
 
@@ -88,7 +95,27 @@ def tiles(what: Skeleton | PeriodicLattice, *, block: ArrayLike) -> SkeletonTile
         return LatticeTiles(what, (x, y, z))
     check_skeleton(what)
     sizes = as_floats(block, "block size in mm", OptionError)
-    return SkeletonTiles(what, as_three(np.broadcast_to(sizes, 3), "block size in mm"))
+    parts = SkeletonTiles(what, as_three(np.broadcast_to(sizes, 3), "block size in mm"))
+    if len(parts) > MANY and FEWEST * len(parts) > len(what.edges):
+        raise OptionError(
+            f"block={parts.block.min():g} (mm) makes {len(parts)} tiles of {len(what.edges)} "
+            f"struts; need {block_size(what, FEWEST):.3g} mm or more, for {FEWEST} struts a tile"
+        )
+    return parts
+
+
+def block_size(skeleton: Skeleton, struts: int) -> float:
+    """Return the side of a cube that holds so many struts of a skeleton, about, mm.
+
+    As if struts were spread evenly in a box, or over a plane where that is flat.
+    """
+    sides = np.sort(np.ptp(skeleton.nodes, axis=0))[::-1]
+    parts = len(skeleton.edges) / struts
+    for count in (3, 2, 1):
+        side = (np.prod(sides[:count]) / max(parts, 1.0)) ** (1.0 / count)
+        if 0 < side <= sides[count - 1]:
+            return float(side)
+    return 2.0 * float(sides[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +156,7 @@ class SkeletonTiles(Frozen):
         """Tile of each edge, numbered by their blocks along z, y and x, shape (m,)."""
         ends = self.skeleton.nodes[self.skeleton.edges]
         middles = ends.mean(axis=1)
-        place = np.floor((middles - middles.min(axis=0)) / self.block).astype(np.intp)
+        place = np.floor((middles - middles.min(axis=0)) / self.block)
         _, tile = np.unique(place, axis=0, return_inverse=True)
         return tile.reshape(-1)
 

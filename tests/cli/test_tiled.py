@@ -10,8 +10,9 @@ import pytest
 
 from scaffold_cad import Skeleton, write
 from scaffold_cad.cli import main
-from scaffold_cad.cli.tiled import ENOUGH, block_size
+from scaffold_cad.cli.tiled import ENOUGH
 from scaffold_cad.lattice import tile
+from scaffold_cad.tiles.tiling import block_size
 from tests.cli.test_latticetiles import facets
 
 
@@ -96,7 +97,22 @@ def test_a_block_holds_as_many_struts_as_a_tile_should() -> None:
     lines = np.arange(40**3).reshape(40, 40, 40)
     edges = np.stack([lines[:-1].reshape(-1), lines[1:].reshape(-1)], axis=1)
     cube = Skeleton(grid * 3.0, edges, 0.5)
-    assert block_size(cube) == pytest.approx(117.0 * (ENOUGH / len(edges)) ** (1 / 3))
+    assert block_size(cube, ENOUGH) == pytest.approx(117.0 * (ENOUGH / len(edges)) ** (1 / 3))
     flat = Skeleton(grid * [3.0, 3.0, 0.01], edges, 0.001)
-    assert block_size(flat) > 0.39  # one layer of blocks
-    assert block_size(Skeleton([[0, 0, 0], [5, 0, 0]], [[0, 1]], 1.0)) >= 5.0
+    assert block_size(flat, ENOUGH) > 0.39  # one layer of blocks
+    strut = Skeleton([[0, 0, 0], [5, 0, 0]], [[0, 1]], 1.0)
+    assert block_size(strut, ENOUGH) >= 5.0
+
+
+def test_blocks_of_a_strut_each_are_refused_before_a_tile_is_made(
+    lattice: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    many, out = str(tmp_path / "many.json"), tmp_path / "a.stl"
+    write(tile("bcc", 5.0, 3, radius=0.4), many)
+    words = ["--tiles", str(tmp_path / "parts"), "-o", str(out)]
+    assert main(["build", many, *words, "--block", "1e-6"]) == 2
+    told = capsys.readouterr().err
+    assert "--block 1e-06 (mm) makes 216 tiles of 216 struts; need 3.97 mm or more" in told
+    assert not out.exists()
+    assert not (tmp_path / "parts").exists()
+    assert main(["build", lattice, *words, "--block", "1e-6"]) == 0  # few tiles are made soon
