@@ -11,7 +11,7 @@ from scipy.interpolate import LinearNDInterpolator, RegularGridInterpolator
 from scipy.spatial import QhullError, cKDTree
 
 from scaffold_cad.base.arguments import checks_keywords
-from scaffold_cad.base.arrays import Floats, Frozen, Points, as_floats, as_points
+from scaffold_cad.base.arrays import Floats, Frozen, Points, as_floats, as_points, place_text
 from scaffold_cad.errors import OptionError
 
 
@@ -97,7 +97,7 @@ class PointField:
         Raises
         ------
         OptionError
-            If the shapes differ, or a number is not finite.
+            If the shapes differ, a number is not finite, or a place has two values.
         """
         places = as_points(points, "points of the field", OptionError)
         numbers = as_floats(values, "values of the field", OptionError)
@@ -112,6 +112,7 @@ class PointField:
             raise OptionError(
                 f"the field is {numbers[bad[0]]:g} at {place} mm; need finite numbers"
             )
+        _check_single(places, numbers)
         self.points: Points = places
         self.values: Floats = numbers
         self._tree = cKDTree(places)
@@ -131,3 +132,17 @@ class PointField:
             return LinearNDInterpolator(self.points, self.values)
         except (QhullError, ValueError):  # too few points, or all in a plane
             return None
+
+
+def _check_single(places: Points, numbers: Floats) -> None:
+    """Raise if two of the values (n,) differ at one place."""
+    order = np.lexsort(places.T)  # equal places are side by side
+    one, other = order[:-1], order[1:]
+    same = (places[one] == places[other]).all(axis=1)
+    bad = np.flatnonzero(same & (numbers[one] != numbers[other]))
+    if len(bad):
+        first, second = one[bad[0]], other[bad[0]]
+        raise OptionError(
+            f"the field is {numbers[first]:.9g} and {numbers[second]:.9g} at "
+            f"{place_text(places[first])}; need one value a place"
+        )

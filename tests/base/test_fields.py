@@ -79,3 +79,7 @@ def test_wrong_points_are_refused_by_name() -> None:
         PointField([[0, 0, 0]], [1.0, 2.0])
     with pytest.raises(OptionError, match=r"the field is inf at \[1.0, 0.0, 0.0\] mm"):
         PointField([[0, 0, 0], [1, 0, 0]], [1.0, np.inf])
+    twice = [[1, 2, 3], [0, 0, 0], [1, 2, 3]]
+    with pytest.raises(OptionError, match=r"field is 4 and 6 at \[1, 2, 3\] mm; need one value a"):
+        PointField(twice, [4.0, 5.0, 6.0])
+    assert PointField(twice, [4.0, 5.0, 4.0])([[1.0, 2.0, 3.0]]).tolist() == [4.0]
