@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.files import check_page
 from scaffold_cad.cli import sizes, source, tiled
 from scaffold_cad.errors import OptionError
@@ -134,9 +135,12 @@ def _check_tiles(options: argparse.Namespace) -> int:
 
 def _process(options: argparse.Namespace) -> Process:
     """Return the process asked for, with the limits asked for."""
-    names = [*LIMITS, "build_volume"]
-    changes: dict[str, Any] = {name: getattr(options, name) for name in names}
+    changes: dict[str, Any] = {name: getattr(options, name) for name in [*LIMITS, "build_volume"]}
+    for name, (option, unit, _) in LIMITS.items():
+        if changes[name] is not None:
+            as_number(changes[name], option, unit=" mm" if unit == "MM" else "", or_zero=True)
     if options.overhang is not None:
+        as_number(options.overhang, "--overhang", unit="°", or_zero=True)
         changes["overhang_angle"] = math.radians(options.overhang)
     given = {name: value for name, value in changes.items() if value is not None}
     return replace(PROCESSES[options.process], **given)

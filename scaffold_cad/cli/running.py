@@ -90,8 +90,9 @@ def _guarded(
     except OSError as error:  # of standard output: files raise a FormatError
         # What is left in its buffer has nowhere to go.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        if not isinstance(error, BrokenPipeError):
-            tell(f"cannot print: {error.strerror or error}")
+        if isinstance(error, BrokenPipeError):  # the reader, such as head, has what it wants
+            return 0
+        tell(f"cannot print: {error.strerror or error}")
         return BAD_INPUT
     except KeyboardInterrupt:
         tell("interrupted")

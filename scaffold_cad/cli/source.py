@@ -7,6 +7,7 @@ import logging
 from collections.abc import Iterable
 from pathlib import Path
 
+from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.cli import fields, sizes
 from scaffold_cad.cli.sizes import AXES
@@ -178,7 +179,7 @@ def skeleton_from(options: argparse.Namespace, path: Path | None = None) -> Skel
         scale=options.scale,
     )
     if options.join is not None:
-        joined = skeleton.joined(options.join)
+        joined = skeleton.joined(as_number(options.join, "--join"))
         _log.info("joined: %s became %d", counted(len(skeleton.edges), "edge"), len(joined.edges))
         skeleton = joined
     for axis, angle in options.turn or []:
@@ -187,6 +188,6 @@ def skeleton_from(options: argparse.Namespace, path: Path | None = None) -> Skel
         skeleton = skeleton.mirrored(AXES[options.mirror])
     if options.simplify is None:
         return skeleton
-    thin = skeleton.simplified(options.simplify)
+    thin = skeleton.simplified(as_number(options.simplify, "--simplify", or_zero=True))
     _log.info("simplified from %d to %s", len(skeleton.edges), counted(len(thin.edges), "edge"))
     return thin

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.files import check_page
 from scaffold_cad.cli import source, strengthtiles, tiled
 from scaffold_cad.errors import OptionError
@@ -104,7 +105,9 @@ def run(options: argparse.Namespace) -> None:
         check_writable(options.output, skeleton=True)
     skeleton = source.skeleton_from(options)
     model = _model(options, skeleton)
-    result = None if options.size is None else sized(model, least_radius=options.size)
+    result = None
+    if options.size is not None:
+        result = sized(model, least_radius=as_number(options.size, "--size"))
     solution = model.solved() if result is None else result.solution
     rows = _summary(solution, result)
     if options.json:

@@ -218,3 +218,27 @@ def test_units_and_scale_of_the_input_count(folder: Path) -> None:
     mesh = read_triangles("bare.stl")
     assert mesh is not None
     assert np.ptp(mesh.vertices, axis=0)[[0, 2]] == pytest.approx([151, 151], abs=1)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("strength tripod.json --load 1:0,0,-9 --size 0", "--size is 0 mm; need > 0"),
+        ("check tripod.json --min-diameter -1", "--min-diameter is -1 mm; need >= 0"),
+        ("check tripod.json --max-slenderness -1", "--max-slenderness is -1; need >= 0"),
+        ("check tripod.json --overhang -1", "--overhang is -1°; need >= 0"),
+        ("build tripod.json --join -1 -o a.stl", "--join is -1 mm; need > 0"),
+        ("build tripod.json --simplify nan -o a.stl", "--simplify is nan mm; need >= 0"),
+    ],
+)
+def test_numbers_out_of_range_are_told_by_their_flag(
+    words: str,
+    message: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    write(TRIPOD, "tripod.json")
+    assert main(shlex.split(words)) == 2
+    assert message in capsys.readouterr().err

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -211,3 +212,12 @@ def test_a_shell_completes_commands_and_flags(capsys: pytest.CaptureFixture[str]
     script = capsys.readouterr().out
     assert "--mirror" in script
     assert "convert" in script
+
+
+def test_a_reader_that_has_enough_ends_a_command_quietly() -> None:
+    reader, writer = os.pipe()
+    os.close(reader)
+    command = [sys.executable, "-m", "scaffold_cad", "cells"]
+    done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True)
+    os.close(writer)
+    assert (done.returncode, done.stderr) == (0, "")
