@@ -9,7 +9,8 @@ import numpy as np
 from scaffold_cad.base.summaries import range_text, size_text
 from scaffold_cad.cli import source
 from scaffold_cad.errors import FormatError
-from scaffold_cad.io import read_raw, read_triangles, read_with_repairs
+from scaffold_cad.io import read_raw, read_triangles
+from scaffold_cad.io.reading import with_repairs
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.mesh.welding import welded
 from scaffold_cad.printability.triangletopology import TriangleTopology
@@ -46,8 +47,9 @@ def _skeleton_rows(options: argparse.Namespace) -> dict[str, str]:
     raw = read_raw(options.input, source.max_nodes(options))
     has_radii = raw.has_radii
     # Any radius will do for the counts of a file without radii; it is not shown.
-    cleaning = read_with_repairs(
+    cleaning = with_repairs(
         options.input,
+        raw,
         None if has_radii else 1.0,
         units=options.units,
         scale=options.scale,

@@ -122,7 +122,29 @@ def read_with_repairs(
     scale: float | None = None,
 ) -> Cleaning:
     """Return the skeleton that a file holds as `read_skeleton` does, and what was repaired."""
-    raw = in_millimeters(path, read_raw(path, max_nodes), units, scale)
+    return with_repairs(
+        path,
+        read_raw(path, max_nodes),
+        radius,
+        weld_distance=weld_distance,
+        split_contacts=split_contacts,
+        units=units,
+        scale=scale,
+    )
+
+
+def with_repairs(
+    path: str | PathLike[str],
+    raw: RawSkeleton,
+    radius: Radius | None = None,
+    *,
+    weld_distance: float | None = None,
+    split_contacts: bool = False,
+    units: str | None = None,
+    scale: float | None = None,
+) -> Cleaning:
+    """Do as `read_with_repairs` with the graph that was read from a file."""
+    raw = in_millimeters(path, raw, units, scale)
     _log.info("%s: %s and %s read", path, *_counts(raw))
     if raw.left_out:
         _log.warning("%s: left out %s", path, ", ".join(raw.left_out))

@@ -536,3 +536,12 @@ def test_a_file_is_no_folder_of_tiles(
     words = ["build", figure, "--overlaps", "allow", "--tiles", figure]
     assert main([*words, "-o", str(tmp_path / "a.stl")]) == 2
     assert "cannot make the folder" in capsys.readouterr().err
+
+
+def test_info_tells_once_what_a_file_with_a_wrong_suffix_is_read_as(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "wrong.stl"
+    path.write_text(skeleton_to_json(named.STRUT))
+    assert main(["info", str(path)]) == 0
+    assert capsys.readouterr().err.count("is read as") == 1
