@@ -63,8 +63,10 @@ def described(edges: Ints, skeleton: Skeleton) -> str:
     place = skeleton.nodes[skeleton.edges[edges[0]]].mean(axis=0)
     named = ", ".join(str(edge) for edge in edges[:NAMED].tolist())
     more = "" if len(edges) <= NAMED else ", ..."
+    one = len(edges) == 1
     return (
         f"{len(edges)} of {counted(len(skeleton.edges), 'strut')} "
-        f"{'overlaps' if len(edges) == 1 else 'overlap'} others or their nodes "
-        f"(edges {named}{more}; the first near {place_text(place)})"
+        f"{'overlaps' if one else 'overlap'} others or their nodes "
+        f"({'edge' if one else 'edges'} {named}{more}; {'' if one else 'the first '}near "
+        f"{place_text(place)})"
     )

@@ -81,11 +81,15 @@ def with_walls(
 def _tell(nodes: Ints, wall: float) -> None:
     """Log nodes whose walls would be too thin."""
     if len(nodes):
+        one = len(nodes) == 1
         _log.warning(
-            "no inside of nodes %s leaves a wall of %g mm; they are crowded: need a thinner wall, "
-            "thicker struts or wider angles for smooth ones",
+            "no inside of %s %s leaves a wall of %g mm; %s crowded: need a thinner wall, "
+            "thicker struts or wider angles for %s",
+            "node" if one else "nodes",
             ", ".join(map(str, nodes.tolist())),
             wall,
+            "it is" if one else "they are",
+            "a smooth one" if one else "smooth ones",
         )
 
 

@@ -19,6 +19,7 @@ from scaffold_cad import (
     check_printability,
     round_struts,
     self_intersections,
+    tile,
     to_brep,
     to_solid,
     write,
@@ -255,3 +256,16 @@ def test_the_command_line_follows_the_rule(
     assert main([*command, str(tmp_path / "b.step"), "--overlaps", "allow"]) == 0
     assert capsys.readouterr().err.count(f"{FOUND}: faces cross there") == 1
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.stl", "b.step", "close.json"]
+
+
+def test_one_strut_that_overlaps_is_told_as_one() -> None:
+    told = described(np.array([0]), CLOSE)
+    assert told.startswith(
+        "1 of 2 struts overlaps others or their nodes (edge 0; near [10, 0, 0] mm)"
+    )
+
+
+def test_voids_that_are_filled_are_told_once(caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level(logging.INFO, "scaffold_cad")
+    to_solid(round_struts(tile("sc", 5.0, 1, radius=2.2)))
+    assert caplog.text.count("voids between overlapping struts are filled: 1 of ") == 1

@@ -156,7 +156,7 @@ def test_nodes_whose_wall_no_inside_leaves_are_told(caplog: pytest.LogCaptureFix
     assert struts.inner is not None
     told = np.flatnonzero(struts.inner.crowded & ~struts.crowded)
     assert len(told) == 1
-    assert f"no inside of nodes {told[0]} leaves a wall of" in caplog.text
+    assert f"no inside of node {told[0]} leaves a wall of" in caplog.text
     found = walls(struts).nodes
     assert np.isnan(found[told]).all()
     assert np.isfinite(found).sum() == 6

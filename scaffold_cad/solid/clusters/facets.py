@@ -22,8 +22,9 @@ from scaffold_cad.solid.clusters.growth import Clusters, Core, bodies_of, cluste
 from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.seams import seamed
 from scaffold_cad.solid.clusters.spans import no_spans
-from scaffold_cad.solid.clusters.surface import TRIES, field_of, filled, grown
+from scaffold_cad.solid.clusters.surface import TRIES, field_of, grown, report_filled
 from scaffold_cad.solid.field import FieldStruts
+from scaffold_cad.solid.field.pieces import without_voids
 from scaffold_cad.solid.field.solid import CELL_FRACTION, SWELL
 from scaffold_cad.struts.apart import Slack
 from scaffold_cad.struts.model import RoundStruts
@@ -88,15 +89,19 @@ def faceted(
         points, starts = _polygons(left, half_runs), left.x[half_runs]
         rings = np.arange(len(points)).reshape(-1, SIDES)
         fields = cluster_struts(struts, clusters)
-        made = seamed(filled(field_of(fields, sags, 1.0)), cuts, points, rings, starts)
+        field, voids = without_voids(field_of(fields, sags, 1.0))
+        made = seamed(field, cuts, points, rings, starts)
         if len(made.failed) == 0:
+            report_filled(voids)
             vertices = np.concatenate([points, made.vertices])
             mesh = _compacted(vertices, made.triangles, len(points))
             return Faceted(clusters, _coarser(mesh, fields, rings, sags), rings, half_runs)
         _log.debug("%d of %d seams failed", len(made.failed), len(cuts.node))
         core, seeds = grown(struts, clusters, made.failed)
     none, fields = np.zeros((0, SIDES), dtype=np.intp), whole_struts(struts)
-    mesh = _coarser(filled(field_of(fields, sags, 1.0)), fields, none, sags)
+    field, voids = without_voids(field_of(fields, sags, 1.0))
+    report_filled(voids)
+    mesh = _coarser(field, fields, none, sags)
     return Faceted(None, mesh, none, none[:, 0])
 
 

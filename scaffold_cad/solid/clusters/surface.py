@@ -270,14 +270,16 @@ def _surface(
             continue
         ends = left.runs.tails[shell.ends]
         mesh, failed = shell.made.mesh, np.zeros(0, dtype=np.intp)
+        voids: list[float] = []
         if fields is not None:
-            field = field_of(fields, sags, factor)
-            mesh, failed = _joined(clusters, shell, filled(field), factor)
+            field, voids = without_voids(field_of(fields, sags, factor))
+            mesh, failed = _joined(clusters, shell, field, factor)
         if len(failed) == 0:
             own = ends < count
             around = shell.made.node
             if fields is not None:
                 report_thickened(fields, factor)
+            report_filled(voids)
             rings, fillets = shell.rings[own], clusters.reached
             nodes, pieces = clusters.nodes, clusters.pieces
             return _Surface(mesh, ends[own], rings, nodes, pieces, fillets, around)
@@ -289,7 +291,8 @@ def _surface(
     )
     every = whole_struts(struts)
     report_thickened(every, factor)
-    mesh = filled(field_of(every, sags, factor))
+    mesh, voids = without_voids(field_of(every, sags, factor))
+    report_filled(voids)
     none = np.zeros((0, sides), dtype=np.intp)
     nodes, pieces = np.ones_like(core.nodes), np.ones_like(core.pieces)
     return _Surface(mesh, none[:, 0], none, nodes, pieces, fillets, none[:, 0])
@@ -300,14 +303,12 @@ def field_of(fields: FieldStruts, sags: Sags | None, factor: float) -> TriangleM
     return field_as_written(fields, factor, np.inf if sags is None else sags.of(fields))
 
 
-def filled(field: TriangleMesh) -> TriangleMesh:
-    """Return a field without the voids that overlapping struts enclose."""
-    mesh, voids = without_voids(field)
+def report_filled(voids: list[float]) -> None:
+    """Log the volumes, mm³, of voids that overlapping struts enclosed, if there are any."""
     if voids:
         _log.info(
             "voids between overlapping struts are filled: %d of %.3g mm³", len(voids), sum(voids)
         )
-    return mesh
 
 
 def _joined(
