@@ -238,19 +238,25 @@ def _sound(mesh: TriangleMesh) -> tuple[TriangleMesh, Manifold]:
         If the surface is not closed, or a part crosses itself; the place is named in mm.
     """
     surface = body_of(mesh)
-    if len(self_intersections(surface, tolerance=TOUCHING, limit=1)) == 0:
-        return surface, manifolds.to_manifold(surface)
     shell = shells_of(surface.triangles, len(surface.vertices))
-    for number in range(int(shell.max()) + 1):
-        check_uncrossed(compacted(surface.vertices, surface.triangles[shell == number]))
     bodies = [
         compacted(surface.vertices, surface.triangles[shell == number])
         for number in range(int(shell.max()) + 1)
     ]
-    if any(one.signed_volume < 0 for one in bodies):
+    cavities = any(one.signed_volume < 0 for one in bodies)
+    crosses = len(self_intersections(surface, tolerance=TOUCHING, limit=1)) > 0
+    if not crosses and (len(bodies) == 1 or cavities):
+        return surface, manifolds.to_manifold(surface)
+    for one in bodies if crosses else []:
+        check_uncrossed(one)
+    if cavities:
         check_uncrossed(surface)  # a cavity that crosses another shell
     united = manifolds.union([manifolds.to_manifold(one) for one in bodies], [])
-    _log.info("%d parts of the body overlap; they are united", len(bodies))
+    # No faces cross of bodies that are flush, touch with their faces, or are inside of others.
+    left = sum(one.volume() > 0 for one in united.decompose())
+    if not crosses and left == len(bodies):
+        return surface, manifolds.to_manifold(surface)
+    _log.info("%d parts of the body overlap or touch; they are united", len(bodies))
     return manifolds.manifold_triangles(united), united
 
 

@@ -131,7 +131,7 @@ def test_parts_of_a_body_that_overlap_are_united(caplog: pytest.LogCaptureFixtur
     part = lattice_part(both, "sc", 6.0, 0.5, skin=1.0)
     shells = sorted(shell.volume() for shell in part.decompose())
     assert shells[-1] == pytest.approx(2 * 6000 - 20 * 15 * 10, rel=1e-6)
-    assert "2 parts of the body overlap; they are united" in caplog.text
+    assert "2 parts of the body overlap or touch; they are united" in caplog.text
 
 
 def test_bodies_that_touch_along_an_edge_are_taken() -> None:
@@ -172,3 +172,22 @@ def test_walls_have_no_sliver_that_files_lose() -> None:
     rounded = TriangleMesh(mesh.vertices.astype(np.float32), mesh.triangles)
     assert len(TriangleTopology(rounded).flat) == 0
     assert len(self_intersections(rounded)) == 0
+
+
+def test_parts_of_a_body_that_overlap_between_flush_faces_are_united(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    caplog.set_level("INFO")
+    boxes = bd.Compound([bd.Box(10, 10, 10), bd.Pos(5, 0, 0) * bd.Box(10, 10, 10)])
+    one = bd.Pos(2.5, 0, 0) * bd.Box(15, 10, 10)
+    found, wanted = (lattice_part(body, "bcc", 5.0, 0.4, skin=1.0) for body in (boxes, one))
+    assert "2 parts of the body overlap or touch; they are united" in caplog.text
+    assert found.volume() == pytest.approx(wanted.volume(), rel=1e-6)
+    touching = bd.Compound([bd.Box(10, 10, 10), bd.Pos(10, 2, 3) * bd.Box(10, 10, 10)])
+    shells = lattice_part(touching, "bcc", 5.0, 0.4, skin=1.0).decompose()
+    assert sum(shell.volume() > 0 for shell in shells) == 1
+    caplog.clear()
+    apart = bd.Compound([bd.Box(10, 10, 10), bd.Pos(11, 0, 0) * bd.Box(10, 10, 10)])
+    shells = lattice_part(apart, "bcc", 5.0, 0.4, skin=1.0).decompose()
+    assert sum(shell.volume() > 0 for shell in shells) == 2
+    assert "united" not in caplog.text
