@@ -286,7 +286,7 @@ BAD_INPUT = [
         ["build", "FIGURE", "-o", "x.stl", "--round", "--sides", "4000000000"],
         "sides is 4000000000; need at most 8192",
     ),
-    (["build", "FIGURE", "-o", "x.stl", "--simplify", "-1"], "tolerance is -1 mm; need >= 0"),
+    (["build", "FIGURE", "-o", "x.stl", "--simplify", "-1"], "--simplify is -1 mm; need >= 0"),
     (
         ["build", "FIGURE", "-o", "x.stl", "--as", "frame", "--strut-radius", "0"],
         "--strut-radius is 0 mm; need > 0",
