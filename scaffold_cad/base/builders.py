@@ -36,7 +36,7 @@ def built(what: Any) -> Any:
 
 
 def _is_empty(shape: Any) -> bool:
-    """Return whether a shape is none, or a compound of none, as of a solid without all of it."""
+    """Return whether nothing is in a shape, as where all of a solid was cut away."""
     is_compound = is_instance(shape, "build123d", "Compound")
     return bool(shape.is_null) or (is_compound and next(iter(shape), None) is None)
 
