@@ -18,7 +18,7 @@ from scaffold_cad.base.regions import BoxRegion, ImplicitRegion, Keep, Region
 from scaffold_cad.base.vectors import mirror, rotate
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.skeleton.cutting import cut_at, drawn_together, inside
-from scaffold_cad.skeleton.repair import largest_at_nodes, radii_left, repaired
+from scaffold_cad.skeleton.repair import radii_left, repaired
 
 SHORTEST_FRACTION = 1e-3
 """Length below which the rest of a cut edge is given up, as a fraction of the mean length."""
@@ -179,11 +179,13 @@ class Editing(ABC):
             middles = self.nodes[self.edges].mean(axis=1)
             kept = np.flatnonzero(space.contains(middles))
             edges, edge_radii = self.edges[kept], self.edge_radii[kept]
-            return self._tidy(self.nodes, edges, self._radii_left(edges, edge_radii), edge_radii)
+            radii = radii_left(self.radii, (self.edges, self.edge_radii), (edges, edge_radii))
+            return self._tidy(self.nodes, edges, radii, edge_radii)
         pieces = inside(self.nodes, self.edges, space)
         old = len(self.nodes)
         edge_radii = self._radii_along(pieces.source, pieces.along)
-        radii = self._radii_left(pieces.edges, edge_radii, len(pieces.nodes))
+        radii = np.concatenate([self.radii, np.zeros(len(pieces.nodes) - old)])  # 0 at new nodes
+        radii = radii_left(radii, (self.edges, self.edge_radii), (pieces.edges, edge_radii))
         ends = pieces.edges.reshape(-1)
         is_new = ends >= old
         radii[ends[is_new]] = edge_radii.reshape(-1)[is_new]
@@ -197,15 +199,6 @@ class Editing(ABC):
         largest = np.zeros(len(nodes))
         np.maximum.at(largest, label, radii)
         return self._tidy(nodes, label[pieces.edges[~short]], largest, edge_radii[~short])
-
-    def _radii_left(self, edges: Edges, edge_radii: Floats, count: int | None = None) -> Floats:
-        """Return the radii of nodes once these edges are left; 0 at new ones, up to `count`."""
-        old = len(self.nodes)
-        count = old if count is None else count
-        radii, before = np.zeros((2, count))
-        radii[:old] = self.radii
-        before[:old] = largest_at_nodes(self.edges, self.edge_radii, old)
-        return radii_left(radii, before, largest_at_nodes(edges, edge_radii, count))
 
     def _at(self: _Edited, nodes: ArrayLike) -> _Edited:
         return self._like(nodes, self.edges, self.radii, self.edge_radii)

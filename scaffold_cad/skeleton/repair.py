@@ -175,13 +175,14 @@ def largest_at_nodes(edges: Edges, edge_radii: Floats, count: int) -> Floats:
     return largest
 
 
-def radii_left(radii: Floats, before: Floats, left: Floats) -> Floats:
-    """Return the radii of nodes once edges are gone: balls stay, others are as thick as edges left.
+def radii_left(radii: Floats, had: tuple[Edges, Floats], have: tuple[Edges, Floats]) -> Floats:
+    """Return the radii of nodes (n,) once edges are gone: balls stay, others shrink to those left.
 
     Parameters
     ----------
-    before, left : (n,) largest radius of the edges that each node had and has, 0 for none
+    had, have : edges (m, 2) and their radii (m, 2) that there were and are
     """
+    before, left = (largest_at_nodes(*struts, len(radii)) for struts in (had, have))
     is_ball = (radii > before) | (left == 0)
     return np.where(is_ball, radii, np.minimum(radii, left))
 

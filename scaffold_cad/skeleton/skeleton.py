@@ -290,10 +290,9 @@ class Skeleton(Frozen, Shown, Editing):
         """
         chosen = as_chosen(edges, "edges", len(self.edges))
         nodes, ends = np.unique(self.edges[chosen], return_inverse=True)
-        struts, count = self.edge_radii[chosen], len(self.nodes)
-        before = largest_at_nodes(self.edges, self.edge_radii, count)
-        left = largest_at_nodes(self.edges[chosen], struts, count)
-        radii = radii_left(self.radii, before, left)
+        struts = self.edge_radii[chosen]
+        had, have = (self.edges, self.edge_radii), (self.edges[chosen], struts)
+        radii = radii_left(self.radii, had, have)
         return Skeleton(self.nodes[nodes], ends.reshape(-1, 2), radii[nodes], struts)
 
     def scaled(self, factor: float) -> Skeleton:
