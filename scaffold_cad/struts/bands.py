@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Triangles, UnitVectors
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Triangles, UnitVectors
 from scaffold_cad.base.vectors import dot
 
 
@@ -82,6 +82,18 @@ def between(near: Ints, far: Ints, ahead: Bools) -> Triangles:
     triangles[:, :, 1, 0] = np.where(ahead, a, b)
     triangles[:, :, 1, 1], triangles[:, :, 1, 2] = c, d
     return triangles.reshape(-1, 3)
+
+
+def ring_triangles(points: Points, low: Ints, high: Ints) -> Triangles:
+    """Return the triangles between rings that follow each other, with the shorter diagonals."""
+    near, far = points[low], points[high]  # (r, s, 3)
+    ahead = _square(near - np.roll(far, -1, axis=1)) <= _square(np.roll(near, -1, axis=1) - far)
+    return between(low, high, ahead)
+
+
+def _square(vectors: Floats) -> Floats:
+    squares: Floats = np.einsum("...i,...i->...", vectors, vectors)
+    return squares
 
 
 def enlargement(twist: Floats, sides: int) -> Floats:

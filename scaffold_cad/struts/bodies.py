@@ -6,19 +6,12 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Ints, Points, Triangles
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.struts.bands import enlargement
+from scaffold_cad.struts.bands import enlargement, ring_triangles
 from scaffold_cad.struts.curvecuts import CutCurves, cut_curves
 from scaffold_cad.struts.curverings import curve_rings
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.sharp.surface import node_triangles
-from scaffold_cad.struts.surface import (
-    Sized,
-    node_surface,
-    own_rings,
-    ring_centers,
-    ring_triangles,
-    sized_rings,
-)
+from scaffold_cad.struts.surface import Sized, node_surface, own_rings, ring_centers, sized_rings
 
 OFTEN, MOST_KINDS = 8, 256
 """Least number of equal nodes that make a kind, and most kinds."""

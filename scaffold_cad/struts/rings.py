@@ -15,7 +15,9 @@ from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, read_only
 from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.brep.bernstein import bernstein
+from scaffold_cad.struts.bands import ring_triangles
 from scaffold_cad.struts.blend import Solved
+from scaffold_cad.struts.facing import faced
 from scaffold_cad.struts.lifts import Lifted, Samples
 from scaffold_cad.struts.model import BlendedNodes
 from scaffold_cad.struts.quarter import ARC, DEGREE
@@ -42,12 +44,16 @@ class Stacks(Frozen):
     """Vertices node by node, shape (M, b, 3), mm: corners, points of arcs, levels 1 and on."""
     rings: Ints
     """Vertices of each level of each strut, in 0..b-1, shape (M, N, levels + 1, sides)."""
+    triangles: Ints
+    """Vertices of the triangles between levels, in 0..b-1, shape (M, t, 3)."""
     swell: Floats
     """How far samples are moved, where that is further than the slack, mm, shape (M,)."""
 
 
 def stacks(group: BlendedNodes, growth: Floats, levels: int, sides: int, slack: float) -> Stacks:
     """Sample the patches of nodes, and move the samples so that the volume is that of the blends.
+
+    Where triangles are not seen from their node then, samples are moved aside.
 
     Parameters
     ----------
@@ -79,7 +85,27 @@ def stacks(group: BlendedNodes, growth: Floats, levels: int, sides: int, slack: 
     placed = np.empty((len(kinds), shared + own.size, 3))
     # Of the samples at one vertex the last one written stays, for all the same.
     placed[np.arange(len(kinds))[:, None, None, None], rings[which]] = moved.points
-    return Stacks(placed[kind], rings[group.shape_of], moved.swell[kind])
+    triangles = _triangles(placed, rings[which])
+    made = faced(placed, triangles, rings[which, :, -1].reshape(len(kinds), -1), sides)
+    widest = lifted.reach.reshape(len(lifted.reach), -1).max(axis=1)  # (U,)
+    furthest = np.maximum(moved.swell, slack * widest[which]) + made.aside
+    swell = np.where(made.aside > 0, furthest, moved.swell)
+    return Stacks(made.points[kind], rings[group.shape_of], triangles[kind], swell[kind])
+
+
+def _triangles(points: Floats, rings: Ints) -> Ints:
+    """Return the triangles between levels of nodes, (K, t, 3).
+
+    Parameters
+    ----------
+    points, rings : of K nodes, see `Stacks`
+    """
+    count, block = points.shape[:2]
+    first = block * np.arange(count)[:, None, None, None]
+    rows = rings + first
+    low, high = (some.reshape(-1, rings.shape[3]) for some in (rows[:, :, :-1], rows[:, :, 1:]))
+    triangles = ring_triangles(points.reshape(-1, 3), low, high).reshape(count, -1, 3)
+    return np.asarray(triangles - first[..., 0])
 
 
 def block_size(valency: Ints, levels: int, sides: int) -> Ints:

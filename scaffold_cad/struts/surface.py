@@ -10,10 +10,10 @@ from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Triang
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.struts.bands import (
     band_triangles,
-    between,
     enlargement,
     matching,
     polygon_slack,
+    ring_triangles,
     twist_of,
 )
 from scaffold_cad.struts.curverings import CurveRings, curve_rings
@@ -328,18 +328,5 @@ def node_surface(
     rings = sampled.rings + (block * np.arange(count))[:, None, None, None]
     points = (sampled.points + struts.runs.nodes[group.nodes][:, None]).reshape(-1, 3)
     points[rings[:, :, -1]] = own
-    low, high = rings[:, :, :-1].reshape(-1, sides), rings[:, :, 1:].reshape(-1, sides)
-    triangles = ring_triangles(points, low, high)
+    triangles = (sampled.triangles + (block * np.arange(count))[:, None, None]).reshape(-1, 3)
     return NodeSurfaces(points, triangles, rings[:, :, -1], sampled.swell)
-
-
-def ring_triangles(points: Points, low: Ints, high: Ints) -> Triangles:
-    """Return the triangles between rings that follow each other, with the shorter diagonals."""
-    near, far = points[low], points[high]  # (r, s, 3)
-    ahead = _square(near - np.roll(far, -1, axis=1)) <= _square(np.roll(near, -1, axis=1) - far)
-    return between(low, high, ahead)
-
-
-def _square(vectors: Floats) -> Floats:
-    squares: Floats = np.einsum("...i,...i->...", vectors, vectors)
-    return squares
