@@ -12,14 +12,22 @@ from scipy.optimize import minimize
 from scipy.sparse.csgraph import connected_components
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, UnitVectors
-from scaffold_cad.base.vectors import dot, length, sums_by_row
-from scaffold_cad.mechanics.hexquality import NEIGHBORS, scaled_jacobians
+from scaffold_cad.base.vectors import dot, sums_by_row
+from scaffold_cad.mechanics.hexquality import (
+    NEIGHBORS,
+    SIDE_OF,
+    SIDES,
+    SIGNS,
+    Corners,
+    cross,
+    scaled_jacobians,
+)
 
 TOGETHER, APART = 12, 30
 """Times that the hexahedra around the bad ones are looked for and relaxed: first all at once, then
 what is left, node by node."""
 
-STEPS = 150
+STEPS = 60
 """Most steps of the minimizer a round."""
 
 POWER = 4
@@ -31,9 +39,19 @@ MARGIN = 1.2
 HOLD = 3e-4
 """Cost of a move by a radius, in those of a corner whose scaled Jacobian is 0."""
 
-
 SLIDE = 0.02
 """The same of a move along a surface in a round, to begin with."""
+
+RAISE, MOST_AIM = 1.1, 2.0
+"""By how much the aim of what is still bad is raised in a round, and to how much at most: so that
+the worst count more than their neighbors."""
+
+PROGRESS, PATIENCE = 0.01, 4
+"""Part by which what hexahedra lack should fall in a round, and rounds without that after which
+points are given up."""
+
+LEAST_SIDE = 1e-6
+"""Least length by which moves are measured, in the largest."""
 
 STIFFER, SOFTER = 2.0, 1.3
 """By how much that grows where a round has made things worse, and shrinks where not."""
@@ -76,21 +94,25 @@ def relaxed(control: Control, places: Points, goal: float) -> Points:
     """
     if goal <= 0:
         return places
-    start, slide = places, np.full(len(places), SLIDE)
+    start, slide, idle = places, np.full(len(places), SLIDE), np.zeros(len(places), dtype=np.intp)
+    aims = np.full(len(control.hexahedra), MARGIN * goal)
     for turn in range(TOGETHER + APART):
         bad = scaled_jacobians(control.weights @ places, control.hexahedra) < goal
-        part = _Part.of(control, bad)
+        if turn > 0:
+            aims[bad] = np.minimum(RAISE * aims[bad], MOST_AIM * goal)
+        part = _Part.of(control, bad, idle < PATIENCE)
         if part is None:
             break
         if turn == TOGETHER:
-            slide[:] = SLIDE
+            slide[:], idle[:] = SLIDE, 0
         before = places
-        for one in [part] if turn < TOGETHER else part.apart(control, bad):
-            moved = _moved(one, control, places, start, slide, goal)
-            worse = one.worse(control, places, moved, goal)
-            slide[one.moving] *= np.where(worse, STIFFER, 1.0 / SOFTER)
+        for one in [part] if turn < TOGETHER else part.apart(control, bad, idle < PATIENCE):
+            had = one.lacks(control, places, aims)
             places = places.copy()
-            places[one.moving] = moved
+            places[one.moving] = _moved(one, control, places, start, slide, aims)
+            lacks = one.lacks(control, places, aims)
+            slide[one.moving] *= np.where(lacks > had, STIFFER, 1.0 / SOFTER)
+            idle[one.moving] = np.where(lacks > (1.0 - PROGRESS) * had, idle[one.moving] + 1, 0)
         if np.array_equal(before, places):
             break
     return places
@@ -112,10 +134,15 @@ class _Part:
     """What takes the moving control points to these points, shape (u, m)."""
 
     @staticmethod
-    def of(control: Control, bad: Bools) -> _Part | None:
-        """Return what is around the bad hexahedra (k,), if anything can move there."""
+    def of(control: Control, bad: Bools, trying: Bools) -> _Part | None:
+        """Return what is around the bad hexahedra (k,), if anything can move there.
+
+        Parameters
+        ----------
+        trying : (c,) control points that have not been given up
+        """
         point_of = _touched(control.weights, control.hexahedra[bad])
-        moving = np.flatnonzero(point_of & control.movable)
+        moving = np.flatnonzero(point_of & control.movable & trying)
         if len(moving) == 0:
             return None
         columns = control.weights[:, moving]
@@ -124,28 +151,36 @@ class _Part:
         used, local = np.unique(control.hexahedra[rows], return_inverse=True)
         return _Part(moving, rows, local.reshape(-1, 8), used, sparse.csr_array(columns[used]))
 
-    def worse(self, control: Control, places: Points, moved: Points, goal: float) -> Bools:
-        """Return which moving points are among hexahedra that lack more in all than before."""
-        label, of_cell = self._labels
-        after = places.copy()
-        after[self.moving] = moved
-        more = np.zeros(int(label.max()) + 1)
-        for sign, some in ((1.0, after), (-1.0, places)):
-            points = (control.weights @ some)[self.used]
-            quality = scaled_jacobians(points, self.cells)
-            lack = np.maximum(1.0 - quality / (MARGIN * goal), 0.0) ** POWER
-            more += sign * np.bincount(of_cell, lack, len(more))
-        grown: Bools = (more > 0)[label]
-        return grown
+    def shortest_sides(self, points: Points) -> Floats:
+        """Return the shortest side at the points (u,) that each moving one moves, (m,), mm."""
+        shortest = np.full(len(points), np.inf)
+        sizes = Corners.of(points, self.cells).sizes.T  # (k, 12)
+        np.minimum.at(shortest, self.cells[:, SIDES], sizes[..., None])
+        columns = sparse.csc_array(self.matrix)
+        least = np.minimum.reduceat(shortest[columns.indices], columns.indptr[:-1])
+        return np.asarray(np.maximum(least, LEAST_SIDE * least.max()))
 
-    def apart(self, control: Control, bad: Bools) -> list[_Part]:
-        """Return the parts that share no point that moves, for bad hexahedra (k,)."""
+    def lacks(self, control: Control, places: Points, aims: Floats) -> Floats:
+        """Return what the hexahedra lack of `aims` in all around each moving point, (m,)."""
+        label, of_cell = self._labels
+        points = (control.weights @ places)[self.used]
+        lack = np.maximum(aims[self.rows] - scaled_jacobians(points, self.cells), 0.0)
+        sums = np.bincount(of_cell, lack**POWER, int(label.max()) + 1).astype(np.float64)
+        return np.asarray(sums[label])
+
+    def apart(self, control: Control, bad: Bools, trying: Bools) -> list[_Part]:
+        """Return the parts that share no point that moves.
+
+        Parameters
+        ----------
+        bad, trying : as for `of`
+        """
         of_cell = self._labels[1]
         parts = []
         for one in np.unique(of_cell[bad[self.rows]]).tolist():
             some = np.zeros_like(bad)
             some[self.rows[of_cell == one]] = True
-            parts.append(_Part.of(control, some & bad))
+            parts.append(_Part.of(control, some & bad, trying))
         return [part for part in parts if part is not None]
 
     @property
@@ -161,12 +196,13 @@ class _Part:
 
 
 def _moved(
-    part: _Part, control: Control, places: Points, start: Points, slide: Floats, goal: float
+    part: _Part, control: Control, places: Points, start: Points, slide: Floats, aims: Floats
 ) -> Points:
     """Return the moving control points of a part where it lacks least, (m, 3), mm."""
     moving, matrix = part.moving, part.matrix
     base = (control.weights @ places)[part.used] - matrix @ places[moving]
     scale = control.scale[moving, None]
+    unit = part.shortest_sides(base + matrix @ places[moving])[:, None]
     slides = control.sliding[moving]
     normals = np.zeros((len(moving), 3))
     normals[slides] = control.onto(moving[slides], places[moving[slides]])[1]
@@ -175,22 +211,22 @@ def _moved(
     back = sparse.csr_array(matrix.T)
 
     def cost(flat: Floats) -> tuple[float, Floats]:
-        here = flat.reshape(-1, 3) * scale
-        value, pull = _lacking(base + matrix @ here, part.cells, MARGIN * goal)
+        here = flat.reshape(-1, 3) * unit
+        value, pull = _lacking(base + matrix @ here, part.cells, aims[part.rows])
         shift = (here - rest) / scale
         value += float((hold * shift**2).sum())
-        slope = (back @ pull) * scale + 2.0 * hold * shift
+        slope = back @ pull + 2.0 * hold * shift / scale
         slope -= dot(slope, normals)[:, None] * normals
-        return value, slope.reshape(-1)
+        return value, (slope * unit).reshape(-1)
 
     found = minimize(
         cost,
-        (places[moving] / scale).reshape(-1),
+        (places[moving] / unit).reshape(-1),
         jac=True,
         method="L-BFGS-B",
         options={"maxiter": STEPS, "maxfun": 2 * STEPS},
     )
-    moved: Points = found.x.reshape(-1, 3) * scale
+    moved: Points = found.x.reshape(-1, 3) * unit
     moved[slides] = control.onto(moving[slides], moved[slides])[0]
     return moved
 
@@ -203,24 +239,23 @@ def _touched(weights: sparse.csr_array, cells: Ints) -> Bools:
     return touched
 
 
-def _lacking(points: Points, cells: Ints, goal: float) -> tuple[float, Points]:
-    """Return the sum of powers of what corners lack to `goal`, and its slope by `points`."""
-    value = 0.0
-    pull = np.zeros_like(points)
-    for corner, others in enumerate(NEIGHBORS.tolist()):
-        origin = cells[:, corner]
-        sides = points[cells[:, others]] - points[origin, None]  # (k, 3, 3)
-        sizes = np.maximum(length(sides), 1e-300)[..., None]
-        units = sides / sizes
-        a, b, c = np.moveaxis(units, 1, 0)
-        normals = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
-        jacobian = dot(a, normals[:, 0])
-        lack = 1.0 - jacobian / goal
-        rows = np.flatnonzero(lack > 0)
-        value += float((lack[rows] ** POWER).sum())
-        slope = (normals[rows] - jacobian[rows, None, None] * units[rows]) / sizes[rows]
-        slope *= -POWER / goal * lack[rows, None, None] ** (POWER - 1)
-        targets = cells[rows][:, others].reshape(-1)
-        pull += sums_by_row(slope.reshape(-1, 3), targets, len(pull))
-        pull -= sums_by_row(slope.sum(axis=1), origin[rows], len(pull))
-    return value, pull
+def _lacking(points: Points, cells: Ints, aims: Floats) -> tuple[float, Points]:
+    """Return the sum of powers of what corners lack to `aims` (k,), and its slope by `points`.
+
+    What a corner with a scaled Jacobian of 0 lacks to the least aim is 1.
+    """
+    corners = Corners.of(points, cells)
+    unit = aims.min()
+    lack = (aims - corners.jacobians) / unit
+    corner, row = np.nonzero(lack > 0)
+    side, some = SIDE_OF[corner].T, lack[corner, row]
+    units = SIGNS[corner].T * corners.units[:, side, row]  # (3, 3, q): axis, side
+    sizes = corners.sizes[side, row]
+    a, b, c = np.moveaxis(units, 1, 0)  # (3, q) each
+    normals = np.stack([cross(b, c), cross(c, a), cross(a, b)], axis=1)
+    slopes = (normals - corners.jacobians[corner, row] * units) / sizes
+    slopes *= -POWER / unit * some ** (POWER - 1)  # (3, 3, q), those of the three sides
+    own, others = cells[row, corner], cells[row[:, None], NEIGHBORS[corner]].T  # (q,), (3, q)
+    target = np.append(others, own)
+    moves = np.concatenate([slopes.reshape(3, -1), -slopes.sum(axis=1)], axis=1)
+    return float((some**POWER).sum()), sums_by_row(moves.T, target, len(points))

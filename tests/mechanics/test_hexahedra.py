@@ -10,6 +10,7 @@ import pytest
 
 from scaffold_cad import RoundStruts, Scaffold, Skeleton, build_scaffold, round_struts
 from scaffold_cad.errors import OptionError
+from scaffold_cad.filling import voronoi_foam
 from scaffold_cad.lattice import cells, tile
 from scaffold_cad.mechanics import hexahedra
 from scaffold_cad.mechanics.hexquality import FACES, hexahedron_volumes, scaled_jacobians
@@ -213,3 +214,13 @@ def test_bad_arguments_are_named(options: dict[str, float], message: str) -> Non
 def test_a_skeleton_is_no_scaffold() -> None:
     with pytest.raises(OptionError, match="need a Scaffold"):
         hexahedra(STRUT)  # type: ignore[arg-type]
+
+
+def test_hexahedra_beside_short_edges_of_foams_are_good() -> None:
+    bounds = np.array([[0.0, 0.0, 0.0], [100.0, 100.0, 100.0]])
+    scaffold = build_scaffold(voronoi_foam(25, bounds, 0.4))  # some edges are shorter than radii
+    mesh = hexahedra(scaffold, layers=1)
+    quality = scaled_jacobians(mesh.points, mesh.hexahedra)
+    assert (quality < 0.2).mean() < 0.015
+    kept = scaffold.embedding().kept[mesh.edge_of_hexahedron]
+    assert quality[kept].min() > 0.1
