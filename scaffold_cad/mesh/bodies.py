@@ -15,6 +15,9 @@ from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, cone_volumes
 from scaffold_cad.mesh.welding import welded, without_repeated_corners
 
+SAME_ANGLE = 1e-9
+"""Angle at an edge, rad, below which two triangles are in one plane, as faces on each other are."""
+
 _log = logging.getLogger(__name__)
 
 
@@ -195,7 +198,8 @@ def _with_material_between(mesh: TriangleMesh, edge: Ints, sides: Ints, forward:
     angle = np.arctan2(spokes @ np.cross(along, x), spokes @ x)
     # Material is on the far side, in the sense of turning, of triangles that run backwards, and
     # on the near side of those that run forwards: each of these closes the wedge opened last.
-    order = np.argsort(angle, kind="stable")
+    # Where faces lie on each other, one wedge is closed before the next is opened.
+    order = np.lexsort([~forward, _planes(angle)])
     depth = np.cumsum(np.where(forward[order], -1, 1))
     order = np.roll(order, -(int(depth.argmin()) + 1))
     opened: list[int] = []
@@ -206,6 +210,17 @@ def _with_material_between(mesh: TriangleMesh, edge: Ints, sides: Ints, forward:
         else:
             opened.append(k)
     return np.asarray(pairs, dtype=np.intp)
+
+
+def _planes(angles: Floats) -> Ints:
+    """Return the number of the half plane of each angle, in their order around an edge, (k,)."""
+    order = np.argsort(angles, kind="stable")
+    gaps = np.diff(angles[order], append=angles[order[0]] + 2 * np.pi)
+    order = np.roll(order, -(int(gaps.argmax()) + 1))  # no plane is on both sides of the start
+    turned = np.mod(angles[order] - angles[order[0]], 2 * np.pi)
+    planes = np.zeros(len(angles), dtype=np.intp)
+    planes[order] = np.cumsum(np.diff(turned, prepend=turned[0]) > SAME_ANGLE)
+    return planes
 
 
 def _split_at(mesh: TriangleMesh, pairs: Edges) -> TriangleMesh:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 from manifold3d import Manifold
+from scipy.spatial.transform import Rotation
 
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.bodies import (
@@ -19,7 +20,7 @@ from scaffold_cad.mesh.bodies import (
     turned_outwards,
     winding_number,
 )
-from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh, cone_volumes
 
 
 def box(low: tuple[float, float, float], high: tuple[float, float, float]) -> TriangleMesh:
@@ -82,6 +83,17 @@ def test_a_body_that_touches_itself_keeps_its_material_together() -> None:
     assert shells_of(body.triangles, len(body.vertices)).max() == 0
     on_edge = (np.abs(body.vertices[:, :2] - 2) < 1e-6).all(axis=1)
     assert on_edge.sum() == 3  # two at the top, one at the foot of the edge
+
+
+@pytest.mark.parametrize("turn", [np.eye(3), Rotation.from_rotvec([0.3, 1.1, -0.7]).as_matrix()])
+def test_bodies_that_share_whole_faces_are_taken_apart(turn: np.ndarray) -> None:
+    cells = [(x, y, 0) for x in (0, 2, 4) for y in (0, 2)]
+    mesh = joined(*(box(low, tuple(np.add(low, 2))) for low in cells))
+    body = body_of(soup(TriangleMesh(mesh.vertices @ turn, mesh.triangles)))
+    body.check_closed()
+    shell = shells_of(body.triangles, len(body.vertices))
+    volumes = np.bincount(shell, weights=cone_volumes(body.vertices, body.triangles))
+    assert volumes == pytest.approx(np.full(6, 8.0))
 
 
 def test_vertices_are_as_they_were_where_nothing_touches() -> None:

@@ -191,3 +191,10 @@ def test_parts_of_a_body_that_overlap_between_flush_faces_are_united(
     shells = lattice_part(apart, "bcc", 5.0, 0.4, skin=1.0).decompose()
     assert sum(shell.volume() > 0 for shell in shells) == 2
     assert "united" not in caplog.text
+
+
+def test_parts_of_a_body_that_share_a_face_are_united() -> None:
+    shared = bd.Compound([bd.Box(10, 10, 10), bd.Pos(10, 0, 0) * bd.Box(10, 10, 10)])
+    one = bd.Pos(5, 0, 0) * bd.Box(20, 10, 10)
+    found, wanted = (lattice_part(body, "bcc", 5.0, 0.4, skin=1.0) for body in (shared, one))
+    assert found.volume() == pytest.approx(wanted.volume(), rel=1e-6)
