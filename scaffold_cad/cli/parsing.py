@@ -34,8 +34,14 @@ class Parser(argparse.ArgumentParser):
         return super()._get_value(action, by_word.get(arg_string.lower(), arg_string))
 
     def error(self, message: str) -> NoReturn:
-        """End with the usage and a message, which has the word nearest to a wrong choice."""
+        """End with what must be given and a message, which has the word nearest to a wrong choice.
+
+        The flags that may be given are not listed: they would push the message off the screen.
+        """
         choice = CHOICE.search(message)
         if choice:
             message += did_you_mean(choice[1], re.findall(r"[\w.-]+", choice[2]))
-        super().error(message)
+        formatter = self._get_formatter()
+        formatter.add_usage(None, [action for action in self._actions if action.required], [])
+        usage = formatter.format_help().strip().replace(self.prog, f"{self.prog} [options]", 1)
+        self.exit(2, f"{usage}\n{self.prog}: error: {message}\n")

@@ -495,7 +495,7 @@ def test_a_round_frame_has_round_struts(figure: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "usage", "said"),
     [
-        ("biuld a.json -o a.stl", "scaffold-cad [-h]", "did you mean 'build'?"),
+        ("biuld a.json -o a.stl", "scaffold-cad [options] COMMAND", "did you mean 'build'?"),
         ("build a.json -o a.stl --colars", "scaffold-cad build", "did you mean '--collars'?"),
         ("check a.json --process sla2", "scaffold-cad check", "did you mean 'sla'?"),
         ("view a.json b.json", "scaffold-cad view", "unrecognized arguments: b.json"),
@@ -509,6 +509,7 @@ def test_a_wrong_word_is_told_with_the_usage_of_its_command(
     assert end.value.code == 2
     told = capsys.readouterr().err
     assert told.startswith(f"usage: {usage}")
+    assert len(told.splitlines()) == 2
     assert said in told.splitlines()[-1]
 
 
