@@ -14,9 +14,12 @@ from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.files import check_page
 from scaffold_cad.cli import sizes, source, tiled
 from scaffold_cad.errors import OptionError
+from scaffold_cad.io import read_triangles
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.printability import MATERIALS, PROCESSES, check_printability
 from scaffold_cad.printability.page import write_page
 from scaffold_cad.printability.processes import Process
+from scaffold_cad.skeleton import Skeleton
 
 NOT_PRINTABLE = 1
 
@@ -91,14 +94,7 @@ def run(options: argparse.Namespace) -> int:
     tiled.refuse(options)
     if options.html is not None:
         check_page(options.html)
-    triangles = source.triangles_from(options)
-    skeleton = None
-    if options.skeleton is not None:
-        if triangles is None:
-            raise OptionError("--skeleton is for mesh files; the input is a skeleton itself")
-        skeleton = source.skeleton_from(options, options.skeleton)
-    elif triangles is not None:
-        source.refuse(options, source.OPTIONS, "is for skeletons; need --skeleton beside a mesh")
+    triangles, skeleton = _part(options)
     report = check_printability(
         source.skeleton_from(options) if triangles is None else triangles,
         _process(options),
@@ -113,6 +109,20 @@ def run(options: argparse.Namespace) -> int:
         write_page(report, options.html)
         _log.info("%s written", options.html)
     return 0 if report.printable else NOT_PRINTABLE
+
+
+def _part(options: argparse.Namespace) -> tuple[TriangleMesh | None, Skeleton | None]:
+    """Return the mesh that is looked at, None for a skeleton, and the struts that are in it."""
+    if options.skeleton is not None:
+        mesh = read_triangles(options.input, units=options.units, scale=options.scale)
+        if mesh is None:
+            raise OptionError("--skeleton is for mesh files; the input is a skeleton itself")
+        return mesh, source.skeleton_from(options, options.skeleton)
+    assembly = source.assembly_from(options)
+    if assembly is not None:
+        return source.united(assembly, options), assembly.whole_beams()
+    why = "is for skeletons; need --skeleton beside a mesh"
+    return source.triangles_from(options, (), why), None
 
 
 def _check_tiles(options: argparse.Namespace) -> int:

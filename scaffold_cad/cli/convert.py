@@ -33,6 +33,7 @@ def add_parser(
 def run(options: argparse.Namespace) -> None:
     """Read, change and write."""
     check_writable(options.output, skeleton=True)
-    skeleton = source.skeleton_from(options)
-    write(skeleton, options.output, units=options.to_units)
+    assembly = source.assembly_from(options) if options.output.suffix.lower() == ".3mf" else None
+    found = source.skeleton_from(options) if assembly is None else assembly
+    write(found, options.output, units=options.to_units)
     _log.info("%s written", options.output)

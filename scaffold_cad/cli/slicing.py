@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import logging
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -69,16 +70,22 @@ def run(options: argparse.Namespace) -> None:
         _slice_tiles(options)
         return
     progress = Progress()
-    mesh = source.triangles_from(options)
+    given = build.round_options(options)
+    others = (*build.ROUND_OPTIONS, "sides")
+    assembly = source.assembly_from(options)
+    if assembly is not None:
+        asked = any(getattr(options, name) is not None for name in others)
+        make = partial(round_struts, **given) if asked else None
+        mesh: TriangleMesh | None = source.united(assembly, options, make, options.sides or SIDES)
+    else:
+        mesh = source.triangles_from(options, others, "is for skeletons; a mesh is cut as it is")
     if mesh is not None:
-        given = (*source.OPTIONS, *build.ROUND_OPTIONS, "sides")
-        source.refuse(options, given, "is for skeletons; a mesh is cut as it is")
         what: TriangleMesh | RoundStruts = mesh
         sections = len(mesh.triangles)
     else:
         skeleton = source.skeleton_from(options)
         with progress.stage("struts", len(skeleton.edges), "struts"):
-            what = round_struts(skeleton, **build.round_options(options))
+            what = round_struts(skeleton, **given)
         heights = skeleton.nodes[skeleton.edges][:, :, 2]  # (m, 2)
         sections = int(np.ptp(heights, axis=1).sum() / options.layer) + len(heights)
     with progress.stage("layers", sections, "sections"):
@@ -103,7 +110,8 @@ def _slice_tiles(options: argparse.Namespace) -> None:
 
 def _layers(what: TriangleMesh | RoundStruts, options: argparse.Namespace) -> Layers:
     """Return the layers that are asked for."""
-    given: dict[str, Any] = {"skin": options.skin, "sides": options.sides}
+    sides = options.sides if isinstance(what, RoundStruts) else None
+    given: dict[str, Any] = {"skin": options.skin, "sides": sides}
     return slices(what, thickness=options.layer, region=_region(options), **given)
 
 

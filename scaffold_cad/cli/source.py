@@ -7,24 +7,28 @@ import logging
 from collections.abc import Iterable
 from pathlib import Path
 
+import numpy as np
+
 from scaffold_cad.base.arguments import as_number
+from scaffold_cad.base.arrays import Points
 from scaffold_cad.base.summaries import counted
+from scaffold_cad.base.vectors import mirror, rotate
 from scaffold_cad.cli import fields, sizes
 from scaffold_cad.cli.sizes import AXES
-from scaffold_cad.errors import OptionError
+from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.io import BYTES_PER_EDGE, read_assembly, read_skeleton, read_triangles
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.products.assembly import Assembly
+from scaffold_cad.products.assembly import Assembly, assembly_solid
+from scaffold_cad.products.models import Make
 from scaffold_cad.skeleton import Skeleton, check_skeleton
+from scaffold_cad.solid.manifolds import manifold_triangles
+from scaffold_cad.solid.rounds import SIDES
 
 MAX_NODES = 2_000_000
 """Most nodes of a file that are taken unless more are asked for."""
 
 OPTIONS = ("radius", "max_nodes", "join", "simplify", "turn", "mirror", "strict")
 """What `add_arguments` adds beside the input, its units and its scale."""
-
-CHANGES = ("radius", "join", "simplify", "turn", "mirror")
-"""Those that ask for a skeleton, where a file holds more."""
 
 _log = logging.getLogger(__name__)
 
@@ -136,36 +140,79 @@ def refuse(options: argparse.Namespace, names: Iterable[str], why: str) -> None:
 def assembly_from(options: argparse.Namespace) -> Assembly | None:
     """Return what the input holds if it is a 3MF file with more than a skeleton keeps, else None.
 
-    None too where options ask for a skeleton: a radius, nodes made, or joints dropped.
+    What the arguments ask for is done to all of it: beams get other radii, nodes and joints, and
+    are turned and scaled with what is beside them.
 
     Raises
     ------
+    OptionError
+        If units are given, as the file says in which unit it is.
+    FormatError
+        If balls or flat ends would go, and nothing may.
     SkeletonError
         If beams need repair, and none is allowed.
     """
     path = Path(options.input)
     if path.suffix.lower() != ".3mf":
         return None
-    if any(getattr(options, name) is not None for name in CHANGES):
-        return None
-    if options.units is not None or options.scale is not None:
-        return None
     assembly = read_assembly(path)
     if assembly.is_skeleton or not assembly.lattices:
         return None
+    if options.units is not None:
+        raise OptionError(f"{path} says in which unit it is; need no --units (--scale scales it)")
     if options.strict:
         for lattice in assembly.lattices:
             check_skeleton(lattice.skeleton)
-    return assembly
+    changed = _changed(assembly, options)
+    found, kept = assembly.beyond_skeleton(), changed.beyond_skeleton()
+    if options.strict and kept != found:
+        raise FormatError(
+            f"{path} holds {', '.join(one for one in found if one not in kept)}; need nothing that "
+            "beams lose where they are changed (or read it without --strict)"
+        )
+    return changed
 
 
-def triangles_from(options: argparse.Namespace) -> TriangleMesh | None:
-    """Return the mesh of the input, or None where it is a skeleton, or options ask for one."""
-    asked = any(getattr(options, name) is not None for name in CHANGES)
-    path = Path(options.input)
-    if asked and path.suffix.lower() == ".3mf" and read_assembly(path).lattices:
-        return None
-    return read_triangles(path, units=options.units, scale=options.scale)
+def _changed(assembly: Assembly, options: argparse.Namespace) -> Assembly:
+    """Return an assembly as the arguments ask for it, in the order of `skeleton_from`."""
+    if options.scale is not None:
+        assembly = assembly.transformed(np.eye(3) * as_number(options.scale, "--scale"))
+    if options.radius is not None:
+        assembly = assembly.with_skeletons(lambda beams: beams.with_radii(options.radius))
+    assembly = assembly.with_skeletons(lambda beams: _joined(beams, options))
+    assembly = assembly.transformed(_turned(np.eye(3), options))
+    return assembly.with_skeletons(lambda beams: _simplified(beams, options))
+
+
+def united(
+    assembly: Assembly, options: argparse.Namespace, make: Make | None = None, sides: int = SIDES
+) -> TriangleMesh:
+    """Return the surface of beams and what is beside them; make and sides: see `assembly_solid`."""
+    found = ", ".join(assembly.beyond_skeleton() if make is None else assembly.beside_beams())
+    beams = counted(assembly.beam_count, "beam")
+    _log.info("%s: %s united with %s", options.input, beams, found)
+    return manifold_triangles(assembly_solid(assembly, sides, make=make))
+
+
+def triangles_from(
+    options: argparse.Namespace, others: Iterable[str], why: str
+) -> TriangleMesh | None:
+    """Return the mesh of an input that is no assembly, or None where it is a skeleton.
+
+    Parameters
+    ----------
+    others : options that are refused for meshes, beside those that change a skeleton
+    why : what is said of an option that is refused
+
+    Raises
+    ------
+    OptionError
+        If an option is given that would do nothing.
+    """
+    mesh = read_triangles(Path(options.input), units=options.units, scale=options.scale)
+    if mesh is not None:
+        refuse(options, [*OPTIONS, *others], why)
+    return mesh
 
 
 def skeleton_from(options: argparse.Namespace, path: Path | None = None) -> Skeleton:
@@ -178,14 +225,30 @@ def skeleton_from(options: argparse.Namespace, path: Path | None = None) -> Skel
         units=options.units,
         scale=options.scale,
     )
-    if options.join is not None:
-        joined = skeleton.joined(as_number(options.join, "--join"))
-        _log.info("joined: %s became %d", counted(len(skeleton.edges), "edge"), len(joined.edges))
-        skeleton = joined
+    skeleton = _joined(skeleton, options)
+    if options.turn or options.mirror:
+        skeleton = skeleton.moved(_turned(skeleton.nodes, options))
+    return _simplified(skeleton, options)
+
+
+def _joined(skeleton: Skeleton, options: argparse.Namespace) -> Skeleton:
+    """Return the skeleton with nodes where struts cross, if that is asked for."""
+    if options.join is None:
+        return skeleton
+    joined = skeleton.joined(as_number(options.join, "--join"))
+    _log.info("joined: %s became %d", counted(len(skeleton.edges), "edge"), len(joined.edges))
+    return joined
+
+
+def _turned(points: Points, options: argparse.Namespace) -> Points:
+    """Return points (n, 3) after the turns and the mirror image that are asked for."""
     for axis, angle in options.turn or []:
-        skeleton = skeleton.turned(angle, AXES[axis])
-    if options.mirror is not None:
-        skeleton = skeleton.mirrored(AXES[options.mirror])
+        points = rotate(points, np.asarray(AXES[axis]), np.asarray(angle))
+    return points if options.mirror is None else mirror(points, np.asarray(AXES[options.mirror]))
+
+
+def _simplified(skeleton: Skeleton, options: argparse.Namespace) -> Skeleton:
+    """Return the skeleton with fewer joints, if that is asked for."""
     if options.simplify is None:
         return skeleton
     thin = skeleton.simplified(as_number(options.simplify, "--simplify", or_zero=True))

@@ -17,6 +17,7 @@ from scaffold_cad.struts import round_struts
 from scaffold_cad.webpage import write_page
 
 if TYPE_CHECKING:
+    from scaffold_cad.mesh.trianglemesh import TriangleMesh
     from scaffold_cad.scaffold import Scaffold
     from scaffold_cad.solid import Solidified
     from scaffold_cad.struts import RoundStruts
@@ -62,10 +63,15 @@ def run(options: argparse.Namespace) -> None:
     """Write the page, print where it is, and open it."""
     if options.output is not None:
         check_page(options.output)
-    mesh = source.triangles_from(options)
+    given = (*build.SCAFFOLD_OPTIONS, "product")
+    why = "is for skeletons; a mesh is shown as it is"
+    assembly = source.assembly_from(options)
+    if assembly is not None:
+        source.refuse(options, given, why)
+        mesh: TriangleMesh | None = source.united(assembly, options)
+    else:
+        mesh = source.triangles_from(options, given, why)
     if mesh is not None:
-        given = (*source.OPTIONS, *build.SCAFFOLD_OPTIONS, "product")
-        source.refuse(options, given, "is for skeletons; a mesh is shown as it is")
         page = _page_path(options)
         write_page(mesh, page)
     else:

@@ -6,17 +6,23 @@ This is the one place where the solid of a 3MF file is made.
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+import operator
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from functools import reduce
+from typing import TYPE_CHECKING, overload
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_count, check_kind
-from scaffold_cad.base.arrays import Frozen
+from scaffold_cad.base.arrays import Floats, Frozen
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.products.models import Make, Model, overlapping
 from scaffold_cad.products.overlaps import Overlaps, to_unite
+from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.skeleton.beams import BUTT, BeamLattice
 from scaffold_cad.solid.beamsolids import beam_solid, solid_of_mesh, strut_solid, united
 from scaffold_cad.solid.rounds import SIDES
@@ -57,6 +63,43 @@ class Assembly(Frozen):
         """Whether a skeleton says it all: beams with spheres at their ends, and nothing else."""
         return not self.beyond_skeleton() and bool(self.lattices)
 
+    def whole_beams(self) -> Skeleton | None:
+        """Return the beams of all lattices as one skeleton; None if some are clipped."""
+        if not self.lattices or any(one.clip is not None for one in self.lattices):
+            return None
+        return reduce(operator.add, (one.skeleton for one in self.lattices))
+
+    def transformed(self, rows: ArrayLike) -> Assembly:
+        """Return all of it turned, mirrored and scaled alike in all directions.
+
+        Parameters
+        ----------
+        rows : (3, 3), where the unit vectors along x, y and z come to lie
+
+        >>> from scaffold_cad import BeamLattice, Skeleton
+        >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+        >>> twice = Assembly([BeamLattice(strut)]).transformed([[0, 2, 0], [-2, 0, 0], [0, 0, 2]])
+        >>> twice.lattices[0].skeleton.nodes.tolist(), twice.lattices[0].skeleton.radii.tolist()
+        ([[0.0, 0.0, 0.0], [0.0, 18.0, 0.0]], [2.0, 2.0])
+        """
+        turn = np.asarray(rows, dtype=np.float64)
+        factor = float(np.linalg.norm(turn[0]))
+        if turn.shape != (3, 3) or not np.allclose(turn @ turn.T, np.eye(3) * factor**2):
+            raise OptionError(f"rows are {turn.tolist()}; need three, of one length and upright")
+        return Assembly(
+            [_transformed(lattice, turn, factor) for lattice in self.lattices],
+            [_turned_mesh(mesh, turn) for mesh in self.meshes],
+        )
+
+    def with_skeletons(self, change: Callable[[Skeleton], Skeleton]) -> Assembly:
+        """Return it with the beams of each lattice changed; what is beside them stays.
+
+        Balls and flat ends stay where the edges do; where `change` makes others they go, and the
+        log says so.
+        """
+        lattices = [_with_skeleton(lattice, change(lattice.skeleton)) for lattice in self.lattices]
+        return Assembly(lattices, self.meshes)
+
     def beyond_skeleton(self) -> list[str]:
         """Return in words what a skeleton of the beams does not keep; nothing if it keeps all."""
         flat = sum(int((one.caps == BUTT).sum()) for one in self.lattices)
@@ -80,6 +123,52 @@ class Assembly(Frozen):
         if balls:
             found.append(counted(balls, "ball"))
         return found
+
+
+def _transformed(lattice: BeamLattice, turn: Floats, factor: float) -> BeamLattice:
+    """Return a lattice and its meshes turned by rows of the length `factor`."""
+    nodes = lattice.skeleton.nodes @ turn
+    return replace(
+        lattice,
+        skeleton=lattice.skeleton.scaled(factor).moved(nodes),
+        balls=lattice.balls * factor,
+        clip=_turned_mesh(lattice.clip, turn),
+        mesh=_turned_mesh(lattice.mesh, turn),
+        representation=_turned_mesh(lattice.representation, turn),
+    )
+
+
+@overload
+def _turned_mesh(mesh: TriangleMesh, turn: Floats) -> TriangleMesh: ...
+
+
+@overload
+def _turned_mesh(mesh: None, turn: Floats) -> None: ...
+
+
+def _turned_mesh(mesh: TriangleMesh | None, turn: Floats) -> TriangleMesh | None:
+    """Return a mesh turned, its outside outside also where it is mirrored."""
+    if mesh is None:
+        return None
+    triangles = mesh.triangles if np.linalg.det(turn) > 0 else mesh.triangles[:, ::-1]
+    return TriangleMesh(mesh.vertices @ turn, triangles)
+
+
+def _with_skeleton(lattice: BeamLattice, skeleton: Skeleton) -> BeamLattice:
+    """Return a lattice of other beams, with what is beside them."""
+    if np.array_equal(skeleton.edges, lattice.skeleton.edges):
+        return replace(lattice, skeleton=skeleton)
+    lost = [
+        counted(number, name)
+        for name, number in (
+            ("ball", int((lattice.balls > 0).sum())),
+            ("flat end", int((lattice.caps == BUTT).sum())),
+        )
+        if number
+    ]
+    if lost:
+        _log.warning("left out %s, as beams are changed", " and ".join(lost))
+    return BeamLattice(skeleton, 0.0, lattice.clip, lattice.mesh, clipping=lattice.clipping)
 
 
 def assembly_solid(

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from scaffold_cad import BeamLattice, Skeleton, TriangleMesh, build_scaffold, round_struts, write
 from scaffold_cad.brep import read_brep
@@ -253,7 +254,7 @@ def test_what_is_beside_the_beams_is_told_and_a_body_of_its_own_in_a_cad_file(
         assert [len(body.faces()) for body in bodies][-1] == 4
     strict = ["build", path, "--strict", "-o", str(tmp_path / "out.stl")]
     assert main(strict) == 0
-    assert main([*strict, "--simplify", "0.1"]) == 2
+    assert main([*strict, "--as", "frame"]) == 2
     assert "holds also 1 mesh of 4 triangles; need nothing" in capsys.readouterr().err
     assert len(read_skeleton(path).edges) == 2
 
@@ -266,3 +267,79 @@ def test_repairs_of_the_beams_that_struts_stand_for_are_told(
     (struts,) = models_of(Assembly([beams]), round_struts)
     assert len(struts.skeleton.nodes) == 3
     assert "beams were repaired: 1 node" in caplog.text
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_beams_on_a_plate_are_united_whatever_way_they_are_turned(seed: int) -> None:
+    corners = [[x, y, 0] for x in (0, 10) for y in (0, 10)] + [[0, 0, 10]]
+    beams = BeamLattice(Skeleton(corners, [[0, 1], [0, 2], [1, 3], [0, 4], [3, 4]], 1.0))
+    plate = TriangleMesh(cube(-3.0, 16.0).vertices * [1, 1, 3 / 16], cube(0, 1).triangles)
+    plate = TriangleMesh(plate.vertices - [0, 0, plate.vertices[:, 2].max()], plate.triangles)
+    level = assembly_solid(Assembly([beams], [plate])).volume()
+    turn = Rotation.random(random_state=seed).as_matrix()
+    for parts in (Assembly([beams], [plate]), Assembly([BeamLattice(beams.skeleton, mesh=plate)])):
+        turned = assembly_solid(parts.transformed(turn))
+        assert turned.volume() == pytest.approx(level, rel=2e-3)
+        assert len(turned.decompose()) == 1
+
+
+def test_an_assembly_is_turned_mirrored_and_scaled_whole() -> None:
+    lattice = BeamLattice(
+        ELBOW, [0, 2, 0], clip=cube(-5.0, 20.0), mesh=cube(20.0, 3.0), caps="butt"
+    )
+    before = Assembly([lattice], [cube(30.0, 2.0)])
+    after = before.transformed(2 * np.array([[0, 1, 0], [1, 0, 0], [0, 0, 1]]))
+    (found,) = after.lattices
+    np.testing.assert_allclose(found.skeleton.nodes, 2 * ELBOW.nodes[:, [1, 0, 2]])
+    np.testing.assert_allclose(found.skeleton.edge_radii, 2)
+    assert found.balls.tolist() == [0, 4, 0]
+    assert found.clip.signed_volume == pytest.approx(8 * 8000)
+    assert assembly_solid(after).volume() == pytest.approx(
+        8 * assembly_solid(before).volume(), rel=1e-3
+    )
+    with pytest.raises(OptionError, match=r"rows are \[\[1.0, 0.0, 0.0\]"):
+        before.transformed(np.diag([1.0, 2.0, 1.0]))
+
+
+def test_balls_and_flat_ends_stay_where_edges_do(caplog: pytest.LogCaptureFixture) -> None:
+    assembly = Assembly([BeamLattice(ELBOW, [0, 2, 0], mesh=cube(20.0, 3.0), caps="butt")])
+    thin = assembly.with_skeletons(lambda beams: beams.with_radii(0.5))
+    assert thin.beyond_skeleton() == assembly.beyond_skeleton()
+    assert caplog.text == ""
+    cut = assembly.with_skeletons(lambda beams: beams.subdivided(2))
+    assert "left out 1 ball and 4 flat ends, as beams are changed" in caplog.text
+    assert cut.beyond_skeleton() == ["1 mesh of 12 triangles"]
+
+
+def test_options_that_change_beams_keep_what_is_beside_them(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, out = tmp_path / "in.3mf", tmp_path / "out.stl"
+    write(Assembly([BeamLattice(ROD, clip=cube(-5.0, 10.0))], [cube(20.0, 3.0)]), path)
+    command = ["build", str(path), "--round", "--scale", "2", "--turn", "z:90", "--mirror", "x"]
+    assert main([*command, "--radius", "0.5", "--join", "0.01", "-o", str(out)]) == 0
+    built = read_triangles(out)
+    assert built is not None
+    assert built.signed_volume == pytest.approx(10 * math.pi / 4 + 6**3, rel=1e-6)
+    np.testing.assert_allclose(built.vertices.min(axis=0), [-0.5, 0, -0.5], atol=0.01)
+    assert main(["build", str(path), "--units", "in", "-o", str(out)]) == 2
+    assert "says in which unit it is; need no --units" in capsys.readouterr().err
+    assert main(["convert", str(path), "--scale", "2", "-o", str(tmp_path / "twice.3mf")]) == 0
+    twice = read_assembly(tmp_path / "twice.3mf")
+    assert twice.meshes[0].signed_volume == pytest.approx(6**3)
+    layers = ["slice", str(path), "--layer", "1", "-o", str(tmp_path / "out.cli")]
+    for options in ([], ["--scale", "2"], ["--blend", "0.2", "--sides", "8"]):
+        assert main([*layers, *options]) == 0
+        assert "1 beam united with 1 mesh of 12 triangles" in capsys.readouterr().err
+
+
+def test_balls_that_go_are_refused_where_nothing_may(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    crossing = Skeleton([[0, 0, 0], [10, 0, 0], [5, -5, 0], [5, 5, 0]], [[0, 1], [2, 3]], 1.0)
+    write(BeamLattice(crossing, 2.0), tmp_path / "in.3mf")
+    command = ["build", str(tmp_path / "in.3mf"), "--join", "0.1", "-o", str(tmp_path / "out.stl")]
+    assert main([*command, "--strict"]) == 2
+    assert "holds 4 balls; need nothing that beams lose" in capsys.readouterr().err
+    assert main(command) == 0
+    assert "left out 4 balls, as beams are changed" in capsys.readouterr().err
