@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Points
+from scaffold_cad.base.arrays import Bools, Floats, Points
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import any_perpendicular
 from scaffold_cad.errors import MeshError
@@ -24,6 +24,14 @@ GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
 
 TURNS = (0.0, 0.1, 0.23, 0.37, 0.71)
 """Turns of all sections about their axes, rad; the first that gives a clean union counts."""
+
+
+INSET = 0.05
+"""How far prisms begin at most inside the balls at their ends, in radii, which makes struts 1/800
+thinner there: ends that stand in the plane of a face of a mesh would leave gaps of rounding."""
+
+SHORT = 1 / 8
+"""How far at most, in lengths of the beam."""
 
 
 def beam_solid(lattice: BeamLattice, sides: int, flat_joints: bool) -> Manifold:
@@ -109,7 +117,12 @@ def united(parts: list[Manifold]) -> Manifold:
     if len(parts) == 1:
         return parts[0]
     solid = manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add)
-    return solid if solid.is_empty() else manifolds.to_manifold(clean_surface(solid))
+    if solid.is_empty():
+        return solid
+    try:
+        return manifolds.to_manifold(clean_surface(solid))
+    except FaultySurfaceError as error:
+        raise MeshError(f"the union of {len(parts)} solids {error}; need a clean surface") from None
 
 
 def solid_of_mesh(mesh: TriangleMesh) -> Manifold:
@@ -136,19 +149,38 @@ def _pieces(lattice: BeamLattice, sides: int, flat_joints: bool, turn: float) ->
     widths = skeleton.edge_radii * np.sqrt(
         2 * np.pi / (sides * np.sin(2 * np.pi / sides))
     )  # (m, 2)
-    sections = widths[:, :, None, None] * ring[:, None]  # (m, 2, sides, 3)
-    prisms = (skeleton.nodes[ends][:, :, None] + sections).reshape(-1, 2 * sides, 3)
+    inset = _insets(lattice, flat_joints)  # (m, 2)
+    along = np.stack([inset[:, 0], 1 - inset[:, 1]], axis=1)[:, :, None]
+    start, end = skeleton.nodes[ends[:, :1]], skeleton.nodes[ends[:, 1:]]  # (m, 1, 3)
+    centers = (1 - along) * start + along * end  # (m, 2, 3)
+    sizes = (1 - along) * widths[:, :1, None] + along * widths[:, 1:, None]
+    sections = sizes[..., None] * ring[:, None]  # (m, 2, sides, 3)
+    prisms = (centers[:, :, None] + sections).reshape(-1, 2 * sides, 3)
     return [*prisms, *_balls(lattice, sides, flat_joints, turn)]
+
+
+def _insets(lattice: BeamLattice, flat_joints: bool) -> Floats:
+    """Return how far each end of a prism is inside the ball there, in its length, (m, 2)."""
+    skeleton = lattice.skeleton
+    # No two beams alike, or their ends would be in common planes.
+    spread = 0.5 + 0.5 * np.mod(GOLDEN_ANGLE * np.arange(len(skeleton.edges)), 1.0)
+    inset = INSET * spread[:, None] * skeleton.edge_radii / skeleton.lengths[:, None]
+    return np.where(_flat_ends(lattice, flat_joints), 0.0, np.minimum(inset, SHORT))
+
+
+def _flat_ends(lattice: BeamLattice, flat_joints: bool) -> Bools:
+    """Return which ends of beams stay flat, (m, 2)."""
+    flat: Bools = lattice.caps == BUTT
+    if not flat_joints:
+        flat &= lattice.skeleton.valency[lattice.skeleton.edges] == 1
+    return flat
 
 
 def _balls(lattice: BeamLattice, sides: int, flat_joints: bool, turn: float) -> Points:
     """Return the corners of a ball at each node that has one, the largest of its spheres."""
     skeleton = lattice.skeleton
     radii = lattice.balls.copy()
-    flat = lattice.caps == BUTT
-    if not flat_joints:
-        flat &= skeleton.valency[skeleton.edges] == 1
-    rounded = np.where(flat, 0.0, skeleton.edge_radii)
+    rounded = np.where(_flat_ends(lattice, flat_joints), 0.0, skeleton.edge_radii)
     np.maximum.at(radii, skeleton.edges.reshape(-1), rounded.reshape(-1))
     return _hulls(skeleton.nodes, radii, sides, turn)
 
