@@ -25,6 +25,10 @@ QUAD_SIDE = 2.5
 """Wanted side of triangles, in sides of a square as large as one of the quads that each is cut
 into; found by trial: triangles made anew come out a little larger."""
 
+SHARP = 0.5
+"""Cosine of the angle between triangles at which their edge is one of the shape: few triangles on a
+curved surface are at large angles too."""
+
 EVEN_ACROSS = 60
 """Most triangles along the longest side of a surface whose large ones are cut."""
 
@@ -175,7 +179,7 @@ def _turned(mesh: TriangleMesh) -> TriangleMesh:
     p, q, r, s = (mesh.vertices[k] for k in (a, b, c, d))
     angles = _angle(r, p, q) + _angle(s, q, p)
     normals = normalize(_double_areas(mesh.vertices, rows) + np.finfo(float).tiny)
-    flat = dot(normals[one], normals[other]) > 0.9
+    flat = dot(normals[one], normals[other]) > SHARP
     # Both new triangles face the way the old ones do.
     ahead = normals[one] + normals[other]
     proper = (dot(np.cross(s - r, q - r), ahead) > 0) & (dot(np.cross(p - r, s - r), ahead) > 0)

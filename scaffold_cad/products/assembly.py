@@ -76,6 +76,13 @@ class Assembly(Frozen):
         ----------
         rows : (3, 3), where the unit vectors along x, y and z come to lie
 
+        Raises
+        ------
+        OptionError
+            If the rows are not at right angles, or not of one length.
+
+        Examples
+        --------
         >>> from scaffold_cad import BeamLattice, Skeleton
         >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
         >>> twice = Assembly([BeamLattice(strut)]).transformed([[0, 2, 0], [-2, 0, 0], [0, 0, 2]])
@@ -85,7 +92,9 @@ class Assembly(Frozen):
         turn = np.asarray(rows, dtype=np.float64)
         factor = float(np.linalg.norm(turn[0]))
         if turn.shape != (3, 3) or not np.allclose(turn @ turn.T, np.eye(3) * factor**2):
-            raise OptionError(f"rows are {turn.tolist()}; need three, of one length and upright")
+            raise OptionError(
+                f"rows are {turn.tolist()}; need three of one length, at right angles"
+            )
         return Assembly(
             [_transformed(lattice, turn, factor) for lattice in self.lattices],
             [_turned_mesh(mesh, turn) for mesh in self.meshes],

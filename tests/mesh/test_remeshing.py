@@ -15,6 +15,7 @@ from scaffold_cad.mesh.remeshing import (
     three_quads_each,
 )
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.welding import welded
 
 
 def as_mesh(mesh: trimesh.Trimesh) -> TriangleMesh:
@@ -88,3 +89,17 @@ def test_wrong_sizes_and_meshes_are_refused_by_name() -> None:
     )
     with pytest.raises(MeshError, match="more than two triangles"):
         remeshed(fan, 3.0)
+
+
+@pytest.mark.parametrize("size", [2.0, 3.0, 4.0])
+def test_few_quads_on_a_sphere_are_even(size: float) -> None:
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=20)
+    soup = np.float32(ball.triangles).reshape(-1, 3)  # as an STL file has it
+    mesh = welded(TriangleMesh(soup, np.arange(len(soup)).reshape(-1, 3)))
+    quads = quadrangulated(mesh, size)
+    corners = quads.vertices[quads.quads]  # (f, 4, 3)
+    ahead = np.roll(corners, -1, axis=1) - corners
+    normals = np.cross(ahead, -np.roll(ahead, 1, axis=1))
+    normals /= np.linalg.norm(normals, axis=2)[:, :, None]
+    outward = corners / np.linalg.norm(corners, axis=2)[:, :, None]
+    assert (normals * outward).sum(axis=2).min() > 0.7
