@@ -13,6 +13,7 @@ from scaffold_cad.cli import (
     fields,
     foams,
     latticelayers,
+    latticeradius,
     latticestruts,
     latticetiles,
     processes,
@@ -63,12 +64,18 @@ def add_parser(
         metavar="A",
         help="size of a cell, mm: 8 or 8x8x12, or a file as for --radius",
     )
-    parser.add_argument(
+    thick = parser.add_mutually_exclusive_group(required=True)
+    thick.add_argument(
         "--radius",
-        required=True,
         type=fields.number,
         metavar="R",
         help=f"radius of the struts, mm: {fields.ABOUT}",
+    )
+    thick.add_argument(
+        "--density",
+        type=float,
+        metavar="P",
+        help="relative density of the lattice instead, 0 to 1, measured on its solid",
     )
     where = parser.add_mutually_exclusive_group(required=True)
     where.add_argument(
@@ -86,6 +93,12 @@ def add_parser(
     )
     parser.add_argument(
         "--skin", type=float, metavar="T", help="thickness of a closed wall around it, mm"
+    )
+    parser.add_argument(
+        "--drain",
+        type=float,
+        metavar="D",
+        help="diameter of holes through the skin, mm, two for each void: powder or resin gets out",
     )
     build.add_round_arguments(parser)
     build.add_overlaps_argument(parser)
@@ -109,6 +122,8 @@ def add_parser(
 def run(options: argparse.Namespace) -> None:
     """Fill, build and write."""
     foams.check(options)
+    if options.density is not None:
+        options.radius = latticeradius.radius(options)
     if options.tiles is not None:
         latticetiles.run(options, LATTICE_SIDES)
         return
@@ -177,6 +192,8 @@ def _check_bodies(options: argparse.Namespace) -> None:
         raise OptionError("--trim cuts struts flush with a box; need --box")
     if options.skin is not None and options.box is None and options.inside is None:
         raise OptionError("--skin is the wall of a box or a part; need --box or --inside")
+    if options.drain is not None and (options.skin is None or options.layer is not None):
+        raise OptionError("--drain is for holes in the skin of a mesh; need --skin, no --layer")
     if options.skin is not None and callable(options.size) and options.layer is None:
         raise OptionError("--skin is for cells of one size; need --size as a number")
 
@@ -212,6 +229,7 @@ def _bodied(part: TriangleMesh | None, options: argparse.Namespace) -> Any:
     lattice = options.cell, options.size, options.radius
     given = build.round_options(options)
     if _is_filled_solid(options):
+        source.refuse(options, ["drain"], "is for mesh files; cut a hole into the STEP solid")
         section: Section = "round" if options.round else "square"
         solid = read_brep(options.inside)
         return lattice_solid(solid, *lattice, skin=options.skin, section=section, **given)
@@ -220,7 +238,9 @@ def _bodied(part: TriangleMesh | None, options: argparse.Namespace) -> Any:
         on = latticestruts.map_of_sizes(part, options)
         return flush_box(options.box, *lattice, on=on, sides=sides, **given)
     body = box_mesh(options.box) if part is None else part
-    return lattice_part(body, *lattice, skin=options.skin, sides=sides, **given)
+    return lattice_part(
+        body, *lattice, skin=options.skin, drain=options.drain, sides=sides, **given
+    )
 
 
 def _struts(

@@ -96,7 +96,8 @@ def _bounds(part: TriangleMesh | None, options: argparse.Namespace) -> Floats:
 def _on_map(mapping: CellMap, options: argparse.Namespace) -> Skeleton:
     """Return the lattice on a map."""
     _check_mapped(mapping, options)
-    lattice = lattice_on(mapping, options.cell, radius=options.radius, size=options.size)
+    given = {"size": options.size} if options.surface is None else _counts(mapping, options)
+    lattice = lattice_on(mapping, options.cell, radius=options.radius, **given)
     _log.info(
         "%s, %.3g to %.3g times as long as in a cell of the mean size",
         counted(len(lattice.skeleton.edges), "strut"),
@@ -106,10 +107,21 @@ def _on_map(mapping: CellMap, options: argparse.Namespace) -> Skeleton:
     return lattice.skeleton
 
 
+def _counts(mapping: CellMap, options: argparse.Namespace) -> dict[str, tuple[int, int, int]]:
+    """Return how many cells each quad of a surface that is made anew has: one, and some upwards."""
+    high = _cell_sizes(mapping, options)[2]
+    return {"counts": (1, 1, max(1, round(float(extents(mapping)[2] / high))))}
+
+
+def _cell_sizes(mapping: CellMap, options: argparse.Namespace) -> Floats:
+    """Return the size of a cell, (3,), mm; the mean one where sizes vary."""
+    size = options.size
+    return mean_size(mapping, size) if callable(size) else cell_size(unit_cell(options.cell), size)
+
+
 def _check_mapped(mapping: CellMap, options: argparse.Namespace) -> int:
     """Return how many cells go on a map; refuse what memory may not hold."""
-    cell, size = unit_cell(options.cell), options.size
-    sizes = mean_size(mapping, size) if callable(size) else cell_size(cell, size)
+    cell, sizes = unit_cell(options.cell), _cell_sizes(mapping, options)
     return _check_memory(mapping.patches * int(np.prod(extents(mapping) / sizes)), cell, options)
 
 

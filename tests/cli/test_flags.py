@@ -43,7 +43,12 @@ LINES = {
     "lattice": [
         f"--quiet --cell bcc --size 8 --radius 0.6 --box 8x8x8 {ROUND} --overlaps unite -o a.stl",
         "--cell bcc --size 8 --radius 0.6 --box 16x8x8 --trim --max-nodes 99 --output b.stl",
-        "--cell bcc --size 8 --radius 0.6 --inside box.step --skin 1 -o c.stl",
+        "--cell bcc --size 8 --density 0.1 --inside box.step --skin 1 --drain 3 -o c.stl",
+        "--cell bcc --size 8 --radius 0.6 --surface box.step --thickness 2 --beams -o k.json",
+        (
+            "--cell bcc --size 8 --radius 0.6 --face box.step --face-number 0 --to-face 1"
+            " --beams -o l.json"
+        ),
         "--cell bcc --size 5 --radius 0.4 --cylinder 10x10x5 --beams -o d.3mf",
         "--cell bcc --size 5 --radius 0.4 --box 10 --tiles tiles --block 1 --jobs 2 -o t.stl",
         "--cell octet --size 8 --radius 0.4 --sphere 12x6 --beams -o e.json",

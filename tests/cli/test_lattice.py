@@ -77,11 +77,81 @@ def test_cells_stand_on_a_face_of_a_part(tmp_path: Path) -> None:
     assert main([*words, "--thickness", "8", "--face-number", "7"]) == 2
 
 
+def test_cells_stand_between_two_faces_of_a_part(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    build123d = pytest.importorskip("build123d")
+    part, out = tmp_path / "part.step", tmp_path / "out.json"
+    build123d.export_step(build123d.Box(32, 24, 16), part)
+    faces = build123d.import_step(part).faces()
+    low, high = (faces.index(faces.sort_by(build123d.Axis.Z)[k]) for k in (0, -1))
+    words = [*BCC, "--face", str(part), "--beams", "-o", str(out), "--face-number", str(low)]
+    assert main([*words, "--to-face", str(high)]) == 0
+    found = read_skeleton(out)
+    assert len(found.edges) == 8 * 4 * 3 * 2
+    np.testing.assert_allclose(np.ptp(found.nodes, axis=0), [32, 24, 16])
+    for number, message in ((6, "--to-face is 6; need 0 to 5"), (low, "the face itself")):
+        assert main([*words, "--to-face", str(number)]) == 2
+        assert message in capsys.readouterr().err
+
+
+def test_cells_stand_on_the_whole_surface_of_a_mesh(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    part, out = tmp_path / "ball.stl", tmp_path / "out.json"
+    trimesh.creation.icosphere(subdivisions=3, radius=20).export(part)
+    words = [*BCC, "--surface", str(part), "--thickness", "3", "--beams", "-o", str(out)]
+    assert main([*words, "--size", "4x4x3"]) == 0
+    assert "1 x 1 x 1 cells" in capsys.readouterr().err
+    found = read_skeleton(out)
+    assert found.component_count == 1
+    away = np.linalg.norm(found.nodes, axis=1)
+    assert 19.5 < away.min() < 20.01
+    assert 22.5 < away.max() < 23.1
+    assert main([*words, "--size", "4x5x3"]) == 2
+    assert "need two equal ones along --surface" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("options", [[], ["--round"], ["--round", "--blend", "0.1"]])
+def test_a_lattice_has_the_density_that_is_asked_for(options: list[str], tmp_path: Path) -> None:
+    out = tmp_path / "out.stl"
+    cells = ["lattice", "--cell", "bcc", "--size", "5", "--density", "0.15"]
+    assert main([*cells, "--box", "20", "--trim", *options, "-o", str(out)]) == 0
+    assert loaded(out).volume == pytest.approx(0.15 * 20**3, rel=2e-3)
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--face", "part.step"], "--face needs the --thickness"),
-        (["--box", "16", "--thickness", "3"], "are of a face; need --face"),
+        (["--density", "1.5", "--box", "9"], "--density is 1.5; need > 0 and < 1"),
+        (["--density", "0.1", "--sphere", "20x8"], "--density is of equal cells in a box"),
+    ],
+)
+def test_densities_that_no_cells_have_are_refused(
+    words: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["lattice", "--cell", "bcc", "--size", "5", *words, "-o", str(tmp_path / "a.stl")]
+    assert main(command) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_powder_gets_out_of_a_skin_that_is_drained(tmp_path: Path) -> None:
+    closed, drained = tmp_path / "closed.stl", tmp_path / "drained.stl"
+    skin = [*BCC, "--box", "24", "--skin", "1.5"]
+    assert main([*skin, "-o", str(closed)]) == 0
+    assert main([*skin, "--drain", "4", "-o", str(drained)]) == 0
+    assert [loaded(path).body_count for path in (closed, drained)] == [2, 1]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--face", "part.step"], "--face needs either the --thickness"),
+        (["--face", "a.step", "--thickness", "3", "--to-face", "1"], "--face needs either the"),
+        (["--box", "16", "--thickness", "3"], "--thickness is of a layer; need --face or --surf"),
+        (["--box", "16", "--to-face", "3"], "--to-face is of a face; need --face"),
+        (["--surface", "part.stl"], "--surface needs the --thickness"),
+        (["--box", "16", "--drain", "3"], "--drain is for holes in the skin of a mesh; need --sk"),
         (["--sphere", "20x8", "--trim"], "--trim cuts struts flush with a box"),
         (["--sphere", "20x8", "--skin", "1"], "--skin is the wall of a box or a part"),
         (["--box", "16", "--trim", "--skin", "1"], "--trim is for struts without a skin"),
