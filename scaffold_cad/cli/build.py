@@ -13,7 +13,7 @@ from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.arrays import Bools, place_text
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.brep import BREP_SUFFIXES
-from scaffold_cad.cli import assemblies, fields, processes, sizes, source, streams, tiled
+from scaffold_cad.cli import assemblies, fields, hexahedra, processes, sizes, source, streams, tiled
 from scaffold_cad.cli.progress import Progress
 from scaffold_cad.errors import OptionError
 from scaffold_cad.io.write import check_writable, write
@@ -29,7 +29,7 @@ from scaffold_cad.struts import Ends, Joints, Nodes, round_struts
 if TYPE_CHECKING:
     from scaffold_cad.skeleton import Skeleton
 
-PRODUCTS = ("scaffold", "frame", "shell")
+PRODUCTS = ("scaffold", "frame", "shell", "hexahedra")
 
 SQUARE_OPTIONS = ("fit", "section", "collars")
 """Those that round struts have no use for, unless they are made of a scaffold's edges."""
@@ -63,8 +63,10 @@ def add_parser(
         dest="product",
         choices=PRODUCTS,
         default="scaffold",
-        help="the solid inside the scaffold, the scaffold's edges as struts, or its bare quads",
+        help="the solid inside the scaffold, the scaffold's edges as struts, its bare quads, or "
+        "hexahedra for finite elements: .inp .bdf .msh .vtu",
     )
+    hexahedra.add_arguments(parser)
     add_scaffold_arguments(parser)
     add_round_arguments(parser)
     parser.add_argument(
@@ -172,7 +174,11 @@ def add_scaffold_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Read, build and write."""
-    check_writable(options.output, solid=True)
+    if options.product == "hexahedra":
+        hexahedra.check(options)
+    else:
+        hexahedra.refuse(options)
+        check_writable(options.output, solid=True)
     _check_combination(options)
     if options.tiles is not None:
         _build_tiles(options)
@@ -203,6 +209,9 @@ def run(options: argparse.Namespace) -> None:
         product = to_brep(scaffold, "shell", overlaps=overlaps) if cad else scaffold.mesh
     else:
         product = scaffold
+    if options.product == "hexahedra":
+        hexahedra.write(product, options, progress)
+        return
     keywords = {} if options.product == "shell" else written_with(options)
     with progress.stage("file", struts, "struts"):
         write(product, options.output, **keywords)
