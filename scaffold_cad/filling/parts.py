@@ -166,7 +166,8 @@ def flush_box(
     *,
     axes: ArrayLike | None = None,
     on: CellMap | None = None,
-    sides: int = 4,
+    section: Section | None = None,
+    sides: int | None = None,
     **options: Unpack[RoundOptions],
 ) -> Manifold:
     """Return a box of lattice whose struts are cut flush with its faces: it measures as the box.
@@ -175,7 +176,7 @@ def flush_box(
     ----------
     box : lowest and highest corner, mm
     cell, size, radius, axes, on : as for `fill`
-    sides : of the struts, as for `lattice_part`
+    section, sides : of the struts, as for `lattice_part`
     **options : those of `round_struts`, for round ones
 
     Raises
@@ -195,6 +196,7 @@ def flush_box(
     """
     import manifold3d
 
+    sides = _sides(section, sides)
     make = _maker(sides, options)
     region = BoxRegion(box)
     low, high = region.bounds

@@ -8,6 +8,7 @@ import pytest
 import trimesh
 
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
+from scaffold_cad.filling.parts import flush_box
 from scaffold_cad.lattice.meshregion import MeshRegion
 from scaffold_cad.mesh.insets import inset
 from scaffold_cad.mesh.intersections import self_intersections
@@ -198,3 +199,13 @@ def test_parts_of_a_body_that_share_a_face_are_united() -> None:
     one = bd.Pos(5, 0, 0) * bd.Box(20, 10, 10)
     found, wanted = (lattice_part(body, "bcc", 5.0, 0.4, skin=1.0) for body in (shared, one))
     assert found.volume() == pytest.approx(wanted.volume(), rel=1e-6)
+
+
+def test_boxes_of_flush_struts_have_the_section_that_is_asked_for() -> None:
+    box = [[0, 0, 0], [20, 20, 10]]
+    square, rounded = (flush_box(box, "bcc", 10, 1, section=one) for one in ("square", "round"))
+    assert square.volume() == pytest.approx(flush_box(box, "bcc", 10, 1).volume())
+    assert rounded.volume() == pytest.approx(flush_box(box, "bcc", 10, 1, sides=16).volume())
+    assert 0.7 < rounded.volume() / square.volume() < 0.85  # π/4, and the nodes
+    with pytest.raises(OptionError, match="sides is 8 for section='square'"):
+        flush_box(box, "bcc", 10, 1, section="square", sides=8)
