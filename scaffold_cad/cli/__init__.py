@@ -42,7 +42,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         words = with_config(words, commands)
     except ScaffoldCadError as error:
         parser.error(str(error))
-    return running.run(parser.parse_args(words))
+    try:
+        try:
+            options = parser.parse_args(words)
+        finally:
+            sys.stdout.flush()  # help, versions and scripts for shells are printed by now
+    except OSError as error:
+        return running.unprinted(error)
+    return running.run(options)
 
 
 def _parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParser]]:

@@ -88,16 +88,21 @@ def _guarded(
         tell(f"out of memory; need a smaller skeleton{fewer}")
         return BAD_INPUT
     except OSError as error:  # of standard output: files raise a FormatError
-        # What is left in its buffer has nowhere to go.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        if isinstance(error, BrokenPipeError):  # the reader, such as head, has what it wants
-            return 0
-        tell(f"cannot print: {error.strerror or error}")
-        return BAD_INPUT
+        return unprinted(error)
     except KeyboardInterrupt:
         tell("interrupted")
         return INTERRUPTED
     return code
+
+
+def unprinted(error: OSError) -> int:
+    """Return the exit code where standard output takes no more; tell why if not all was wanted."""
+    # What is left in its buffer has nowhere to go.
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    if isinstance(error, BrokenPipeError):  # the reader, such as head, has what it wants
+        return 0
+    print(f"{_prefix(sys.stderr, RED)}cannot print: {error.strerror or error}", file=sys.stderr)
+    return BAD_INPUT
 
 
 def with_flags(message: str) -> str:

@@ -214,10 +214,11 @@ def test_a_shell_completes_commands_and_flags(capsys: pytest.CaptureFixture[str]
     assert "convert" in script
 
 
-def test_a_reader_that_has_enough_ends_a_command_quietly() -> None:
+@pytest.mark.parametrize("words", ["cells", "--help", "build --help", "--print-completion bash"])
+def test_a_reader_that_has_enough_ends_a_command_quietly(words: str) -> None:
     reader, writer = os.pipe()
     os.close(reader)
-    command = [sys.executable, "-m", "scaffold_cad", "cells"]
+    command = [sys.executable, "-m", "scaffold_cad", *words.split()]
     done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True)
     os.close(writer)
     assert (done.returncode, done.stderr) == (0, "")
