@@ -9,6 +9,7 @@ from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, Triangl
 from scaffold_cad.base.vectors import dot, length, normalize, sums_by_row
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.collapse import Lengths, lengths_at, without_short_edges
+from scaffold_cad.mesh.decimation import decimated
 from scaffold_cad.mesh.nearest import NearestPlace
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -24,6 +25,12 @@ multiresolution modeling, 2004)."""
 QUAD_SIDE = 2.5
 """Wanted side of triangles, in sides of a square as large as one of the quads that each is cut
 into; found by trial: triangles made anew come out a little larger."""
+
+FINE = 0.25
+"""Sides of triangles, in wanted ones, below which a mesh is first made coarser at once."""
+
+ROUGH = 0.02
+"""How far that may move the surface, in wanted sides; its vertices are moved back onto it later."""
 
 SHARP = 0.5
 """Cosine of the angle between triangles at which their edge is one of the shape: few triangles on a
@@ -108,14 +115,24 @@ def _remeshed(mesh: TriangleMesh, size: Lengths) -> tuple[TriangleMesh, NearestP
             f"{MOST_TRIANGLES}; need larger ones"
         )
     is_open = len(mesh.faulty_sides()[1]) > 0
-    mesh = split_to(mesh, size)
-    target = NearestPlace(mesh)
+    target = NearestPlace(split_to(mesh, size))
+    mesh = _coarser(mesh, size)
     for _ in range(ROUNDS):
         mesh = split_to(mesh, _times(LONGEST, size))
         mesh = without_short_edges(mesh, _times(SHORTEST, size), is_open=is_open)
         mesh = _turned(_turned(mesh))
         mesh = _relaxed(mesh, target)
     return mesh, target
+
+
+def _coarser(mesh: TriangleMesh, size: Lengths) -> TriangleMesh:
+    """Return a mesh of many triangles for one wanted with fewer, near it, to begin with."""
+    sides = np.broadcast_to(lengths_at(size, mesh.vertices), len(mesh.vertices))
+    corners = mesh.vertices[mesh.triangles]
+    own = np.sqrt(length(_double_areas(mesh.vertices, mesh.triangles)).mean())
+    if len(corners) == 0 or own > FINE * float(np.median(sides)):
+        return mesh
+    return decimated(mesh, ROUGH * sides, np.zeros(0, dtype=np.intp), len(corners))
 
 
 def _times(factor: float, size: Lengths) -> Lengths:

@@ -103,3 +103,26 @@ def test_few_quads_on_a_sphere_are_even(size: float) -> None:
     normals /= np.linalg.norm(normals, axis=2)[:, :, None]
     outward = corners / np.linalg.norm(corners, axis=2)[:, :, None]
     assert (normals * outward).sum(axis=2).min() > 0.7
+
+
+def test_a_mesh_of_many_triangles_becomes_one_of_few_on_its_surface() -> None:
+    ball = trimesh.creation.icosphere(subdivisions=5, radius=20)
+    fine = TriangleMesh(ball.vertices, ball.faces)
+    few = remeshed(fine, 6.0)
+    few.check_closed()
+    assert len(few.triangles) < len(fine.triangles) / 50
+    np.testing.assert_allclose(np.linalg.norm(few.vertices, axis=1), 20, atol=0.02)
+    sheet = fine.triangles[fine.vertices[fine.triangles].mean(axis=1)[:, 2] > 0]
+    cap = remeshed(TriangleMesh(ball.vertices, sheet), 6.0)
+    np.testing.assert_allclose(
+        np.linalg.norm(cap.vertices[np.unique(cap.triangles)], axis=1), 20, atol=0.02
+    )
+    assert len(cap.faulty_sides()[1]) > 0
+
+
+def test_a_fine_mesh_that_is_no_surface_is_refused_by_name() -> None:
+    ball = trimesh.creation.icosphere(subdivisions=5, radius=20)
+    fin = [*ball.faces[0][:2], len(ball.vertices)]
+    corners = np.concatenate([ball.vertices, [[0, 0, 30]]])
+    with pytest.raises(MeshError, match="an edge has more than two triangles"):
+        quadrangulated(TriangleMesh(corners, [*ball.faces, fin]), 5.0)
