@@ -122,7 +122,7 @@ def mesh_map(
     ----------
     mesh : a quad mesh, whose quads are taken as they are; or a triangle mesh of any library or a
         build123d shape, which is made anew in quads of about `size`, one a cell (`counts=(1, 1,
-        k)`); its sharp edges are rounded
+        k)`); edges between faces at 60° and more are kept
     thickness, offset : of the layer, see `face_map`
     size : of the quads, mm, or a function of positions (n, 3) that returns (n,) sizes, as a `Field`
         is; for triangles only

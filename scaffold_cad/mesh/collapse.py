@@ -8,8 +8,11 @@ from typing import TypeAlias
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Points, Triangles
-from scaffold_cad.base.vectors import length
+from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted, have_distinct_corners
+
+LEAST_TURN = 0.2
+"""Cosine of the angle that drawing an edge together may turn a triangle by."""
 
 Lengths: TypeAlias = "float | Callable[[Points], Floats]"
 """A length everywhere, or a function of positions (n, 3) that returns lengths (n,), mm."""
@@ -21,7 +24,12 @@ def lengths_at(size: Lengths, points: Points) -> float | Floats:
 
 
 def without_short_edges(
-    mesh: TriangleMesh, shortest: Lengths, *, is_open: bool = False, near: Bools | None = None
+    mesh: TriangleMesh,
+    shortest: Lengths,
+    *,
+    is_open: bool = False,
+    near: Bools | None = None,
+    order: Callable[[TriangleMesh, Edges], Edges] | None = None,
 ) -> TriangleMesh:
     """Return a closed mesh with its edges shorter than `shortest` at their middles drawn together.
 
@@ -32,13 +40,19 @@ def without_short_edges(
     ----------
     is_open : whether the mesh has a border, whose vertices keep their places
     near : (v,) bool; only edges between two of these vertices are drawn together
+    order : function that returns those of a mesh's edges that may be drawn together, the end first
+        that keeps its place; with it edges stay too that would turn a triangle over
     """
     while True:
         edges = _short_edges(mesh, shortest)
         if near is not None:
             edges = edges[near[edges].all(axis=1)]
+        if order is not None:
+            edges = order(mesh, edges)
         if is_open:
             edges = _beside_border(mesh, edges)
+        if order is not None:
+            edges = edges[_stay_up(mesh, edges)]
         chosen = _independent(mesh.triangles, edges)
         if len(chosen) == 0:
             return mesh
@@ -68,6 +82,30 @@ def _beside_border(mesh: TriangleMesh, edges: Edges) -> Edges:
     ends = on_border[edges]  # (k, 2)
     edges, ends = edges[~ends.all(axis=1)], ends[~ends.all(axis=1)]
     return np.where(ends[:, 1:], edges[:, ::-1], edges)
+
+
+def _stay_up(mesh: TriangleMesh, edges: Edges) -> Bools:
+    """Return which edges, drawn together at their first end, turn no triangle by much, (k,)."""
+    corner = mesh.triangles.reshape(-1)
+    by_vertex = np.argsort(corner, kind="stable")
+    count = np.bincount(corner, minlength=len(mesh.vertices))
+    first = np.cumsum(count) - count
+    of_edge = np.repeat(np.arange(len(edges)), count[edges[:, 1]])
+    rank = np.arange(len(of_edge)) - np.repeat(
+        np.cumsum(count[edges[:, 1]]) - count[edges[:, 1]], count[edges[:, 1]]
+    )
+    side = by_vertex[first[edges[of_edge, 1]] + rank]
+    moved, fixed = corner[side], edges[of_edge, 0]
+    after, last = (corner[side // 3 * 3 + (side % 3 + k) % 3] for k in (1, 2))
+    stays = (after != fixed) & (last != fixed)  # the others go
+    b, c = mesh.vertices[after[stays]], mesh.vertices[last[stays]]
+    before, now = (
+        normalize(np.cross(b - a, c - a) + np.finfo(float).tiny)
+        for a in (mesh.vertices[moved[stays]], mesh.vertices[fixed[stays]])
+    )
+    found = np.ones(len(edges), dtype=np.bool_)
+    found[of_edge[stays][dot(before, now) < LEAST_TURN]] = False
+    return found
 
 
 def _independent(triangles: Triangles, edges: Edges) -> Edges:

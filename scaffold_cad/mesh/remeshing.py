@@ -12,6 +12,7 @@ from scaffold_cad.mesh.collapse import Lengths, lengths_at, without_short_edges
 from scaffold_cad.mesh.decimation import decimated
 from scaffold_cad.mesh.nearest import NearestPlace
 from scaffold_cad.mesh.quadmesh import QuadMesh
+from scaffold_cad.mesh.sharpedges import SHARP, SharpEdges
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 ROUNDS = 8
@@ -32,10 +33,6 @@ FINE = 0.25
 ROUGH = 0.02
 """How far that may move the surface, in wanted sides; its vertices are moved back onto it later."""
 
-SHARP = 0.5
-"""Cosine of the angle between triangles at which their edge is one of the shape: few triangles on a
-curved surface are at large angles too."""
-
 EVEN_ACROSS = 60
 """Most triangles along the longest side of a surface whose large ones are cut."""
 
@@ -46,8 +43,8 @@ MOST_TRIANGLES = 2_000_000
 def remeshed(mesh: TriangleMesh, size: float) -> TriangleMesh:
     """Return the surface with triangles whose sides are about `size` mm long.
 
-    Vertices stay on the old surface; open borders are kept, edges of the shape are rounded by a
-    fraction of `size`.
+    Vertices stay on the old surface; open borders are kept, and so are edges of the shape at 60° or
+    more; others are rounded by a fraction of `size`.
 
     Parameters
     ----------
@@ -70,9 +67,13 @@ def quadrangulated(mesh: TriangleMesh, size: Lengths) -> QuadMesh:
     It is made anew with triangles of one size, and each is cut into three quads.
     """
     side = size if callable(size) else as_number(size, "size of quads")
-    even, target = _remeshed(mesh, _times(QUAD_SIDE, side))
+    even, target, sharp = _remeshed(mesh, _times(QUAD_SIDE, side))
     quads = three_quads_each(even)
-    return quads.moved(target.nearest(quads.vertices))
+    places = target.nearest(quads.vertices)
+    edges, _ = _edges(even.triangles)
+    middles = len(even.vertices) + np.flatnonzero(sharp.along(even, edges))
+    places[middles] = sharp.nearest(quads.vertices[middles])
+    return quads.moved(places)
 
 
 def evened(mesh: TriangleMesh) -> TriangleMesh:
@@ -103,8 +104,8 @@ def three_quads_each(mesh: TriangleMesh) -> QuadMesh:
     return QuadMesh(vertices, np.stack(quads, axis=1).reshape(-1, 4))
 
 
-def _remeshed(mesh: TriangleMesh, size: Lengths) -> tuple[TriangleMesh, NearestPlace]:
-    """Return the surface made anew, and the old one."""
+def _remeshed(mesh: TriangleMesh, size: Lengths) -> tuple[TriangleMesh, NearestPlace, SharpEdges]:
+    """Return the surface made anew, the old one, and its sharp edges."""
     areas = length(_double_areas(mesh.vertices, mesh.triangles)) / 2
     if not areas.sum() > 0:
         raise MeshError("the mesh has no area; need one to make it anew")
@@ -115,24 +116,26 @@ def _remeshed(mesh: TriangleMesh, size: Lengths) -> tuple[TriangleMesh, NearestP
             f"{MOST_TRIANGLES}; need larger ones"
         )
     is_open = len(mesh.faulty_sides()[1]) > 0
-    target = NearestPlace(split_to(mesh, size))
-    mesh = _coarser(mesh, size)
+    even = split_to(mesh, size)
+    target, sharp = NearestPlace(even), SharpEdges(even)
+    mesh = _coarser(mesh, size, sharp)
     for _ in range(ROUNDS):
-        mesh = split_to(mesh, _times(LONGEST, size))
-        mesh = without_short_edges(mesh, _times(SHORTEST, size), is_open=is_open)
+        mesh = split_to(mesh, _times(LONGEST, size), sharp)
+        least = _times(SHORTEST, size)
+        mesh = without_short_edges(mesh, least, is_open=is_open, order=sharp.ordered)
         mesh = _turned(_turned(mesh))
-        mesh = _relaxed(mesh, target)
-    return mesh, target
+        mesh = _relaxed(mesh, target, sharp)
+    return mesh, target, sharp
 
 
-def _coarser(mesh: TriangleMesh, size: Lengths) -> TriangleMesh:
+def _coarser(mesh: TriangleMesh, size: Lengths, sharp: SharpEdges) -> TriangleMesh:
     """Return a mesh of many triangles for one wanted with fewer, near it, to begin with."""
     sides = np.broadcast_to(lengths_at(size, mesh.vertices), len(mesh.vertices))
     corners = mesh.vertices[mesh.triangles]
     own = np.sqrt(length(_double_areas(mesh.vertices, mesh.triangles)).mean())
     if len(corners) == 0 or own > FINE * float(np.median(sides)):
         return mesh
-    return decimated(mesh, ROUGH * sides, np.zeros(0, dtype=np.intp), len(corners))
+    return decimated(mesh, ROUGH * sides, np.flatnonzero(sharp.on(mesh.vertices)), len(corners))
 
 
 def _times(factor: float, size: Lengths) -> Lengths:
@@ -142,8 +145,11 @@ def _times(factor: float, size: Lengths) -> Lengths:
     return lambda points: factor * size(points)
 
 
-def split_to(mesh: TriangleMesh, longest: Lengths) -> TriangleMesh:
-    """Return the mesh with edges halved until none is longer than `longest` at its middle."""
+def split_to(mesh: TriangleMesh, longest: Lengths, sharp: SharpEdges | None = None) -> TriangleMesh:
+    """Return the mesh with edges halved until none is longer than `longest` at its middle.
+
+    Middles of edges along sharp ones are moved onto these.
+    """
     while True:
         edges, of_side = _edges(mesh.triangles)
         ends = mesh.vertices[edges]  # (e, 2, 3)
@@ -151,7 +157,11 @@ def split_to(mesh: TriangleMesh, longest: Lengths) -> TriangleMesh:
         if not long.any():
             return mesh
         middle = len(mesh.vertices) + np.cumsum(long) - 1
-        vertices = np.concatenate([mesh.vertices, mesh.vertices[edges[long]].mean(axis=1)])
+        middles = ends[long].mean(axis=1)
+        if sharp is not None:
+            along = sharp.along(mesh, edges[long])
+            middles[along] = sharp.nearest(middles[along])
+        vertices = np.concatenate([mesh.vertices, middles])
         new = np.where(long, middle, -1)[of_side]  # (t, 3)
         mesh = TriangleMesh(vertices, _halved(mesh.triangles, new))
 
@@ -223,11 +233,11 @@ def _apart(corners: Ints) -> Bools:
     return keep
 
 
-def _relaxed(mesh: TriangleMesh, target: NearestPlace) -> TriangleMesh:
+def _relaxed(mesh: TriangleMesh, target: NearestPlace, sharp: SharpEdges) -> TriangleMesh:
     """Return the mesh with its inner vertices in the middle of their neighbors, on the target."""
     edges, of_side = _edges(mesh.triangles)
     uses = np.bincount(of_side.reshape(-1), minlength=len(edges))
-    held = np.zeros(len(mesh.vertices), dtype=np.bool_)
+    held = sharp.on(mesh.vertices)
     held[edges[uses == 1]] = True
     ends = np.concatenate([edges, edges[:, ::-1]])
     valency = np.bincount(ends[:, 0], minlength=len(held))

@@ -14,6 +14,7 @@ from scaffold_cad.mesh.remeshing import (
     remeshed,
     three_quads_each,
 )
+from scaffold_cad.mesh.sharpedges import sharp_edges
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.mesh.welding import welded
 
@@ -126,3 +127,27 @@ def test_a_fine_mesh_that_is_no_surface_is_refused_by_name() -> None:
     corners = np.concatenate([ball.vertices, [[0, 0, 30]]])
     with pytest.raises(MeshError, match="an edge has more than two triangles"):
         quadrangulated(TriangleMesh(corners, [*ball.faces, fin]), 5.0)
+
+
+@pytest.mark.parametrize("size", [2.0, 3.0, 4.0, 5.0])
+def test_quads_of_a_box_keep_its_edges(size: float) -> None:
+    box = trimesh.creation.box((30, 20, 30))
+    quads = quadrangulated(TriangleMesh(box.vertices, box.faces), size)
+    areas = TriangleMesh(quads.vertices, quads.triangles)
+    areas.check_closed()
+    assert areas.signed_volume == pytest.approx(box.volume, rel=1e-9)
+    corners = quads.vertices[quads.quads]  # (f, 4, 3)
+    flat = [np.ptp(corners[:, :, axis], axis=1) < 1e-6 for axis in range(3)]
+    assert np.any(flat, axis=0).all()  # each quad is in one face
+
+
+def test_quads_of_a_cylinder_keep_its_rims() -> None:
+    rod = trimesh.creation.cylinder(10, 30, sections=64)
+    quads = quadrangulated(TriangleMesh(rod.vertices, rod.faces), 2.0)
+    mesh = TriangleMesh(quads.vertices, quads.triangles)
+    mesh.check_closed()
+    assert mesh.signed_volume == pytest.approx(rod.volume, rel=0.02)
+    ends = quads.vertices[sharp_edges(mesh)]  # (k, 2, 3)
+    np.testing.assert_allclose(np.abs(ends[:, :, 2]), 15, atol=1e-6)
+    # Here and there a chord of the rim stands for some of its edges.
+    assert (np.abs(np.hypot(ends[..., 0], ends[..., 1]) - 10) < 0.02).mean() > 0.9
