@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from scaffold_cad.base.arguments import checks_keywords
-from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors
+from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors, place_text
 from scaffold_cad.base.vectors import any_perpendicular
 from scaffold_cad.partition import partition_spheres
 from scaffold_cad.skeleton import Skeleton, check_skeleton
@@ -31,6 +32,11 @@ from scaffold_cad.struts.sharp.builder import sharp_struts
 from scaffold_cad.struts.sockets import sockets_of
 from scaffold_cad.struts.walls import without_wall
 
+SHRUNK = 1e-3
+"""Part of a fillet radius that may be missing before it is told."""
+
+_log = logging.getLogger(__name__)
+
 
 @checks_keywords()
 def round_struts(
@@ -52,9 +58,9 @@ def round_struts(
     skeleton : as `check_skeleton` asks; its edge radii are those of the struts. A node whose own
         radius is larger than those is a ball, blended with its struts
     blend : fillet radius at the nodes, mm; by default half the radius of a node's thinnest strut.
-        Where there is no room for it it shrinks, to a tenth of the struts' radii at least. One
-        number, one for each node, shape (n,), or a function of positions (n, 3), such as a sampled
-        field
+        Where there is no room for it, or none so wide is proved, it shrinks, to a tenth of the
+        struts' radii at least. One number, one for each node, shape (n,), or a function of
+        positions (n, 3), such as a sampled field
     ends : how struts end: "flat" at their node, "round" beyond it, or "open" with a wall
     wall : thickness of hollow struts, mm
     joints : how struts pass joints of two edges: "blend" as bends with a fillet between exact
@@ -100,6 +106,7 @@ def round_struts(
     if like is not None:
         check_like(skeleton, options, like)
     outer = _built(skeleton, options, like)
+    _tell_shrunk(outer)
     if wall is None:
         return outer
     bored = sockets_of(sockets, skeleton, wall)
@@ -110,6 +117,25 @@ def round_struts(
     bare = replace(options, wall=None, ends="flat", sockets=None)
     inner = _built(inside, bare, None if like is None else like.inner, outer)
     return replace(outer, sockets=bored, inner=replace(inner, options=options))
+
+
+def _tell_shrunk(struts: RoundStruts) -> None:
+    """Log how many fillets are tighter than was asked for, and the tightest."""
+    if struts.options.blend is None:
+        return
+    asked = np.broadcast_to(struts.options.blend, struts.fillet.shape)
+    tight = np.flatnonzero(~struts.crowded & (struts.fillet < (1 - SHRUNK) * asked))
+    if len(tight):
+        least = tight[(struts.fillet / asked)[tight].argmin()]
+        _log.warning(
+            "%s shrunk: node %d at %s has %.3g mm of the %g mm asked for; wider ones need longer "
+            "or thicker struts, or wider angles",
+            "1 fillet is" if len(tight) == 1 else f"{len(tight)} fillets are",
+            least,
+            place_text(struts.skeleton.nodes[least]),
+            struts.fillet[least],
+            asked[least],
+        )
 
 
 def _built(

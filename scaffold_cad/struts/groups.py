@@ -13,12 +13,19 @@ from scaffold_cad.struts.blend import Stars
 from scaffold_cad.struts.insides import LEAST
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.nodes import blends
+from scaffold_cad.struts.options import BLEND
 from scaffold_cad.struts.walls import walls_at
 
 INNER_FILLETS = (1.0, 0.5)
 """Fillets that are tried inside of hollow nodes whose inside is not the outer surface moved in, in
 radii of the widest, which leaves a wall where struts meet at right angles. Tighter ones leave
 thicker walls."""
+
+SHRUNK = 0.7
+"""What is left of a fillet that is not sound. With less, fillets are tighter than they need be;
+with more, more of them are tried."""
+SAME_FILLET = 1e-6
+"""Part of a fillet radius below which two are one: the radius reached is found by bisection."""
 
 _log = logging.getLogger(__name__)
 
@@ -37,7 +44,35 @@ class Group:
 
 
 def with_blends(group: Group, stars: Stars) -> Iterator[BlendedNodes]:
-    """Yield the blends of nodes, those together whose patches are cut alike."""
+    """Yield the blends of nodes, those together whose patches are cut alike.
+
+    Where a fillet wider than `BLEND` radii of the thinnest strut is not sound, it shrinks until it
+    is. A node none of whose fillets is keeps the one asked for.
+    """
+    made = list(_as_asked(group, stars))
+    reached, sound = stars.blends.copy(), np.ones(len(stars), dtype=np.bool_)
+    for each in made:
+        place = np.searchsorted(group.nodes, each.nodes)
+        reached[place] = np.minimum(reached[place], each.shapes.rho[each.shape_of])
+        has_room = each.shapes.has_room[each.shape_of]
+        sound[place] = each.shapes.sound[each.shape_of] | ~has_room
+    least = BLEND * stars.radii.min(axis=1)
+    rows = np.flatnonzero(~sound & (reached > (1 + SAME_FILLET) * least))
+    if len(rows):
+        tighter = replace(stars[rows], blends=np.maximum(SHRUNK * reached[rows], least[rows]))
+        shrunk = [_sound_ones(each) for each in with_blends(group[rows], tighter)]
+        done = np.concatenate([each.nodes for each in shrunk])
+        made = [each[np.flatnonzero(~np.isin(each.nodes, done))] for each in made] + shrunk
+    yield from (each for each in made if len(each.nodes))
+
+
+def _sound_ones(blended: BlendedNodes) -> BlendedNodes:
+    """Return those of the blends that are sound."""
+    return blended[np.flatnonzero(blended.shapes.sound[blended.shape_of])]
+
+
+def _as_asked(group: Group, stars: Stars) -> Iterator[BlendedNodes]:
+    """Yield the blends of nodes with the fillets asked for."""
     for found in blends(stars):
         _, first = np.unique(found.shape_of, return_index=True)
         yield BlendedNodes(

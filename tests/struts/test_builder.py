@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -74,6 +75,25 @@ def test_only_what_is_crowded_overlaps() -> None:
     struts = round_struts(Skeleton(nodes, edges, 1.0))
     assert struts.overlapping.tolist() == [6, 7]
     assert struts.exact.tolist() == [True] * 6 + [False] * 2
+
+
+@pytest.mark.parametrize("wall", [None, 0.3])
+def test_a_blend_too_wide_to_be_proved_shrinks_until_it_is(wall: float | None) -> None:
+    for directions in random_stars(4, 4, 45.0, np.random.default_rng(3)):
+        nodes = np.concatenate([np.zeros((1, 3)), 100 * directions])
+        star = Skeleton(nodes, [[0, k] for k in range(1, 5)], 1.0)
+        struts = round_struts(star, blend=40.0, wall=wall, ends="flat" if wall is None else "open")
+        assert not struts.crowded.any()
+        assert 0.5 <= struts.fillet[0] < 40.0
+
+
+def test_fillets_that_shrink_are_told(caplog: pytest.LogCaptureFixture) -> None:
+    round_struts(TRIPOD, blend=1.0)
+    assert caplog.messages == []
+    round_struts(TRIPOD.scaled(3.0 / TRIPOD.lengths[0]).with_radii(1.0), blend=2.5)
+    assert re.search(
+        r"1 fillet is shrunk: node 0 at \[0, 0, 0\] mm has .* of the 2.5 mm", caplog.text
+    )
 
 
 def test_equal_nodes_share_one_blend() -> None:
