@@ -7,6 +7,9 @@ import os
 UNKNOWN = 16e9
 """Memory of a machine that does not tell, bytes."""
 
+MOST_MEMORY = 0.8
+"""Most of the machine's memory that one work may need."""
+
 
 def machine_memory() -> float:
     """Return the memory of the machine, bytes.

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from scaffold_cad.base.arguments import as_count, check_kind
 from scaffold_cad.base.arrays import Bools
+from scaffold_cad.base.memory import MOST_MEMORY, machine_memory
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.skeleton.checking import check_single_precision
@@ -33,6 +34,10 @@ FIELD_STEPS = 2.0 * LEAST_STEPS
 """Least radius in steps of 32-bit coordinates: fields make thinner struts as thick as that."""
 
 
+TRIANGLE_BYTES = 250
+"""What a triangle takes at least while a surface is made, measured."""
+
+
 def round_mesh(struts: RoundStruts, sides: int = SIDES, factor: float = 1.0) -> TriangleMesh:
     """Return the surface of round struts, closed and without crossings in 32-bit coordinates.
 
@@ -44,13 +49,15 @@ def round_mesh(struts: RoundStruts, sides: int = SIDES, factor: float = 1.0) -> 
     Raises
     ------
     OptionError
-        If `struts` is not a RoundStruts, or `sides` is not a multiple of 4.
+        If `struts` is not a RoundStruts, `sides` is not a multiple of 4, or the triangles do not
+        fit into the memory of the machine.
     MeshError
         If struts are too thin for 32-bit coordinates so far from the origin.
     """
     check_kind(struts, RoundStruts)
     check_sides(sides)
     check_single_precision(struts.skeleton, FIELD_STEPS)
+    _check_size(struts, sides)
     return surface_of(struts, sides, factor)
 
 
@@ -85,4 +92,22 @@ def check_sides(sides: int) -> None:
     if sides > MOST_SIDES:
         raise OptionError(
             f"sides is {sides}; need at most {MOST_SIDES}, which files cannot tell from a circle"
+        )
+
+
+def _check_size(struts: RoundStruts, sides: int) -> None:
+    """Raise if there is too little memory for the triangles of the nodes.
+
+    Around each strut that leaves a node they are four grids of `sides` / 4 squares a side.
+    """
+    shells = [struts] if struts.inner is None else [struts, struts.inner]
+    patched = sum(part.half_runs.size for shell in shells for part in shell.blended)
+    triangles = patched * sides**2 / 2
+    most = MOST_MEMORY * machine_memory() / TRIANGLE_BYTES
+    if triangles > most:
+        fitting = int((2 * most / patched) ** 0.5) // 4 * 4
+        raise OptionError(
+            f"sides is {sides}; the nodes have some {triangles:.2g} triangles then, which need "
+            f"{triangles * TRIANGLE_BYTES / 1e9:.2g} GB of memory or more; need "
+            + (f"sides of at most {fitting} here" if fitting >= 4 else "fewer struts, or tiles")
         )

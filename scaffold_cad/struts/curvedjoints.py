@@ -134,7 +134,8 @@ def curved_joints(
     usable = (1 - LEAST_STRAIGHT) * lengths
     if curved is None:
         curved = both & (wanted.reshape(-1, 2).sum(axis=1) > usable)
-    shrunk = np.minimum(1.0, usable / np.maximum(wanted.reshape(-1, 2).sum(axis=1), 1e-300))
+    total = wanted.reshape(-1, 2).sum(axis=1)
+    shrunk = np.divide(usable, total, out=np.ones_like(total), where=total > usable)
     wanted[np.repeat(both, 2)] *= np.repeat(shrunk, 2)[np.repeat(both, 2)]
     single = np.flatnonzero(is_joint.reshape(-1) & ~np.repeat(both, 2))
     at_end = runs.valency[runs.tails[single ^ 1]] == 1

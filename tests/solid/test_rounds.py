@@ -10,7 +10,7 @@ import pytest
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import tile
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.solid import solidified, thicken, to_solid
+from scaffold_cad.solid import rounds, solidified, thicken, to_solid
 from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts import round_struts
 from tests.crossings import check_as_written
@@ -99,3 +99,14 @@ def test_frames_of_round_struts_follow_their_radius() -> None:
 def test_wrong_arguments_are_refused(call: Any, message: str) -> None:
     with pytest.raises(OptionError, match=message):
         call()
+
+
+def test_what_does_not_fit_into_memory_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rounds, "machine_memory", lambda: 1e6)
+    struts = round_struts(TRIPOD)
+    assert len(round_mesh(struts, 44).triangles) > 2904
+    need = r"sides is 48; the nodes have some 3.5e\+03 triangles .*; need sides of at most 44 here"
+    with pytest.raises(OptionError, match=need):
+        round_mesh(struts, 48)
+    with pytest.raises(OptionError, match="need fewer struts, or tiles"):
+        round_mesh(round_struts(tile("bcc", 10.0, 3, radius=0.8)), 8)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints
 from scaffold_cad.base.blocks import CACHE, uneven_blocks
 from scaffold_cad.base.counts import counted
-from scaffold_cad.base.memory import machine_memory
+from scaffold_cad.base.memory import MOST_MEMORY, machine_memory
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.errors import OptionError
 from scaffold_cad.solid.field.lattice import Lattice, least_cells
@@ -46,9 +46,6 @@ MOST_GROUPS = 10_000_000
 
 GROUP_BYTES = 2500
 """Memory that a group takes at the peak, with its triangles."""
-
-MOST_MEMORY = 0.8
-"""Most of the machine's memory that a solid may need."""
 
 GROWTH = 2
 """Groups of the next finer level, at least, for each group to be refined."""
