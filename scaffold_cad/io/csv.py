@@ -314,7 +314,7 @@ def _is_header(cells: list[str]) -> bool:
     return any(plain_name(cell) in _KNOWN for cell in cells)
 
 
-@register_writer(".csv", name="CSV", solids=False)
+@register_writer(".csv", name="CSV", solids=False, radii="members")
 def write_csv(content: Content, path: Path) -> None:
     """Write the members of a Skeleton, a line each: both ends and both radii, exact.
 

@@ -183,7 +183,7 @@ ROW_BYTES = 2048
 """What a row takes where it is formatted: its text and its numbers as Python's objects."""
 
 
-@register_writer(".obj", name="OBJ")
+@register_writer(".obj", name="OBJ", radii="none")
 def write_obj_content(content: Content, path: Path) -> None:
     """Write a Skeleton as lines, and anything else that has a surface as its faces."""
     if isinstance(content.what, Skeleton):

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from scaffold_cad.errors import FormatError, OptionError
+from scaffold_cad.io._radii import KeptRadii
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io.content import Content
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -69,6 +70,8 @@ class WrittenFormat:
     """Whether it can hold skeletons: a format of surfaces cannot."""
     names_unit: bool
     """Whether files say in which unit they are."""
+    radii: KeptRadii
+    """Which radii of a skeleton files hold."""
     write: Writer
 
 
@@ -120,6 +123,7 @@ def register_writer(
     solids: bool = True,
     skeletons: bool = True,
     names_unit: bool = False,
+    radii: KeptRadii = "all",
 ) -> Callable[[Writer], Writer]:
     """Register the decorated writer for files with one of `suffixes`, such as ".stl".
 
@@ -131,11 +135,12 @@ def register_writer(
     name : what lists call the format; by default its first suffix without the dot
     solids, skeletons : whether the format can hold these
     names_unit : whether files of the format say that they are in mm
+    radii : which radii of a skeleton it holds; `write` tells of those that are lost
     """
 
     def register(write: Writer) -> Writer:
         shown = name or (suffixes[0].lstrip(".").upper() if suffixes else "")
-        made = WrittenFormat(shown, _lowered(suffixes), solids, skeletons, names_unit, write)
+        made = WrittenFormat(shown, _lowered(suffixes), solids, skeletons, names_unit, radii, write)
         _formats.append(made)
         return write
 

@@ -90,7 +90,7 @@ DENDRITE = 3
 """Type of every sample: a skeleton knows no soma and no axon."""
 
 
-@register_writer(".swc", name="SWC", solids=False)
+@register_writer(".swc", name="SWC", solids=False, radii="nodes")
 def write_swc_content(content: Content, path: Path) -> None:
     """Write the Skeleton that `write` is given."""
     write_swc(content.skeleton("an SWC file"), path, content.unit)

@@ -14,6 +14,7 @@
 
 from __future__ import annotations
 
+import logging
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -22,14 +23,18 @@ from scaffold_cad.base.arguments import as_path, checks_keywords
 from scaffold_cad.base.builders import built
 from scaffold_cad.base.files import check_target, replacing
 from scaffold_cad.errors import FormatError, OptionError
+from scaffold_cad.io._radii import lost_radii
 from scaffold_cad.io._units import factor_of
 from scaffold_cad.io.content import Content
 from scaffold_cad.io.register import WrittenFormat, written_format_of, written_suffixes
 from scaffold_cad.io.step import STEP_SUFFIXES
 from scaffold_cad.products.overlaps import Overlaps
 from scaffold_cad.scaffold import Scaffold
+from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid.rounds import SIDES, check_sides
 from scaffold_cad.struts import RoundStruts
+
+_log = logging.getLogger(__name__)
 
 
 @checks_keywords()
@@ -112,6 +117,9 @@ def write(
         check_sides(sides)
     with replacing(path) as fresh:
         known.write(content, fresh)
+    lost = lost_radii(what, known.radii) if isinstance(what, Skeleton) else ""
+    if lost:
+        _log.warning("%s %s", path.name, lost)
 
 
 def check_writable(

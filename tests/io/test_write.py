@@ -86,3 +86,32 @@ def test_what_swc_cannot_hold_is_refused(
     with pytest.raises(FormatError, match=message):
         write(what, tmp_path / "a.swc")
     assert not list(tmp_path.iterdir())
+
+
+UNEVEN = Skeleton(
+    [[0, 0, 0], [9, 0, 0], [0, 9, 0]], [[0, 1], [0, 2]], [3, 1, 1], edge_radii=[[1, 1], [2, 1]]
+)
+
+
+@pytest.mark.parametrize(
+    ("suffix", "message"),
+    [
+        (".json", None),
+        (".graphml", None),
+        (".3mf", "holds the radii of members: 1 ball at nodes lost"),
+        (".csv", "holds the radii of members: 1 ball at nodes lost"),
+        (".inp", "holds a radius for each member, the mean of both ends: 1 taper lost"),
+        (".vtu", "holds a radius for each member, the mean of both ends: 1 taper lost"),
+        (".swc", "holds a radius for each node: 2 struts become up to 3 times as thick"),
+        (".obj", "holds no radii; need radius= to read it"),
+    ],
+)
+def test_radii_that_a_format_does_not_hold_are_told(
+    tmp_path: Path, suffix: str, message: str | None, caplog: pytest.LogCaptureFixture
+) -> None:
+    write(UNEVEN, tmp_path / f"a{suffix}")
+    assert caplog.messages == ([] if message is None else [f"a{suffix} {message}"])
+    radius = 1.0 if suffix == ".obj" else None
+    read = read_skeleton(tmp_path / f"a{suffix}", radius)
+    same = np.array_equal(read.radii, [3, 1, 1]) and (read.edge_radii == UNEVEN.edge_radii).all()
+    assert same == (message is None)

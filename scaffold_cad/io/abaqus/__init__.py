@@ -110,7 +110,7 @@ def _add(graph: NamedGraph, part: Part, number: int, matrix: Floats) -> None:
             graph.add_edge((number, a), (number, b), radius, f"line {line}")
 
 
-@register_writer(".inp", name="Abaqus input", solids=False)
+@register_writer(".inp", name="Abaqus input", solids=False, radii="means")
 def write_abaqus(content: Content, path: Path) -> None:
     """Write a Skeleton as beams B31 of steel, with one circular section a radius.
 

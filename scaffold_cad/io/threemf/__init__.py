@@ -83,7 +83,7 @@ def read_3mf_triangles(path: Path) -> TriangleMesh:
     return manifold_triangles(assembly_solid(assembly))
 
 
-@register_writer(".3mf", name="3MF", names_unit=True)
+@register_writer(".3mf", name="3MF", names_unit=True, radii="members")
 def write_3mf_content(content: Content, path: Path) -> None:
     """Write a Skeleton, a PeriodicLattice, a BeamLattice or an Assembly as beams.
 
