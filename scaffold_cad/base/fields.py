@@ -12,6 +12,7 @@ from scipy.spatial import QhullError, cKDTree
 
 from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Points, as_floats, as_points, place_text
+from scaffold_cad.base.summaries import counted, size_text
 from scaffold_cad.errors import OptionError
 
 
@@ -116,6 +117,13 @@ class PointField:
         self.points: Points = places
         self.values: Floats = numbers
         self._tree = cKDTree(places)
+
+    def __str__(self) -> str:
+        """Return one line: how many points, the size of their box, the range of values."""
+        values = f"values {self.values.min():.6g} to {self.values.max():.6g}"
+        return (
+            f"PointField: {counted(len(self.points), 'point')}, {size_text(self.points)}, {values}"
+        )
 
     def __call__(self, points: ArrayLike) -> Floats:
         """Return the numbers at positions (n, 3), shape (n,)."""

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from scaffold_cad.base.arguments import as_number, check_choice, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frames, Frozen, Ints, Points
 from scaffold_cad.base.radii import Radius, radii_at
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.lattice.maps.placing import Counts, three_counts
 from scaffold_cad.lattice.maps.solids import BoxMap, as_axes, as_place
 from scaffold_cad.lattice.registry import as_cell
@@ -64,6 +65,12 @@ class PeriodicLattice(Frozen):
     """How round struts end at the lattice's sides where there is no other."""
     wall: float | None
     """Thickness of hollow round struts, mm; None for solid ones."""
+
+    def __str__(self) -> str:
+        """Return one line: the cell, how many of which size, struts."""
+        counts, size = (" x ".join(f"{n:.6g}" for n in each) for each in (self.counts, self.size))
+        struts = counted(self.strut_count, "strut")
+        return f"PeriodicLattice: {counts} cells of {self.cell.name}, each {size} mm, {struts}"
 
     def __init__(
         self,

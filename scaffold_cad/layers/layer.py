@@ -10,6 +10,7 @@ import numpy as np
 from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
 from scaffold_cad.base.counts import counted
+from scaffold_cad.base.summaries import size_text
 
 
 @checks_keywords()
@@ -98,3 +99,8 @@ class Layers(Iterator[Layer]):
 
     def __len__(self) -> int:
         return len(self.heights)
+
+    def __str__(self) -> str:
+        """Return one line: how many, how thick, how large."""
+        thick = f"{self.thickness:.6g} mm thick" if self.thickness else "sections"
+        return f"Layers: {len(self)}, {thick}, {size_text(self.box)}"

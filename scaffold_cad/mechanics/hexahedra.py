@@ -20,6 +20,7 @@ from scipy import sparse
 
 from scaffold_cad.base.arguments import as_count, as_number, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, Quads
+from scaffold_cad.base.summaries import size_text
 from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mechanics.hexplacement import scaffold_plan
@@ -52,6 +53,13 @@ class Hexahedra(Frozen):
     """Branch point that each touches, -1 where it touches none, shape (k,)."""
     end_of_point: Ints
     """Extremity of the skeleton in whose end face each point lies, -1 for others, shape (p,)."""
+
+    def __str__(self) -> str:
+        """Return one line: counts, size, the least scaled Jacobian."""
+        return (
+            f"Hexahedra: {len(self.hexahedra)} with {len(self.points)} points, "
+            f"{size_text(self.points)}, least scaled Jacobian {self.quality.min():.3g}"
+        )
 
     @cached_property
     def quality(self) -> Floats:

@@ -30,6 +30,7 @@ import numpy as np
 from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Bools, Edges, Frozen, Ints, Points
 from scaffold_cad.base.blocks import cut
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import dot, length
 from scaffold_cad.base.visibility import SINGLE_ROUNDING, in_front, rounding_of
 from scaffold_cad.mesh.quadmesh import QuadMesh
@@ -110,6 +111,16 @@ class Embedding(Frozen):
     """Nodes whose sphere keeps apart from all others and from all kept struts, shape (n,)."""
     room: float
     """How far every vertex may be off and all of this still holds, mm."""
+
+    def __str__(self) -> str:
+        """Return one line: whether it is certified, or how many struts and nodes are left out."""
+        if self.certified:
+            return "Embedding: certified"
+        nodes = counted(int((~self.kept_nodes).sum()), "node")
+        return (
+            f"Embedding: {len(self.left_out)} of {counted(len(self.kept), 'strut')} and {nodes} "
+            f"left out, {counted(len(self.conflicts), 'pair')} too close"
+        )
 
     @property
     def certified(self) -> bool:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import check_choice, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, as_floats, check_believable
+from scaffold_cad.base.summaries import counted, radii_text, size_text
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.skeleton.skeleton import Skeleton
 
@@ -85,6 +86,16 @@ class BeamLattice(Frozen):
             clipping=clipping,
             representation=representation,
         )
+
+    def __str__(self) -> str:
+        """Return one line: beams, balls, size, radii, and which meshes are beside them."""
+        nodes, radii = size_text(self.skeleton.nodes), radii_text(self.skeleton.edge_radii)
+        counts = (
+            f"{counted(len(self.caps), 'beam')}, {counted(int((self.balls > 0).sum()), 'ball')}"
+        )
+        beside = [name for name in ("clip", "mesh") if getattr(self, name) is not None]
+        more = f", with {' and '.join(beside)}" if beside else ""
+        return f"BeamLattice: {counts}, {nodes}, {radii}{more}"
 
     @property
     def is_plain(self) -> bool:

@@ -389,3 +389,7 @@ class Cleaning:
 
     skeleton: Skeleton
     repairs: Repairs
+
+    def __str__(self) -> str:
+        """Return one line: the skeleton, and what was repaired."""
+        return f"{self.skeleton}; repaired: {self.repairs}"
