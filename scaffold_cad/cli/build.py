@@ -121,7 +121,8 @@ def add_strut_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--nodes",
         choices=get_args(Nodes),
-        help="what is at nodes: a blend, or sharp edges in which the struts meet (default: blend)",
+        help="what is at nodes: a blend, a ball on which each strut ends in a circle, or sharp "
+        "edges in which the struts meet (default: blend)",
     )
     parser.add_argument(
         "--wall", type=float, metavar="T", help="thickness of hollow round struts, mm"

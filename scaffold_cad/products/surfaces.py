@@ -62,7 +62,7 @@ def surface_of(
     if isinstance(what, RoundStruts):
         if to_unite(overlaps, what.overlapping, what.skeleton) or overlaps != "allow":
             return round_mesh(what, sides, factor)
-        if what.options.nodes == "sharp":
+        if what.options.is_sharp:
             check_made(what.runs, what.sharp)
         return triangulated(what, sides).mesh
     if isinstance(what, Assembly):

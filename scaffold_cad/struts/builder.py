@@ -28,6 +28,7 @@ from scaffold_cad.struts.nodes import nearest_collars
 from scaffold_cad.struts.options import Bend, Blend, Ends, Joints, Nodes, StrutOptions, as_blend
 from scaffold_cad.struts.room import allotted
 from scaffold_cad.struts.runs import Runs, ball_collars, ball_ends, balls_of, straight_runs
+from scaffold_cad.struts.sharp.balls import with_balls
 from scaffold_cad.struts.sharp.builder import sharp_struts
 from scaffold_cad.struts.sockets import sockets_of
 from scaffold_cad.struts.walls import without_wall
@@ -74,10 +75,12 @@ def round_struts(
         why
     sockets : inner radius and depth, mm, of open ends of hollow struts that take tubes, by node:
         `{3: (14.375, 25)}`
-    nodes : what is at nodes: a "blend", or "sharp" edges in which the struts meet: the union of
-        their cylinders, cones and balls, without a fillet. Bends of two equal struts of at most 90°
-        meet in the plane between them, as mitred pipes do; behind the struts of other nodes there
-        is the ball that touches the thickest. `blend`, `joints`, `bend` and `like` are for blends
+    nodes : what is at nodes: a "blend"; a "ball", as in space frames, of the node's radius, or as
+        large as every strut's circle needs on it; or "sharp" edges in which the struts meet: the
+        union of their cylinders, cones and balls, without a fillet. Bends of two equal struts of at
+        most 90° meet in the plane between them, as mitred pipes do; behind the struts of other
+        nodes there is the ball that touches the thickest. `blend`, `joints`, `bend` and `like` are
+        for blends
     like : struts of the same skeleton with its nodes elsewhere: partitions and triangles stay, for
         animation and optimization
 
@@ -103,6 +106,8 @@ def round_struts(
     options = StrutOptions(
         as_blend(blend, skeleton.nodes), ends, wall, joints, bend, sockets, nodes
     )
+    if nodes == "ball":
+        skeleton = with_balls(skeleton)
     if like is not None:
         check_like(skeleton, options, like)
     outer = _built(skeleton, options, like)
@@ -152,7 +157,7 @@ def _built(
     outer : what they are the inside of, whose fillets and curves theirs follow
     blended : (n,) bends that are blends in any case
     """
-    if options.nodes == "sharp":
+    if options.is_sharp:
         return sharp_struts(skeleton, options)
     runs = straight_runs(skeleton) if like is None else like.runs.moved(skeleton)
     plan = _planned(skeleton, runs, options, like, outer, blended)

@@ -106,7 +106,7 @@ def faces_of(struts: RoundStruts, open_at: Bools | None = None) -> tuple[Analyti
     ----------
     open_at : (n,) nodes where struts end without a face; none by default
     """
-    if struts.options.nodes == "sharp":
+    if struts.options.is_sharp:
         made = sharp_brep(struts, open_at)
         return made.brep, made.ends, made.rings
     plan = FacePlan.of(struts, open_at)

@@ -21,11 +21,12 @@ def check_like(skeleton: Skeleton, options: StrutOptions, like: RoundStruts) -> 
         If the graph, the ends, the balls there or the walls are others, or nodes are sharp.
     """
     check_kind(like, RoundStruts)
-    if "sharp" in (options.nodes, like.options.nodes):
+    if options.is_sharp or like.options.is_sharp:
+        edged = (options if options.is_sharp else like.options).nodes
         raise OptionError(
-            "like with nodes='sharp', whose edges and triangles are others where nodes move; need "
-            f"nodes='blend' for both, with blend={SHARP} radii of the thinnest strut for nearly "
-            "sharp nodes"
+            f"like with nodes={edged!r}, whose edges and triangles are others where nodes move; "
+            f"need nodes='blend' for both, with blend={SHARP} radii of the thinnest strut for "
+            "nearly sharp nodes"
         )
     if not np.array_equal(skeleton.edges, like.skeleton.edges):
         raise OptionError(

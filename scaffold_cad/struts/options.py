@@ -20,9 +20,9 @@ Joints: TypeAlias = Literal["auto", "curve", "blend"]
 """How struts pass joints: on a curve through their nodes, or as a bend with a fillet between two
 exact cylinders; by default as `scaffold_cad.struts.curvedjoints` tells one from the other."""
 
-Nodes: TypeAlias = Literal["blend", "sharp"]
-"""What is at nodes: patches that blend the struts' surfaces, or these themselves up to the edges
-in which they meet."""
+Nodes: TypeAlias = Literal["blend", "ball", "sharp"]
+"""What is at nodes: patches that blend the struts' surfaces; a ball that these end at; or these
+themselves up to the edges in which they meet."""
 
 Bend: TypeAlias = float | Literal["blend", "torus"]
 """How two cylinders of one radius meet: with a blend, or as an exact torus; a number is the radius
@@ -68,7 +68,7 @@ class StrutOptions:
         else:
             as_number(self.bend, "bend")
         check_choice(self.nodes, "nodes", get_args(Nodes))
-        if self.nodes == "sharp":
+        if self.is_sharp:
             self._check_sharp()
         if self.wall is not None:
             as_number(self.wall, "wall")
@@ -78,6 +78,11 @@ class StrutOptions:
         if self.sockets and self.ends != "open":
             raise OptionError(f"sockets with ends={self.ends!r}; need ends='open', and a wall")
 
+    @property
+    def is_sharp(self) -> bool:
+        """Whether nodes have edges: all but blends."""
+        return self.nodes != "blend"
+
     def _check_sharp(self) -> None:
         """Raise if something is asked for that sharp nodes do not have."""
         asked = {"blend": self.blend, "joints": self.joints, "bend": self.bend}
@@ -85,7 +90,8 @@ class StrutOptions:
         for name, value in asked.items():
             if value is not usual[name] and not (isinstance(value, str) and value == usual[name]):
                 raise OptionError(
-                    f"{name} with nodes='sharp', whose struts meet in edges; need {name} left out"
+                    f"{name} with nodes={self.nodes!r}, whose struts meet in edges; need {name} "
+                    "left out"
                 )
 
     def blends(self, nodes: Ints, thin: Floats) -> Floats:
@@ -95,7 +101,7 @@ class StrutOptions:
         ----------
         thin : radius of the thinnest strut of each
         """
-        if self.nodes == "sharp":
+        if self.is_sharp:
             return SHARP * thin
         if self.blend is None:
             return BLEND * thin

@@ -167,7 +167,7 @@ def unproved(struts: RoundStruts) -> Core:
     for group in struts.blended:
         good = group.shapes.sound[group.shape_of]
         found[group.nodes[~good]] = True
-    if struts.options.nodes == "sharp":
+    if struts.options.is_sharp:
         found = runs.valency > 1
         for own in struts.sharp:
             found[own.nodes] = False

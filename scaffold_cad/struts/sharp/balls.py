@@ -1,0 +1,57 @@
+"""Balls at nodes, as those of space frames: large enough for every strut to end in a circle."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Floats, UnitVectors
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.struts.runs import straight_runs
+
+SPARE = 1.05
+"""Radius of a ball over that of the one on which two circles touch."""
+TAPER_STEPS = 8
+"""Rounds in which the circles of cones and their ball are found: each depends on the other."""
+
+
+def with_balls(skeleton: Skeleton) -> Skeleton:
+    """Return `skeleton` with its radii at bends and branch points raised to those of balls.
+
+    On such a ball the circles of its struts keep apart. A node whose radius is larger keeps it.
+
+    Examples
+    --------
+    >>> tips = [[9, 0, 0], [0, 9, 0], [0, 0, 9]]
+    >>> tripod = Skeleton([[0, 0, 0], *tips], [[0, 1], [0, 2], [0, 3]], 1.0)
+    >>> with_balls(tripod).radii.round(3).tolist()
+    [1.485, 1.0, 1.0, 1.0]
+    """
+    runs = straight_runs(skeleton)
+    radii = skeleton.radii.copy()
+    for valency in np.unique(runs.valency[runs.valency > 1]).tolist():
+        nodes = np.flatnonzero(runs.valency == valency)
+        half_runs = runs.incidence.at_nodes(nodes, valency)  # (M, N)
+        directions = runs.directions[half_runs]
+        across, slopes = runs.radii.reshape(-1)[half_runs], runs.slopes[half_runs]
+        ball = SPARE * _least_balls(directions, across)
+        for _ in range(TAPER_STEPS if slopes.any() else 0):
+            ball = SPARE * _least_balls(directions, across + np.maximum(slopes, 0) * ball[:, None])
+        radii[nodes] = np.maximum(radii[nodes], ball)
+    return Skeleton(skeleton.nodes, skeleton.edges, radii, skeleton.edge_radii)
+
+
+def _least_balls(directions: UnitVectors, radii: Floats) -> Floats:
+    """Return the radii (M,) of balls on which circles of `radii` (M, N) around directions touch.
+
+    Two circles of radii r, s at an angle θ touch where asin(r/R) + asin(s/R) = θ, which
+    R² sin² θ = r² + s² + 2 r s cos θ solves; from θ = π/2 + asin(s/r) on, R = r > s is enough.
+    """
+    cosines = np.clip(directions @ directions.transpose(0, 2, 1), -1.0, 1.0)  # (M, N, N)
+    one, other = radii[:, :, None], radii[:, None]
+    thick = np.maximum(one, other)
+    is_wide = -cosines >= np.minimum(one, other) / thick
+    square = one**2 + other**2 + 2 * one * other * cosines
+    sines = np.where(is_wide, 1.0, 1 - cosines**2)
+    every = np.eye(radii.shape[1], dtype=np.bool_)
+    touching = np.sqrt(np.divide(square, sines, out=np.zeros_like(square), where=~every))
+    return np.asarray(np.where(is_wide | every, thick, touching).max(axis=(1, 2)))

@@ -1,0 +1,72 @@
+"""Balls at nodes: one sphere, on which every strut ends in a circle of its own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from build123d import GeomType, import_step
+
+from scaffold_cad import Skeleton, round_struts, to_brep, to_solid, write
+from scaffold_cad.errors import OptionError
+from tests.skeletons import BCC_STAR, ELBOW, JACK, TETRAPOD
+from tests.struts.stars import random_stars
+
+STARS = {"jack": JACK, "bcc_star": BCC_STAR, "tetrapod": TETRAPOD, "elbow": ELBOW}
+
+
+def tapered() -> Skeleton:
+    directions = random_stars(1, 5, 40.0, np.random.default_rng(8))[0]
+    nodes = np.concatenate([np.zeros((1, 3)), 30 * directions])
+    radii = [[1, 0.6], [0.8, 0.8], [1.2, 0.5], [0.5, 1.5], [1, 2]]
+    return Skeleton(nodes, [[0, k] for k in range(1, 6)], edge_radii=radii)
+
+
+@pytest.mark.parametrize("skeleton", [*STARS.values(), tapered()], ids=[*STARS, "tapered"])
+def test_each_strut_ends_in_a_circle_on_one_sphere(skeleton: Skeleton, tmp_path: Path) -> None:
+    struts = round_struts(skeleton, nodes="ball")
+    assert struts.exact.all()
+    assert not struts.crowded.any()
+    write(struts, tmp_path / "node.step")
+    read = import_step(tmp_path / "node.step")
+    assert read.is_valid
+    assert len(read.solids()) == 1
+    balls = struts.skeleton.radii[skeleton.valency > 1]
+    spheres = read.faces().filter_by(GeomType.SPHERE)
+    assert {round(face.radius, 6) for face in spheres} == {round(ball, 6) for ball in balls}
+    kinds = {edge.geom_type for edge in read.edges()} - {GeomType.LINE, GeomType.CIRCLE}
+    assert not kinds
+
+
+def test_the_least_ball_is_larger_than_the_one_on_which_circles_touch() -> None:
+    ball = round_struts(JACK.with_radii(1.0), nodes="ball").skeleton.radii
+    np.testing.assert_allclose(ball[JACK.valency > 1], 1.05 * np.sqrt(2))
+
+
+def test_a_node_of_a_larger_radius_keeps_it() -> None:
+    radii = np.where(JACK.valency > 1, 2.5, 1.0)
+    frame = Skeleton(JACK.nodes, JACK.edges, radii, np.ones((6, 2)))
+    struts = round_struts(frame, nodes="ball")
+    np.testing.assert_array_equal(struts.skeleton.radii, radii)
+    depth = np.sqrt(2.5**2 - 1)
+    cut = 2.5 - depth
+    length = float(JACK.lengths[0])
+    volume = 4 / 3 * np.pi * 2.5**3 + 6 * (
+        np.pi * (length - depth) - np.pi * cut**2 * (3 * 2.5 - cut) / 3
+    )
+    assert to_brep(struts).volume == pytest.approx(volume, rel=1e-9)
+    assert to_solid(struts, sides=32).volume() == pytest.approx(volume, rel=1e-3)
+
+
+def test_hollow_struts_have_hollow_balls() -> None:
+    solid = to_brep(round_struts(JACK.with_radii(1.0), nodes="ball", wall=0.3, ends="open"))
+    assert solid.is_valid
+    radii = {round(face.radius, 9) for face in solid.faces().filter_by(GeomType.SPHERE)}
+    outer = 1.05 * np.sqrt(2)
+    assert radii == {round(outer, 9), round(outer - 0.3, 9)}
+
+
+def test_what_is_for_blends_is_refused() -> None:
+    with pytest.raises(OptionError, match="blend with nodes='ball', whose struts meet in edges"):
+        round_struts(JACK, nodes="ball", blend=0.2)
