@@ -60,7 +60,7 @@ def _table(
         with reading(path):
             content = tomllib.loads(path.read_text(encoding="utf-8"))
     except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise OptionError(f"{path} is no TOML file: {error}") from error
+        raise OptionError(f"{path} is not a TOML file: {error}") from error
     for name, value in content.items():
         if name not in commands or not isinstance(value, dict):
             near = did_you_mean(name, commands)

@@ -19,10 +19,12 @@ from scaffold_cad.cli.streams import each_file, streamed
 from scaffold_cad.errors import ScaffoldCadError
 
 PARAMETER = re.compile(
-    r"\b(overlaps|radius|blend|ends|joints|wall|sides|collars|section|fit|max_nodes|units|scale|block)"
-    r"=('?)([\w.]*)\2"
+    r"\b(overlaps|radius|blend|ends|joints|bend|nodes|wall|sides|collars|section|fit|max_nodes|units"
+    r"|scale|block)=('?)([\w.]*)\2"
 )
-"""Parameters of the library that are flags here, as messages give them."""
+"""Parameters of the library that are flags here, as messages give them with a value."""
+SUBJECT = re.compile(r"^(radius|blend|wall|sides|socket(?=s))s? (?=is |of node |has )")
+"""The same, where they are what a message is about."""
 
 BAD_INPUT = 2
 INTERRUPTED = 130
@@ -112,10 +114,11 @@ def with_flags(message: str) -> str:
     --------
     >>> with_flags("need overlaps='unite', or radius= for all")
     'need --overlaps unite, or --radius for all'
+    >>> with_flags("wall is 1 mm; need less")
+    '--wall is 1 mm; need less'
     """
-    return PARAMETER.sub(
-        lambda found: f"--{found[1].replace('_', '-')} {found[3]}".strip(), message
-    )
+    named = SUBJECT.sub(r"--\1 ", message)
+    return PARAMETER.sub(lambda found: f"--{found[1].replace('_', '-')} {found[3]}".strip(), named)
 
 
 def log_to_stderr(options: argparse.Namespace, folder: str = "") -> None:

@@ -85,9 +85,9 @@ def _document(path: Path) -> dict[str, Any]:
         raise FormatError(f'{path} is JSON of another kind; need "format": "{FORMAT}"')
     for key, known in (("version", VERSIONS), ("units", (UNITS,))):
         if document.get(key) not in known:
-            found = json.dumps(document.get(key))
             need = " or ".join(map(json.dumps, known))
-            raise FormatError(f'{path} has "{key}": {found}; need {need}')
+            found = f'"{key}": {json.dumps(document[key])}' if key in document else f'no "{key}"'
+            raise FormatError(f"{path} has {found}; need {need}")
     for key in ("nodes", "edges"):
         member(path, document, key, list)
     return document

@@ -135,6 +135,10 @@ def as_blend(blend: Blend | None, nodes: Points) -> float | Floats | None:
     """
     there = blend(nodes) if callable(blend) else blend
     if there is None or np.ndim(there) == 0:
+        if there is not None and there == 0:
+            raise OptionError(
+                "blend is 0 mm; need > 0, or nodes='sharp' for edges without a fillet"
+            )
         return None if there is None else as_number(there, "blend")
     given = as_floats(there, "blend", OptionError)
     if given.shape != (len(nodes),):

@@ -235,6 +235,13 @@ def test_units_and_scale_of_the_input_count(folder: Path) -> None:
         ("check tripod.json --overhang -1", "--overhang is -1°; need >= 0"),
         ("build tripod.json --join -1 -o a.stl", "--join is -1 mm; need > 0"),
         ("build tripod.json --simplify nan -o a.stl", "--simplify is nan mm; need >= 0"),
+        ("build tripod.json --round --wall 3 -o a.stl", "--wall is 3 mm, and edge 0 near"),
+        ("build tripod.json --round --sides 5 -o a.stl", "--sides is 5; need a multiple of 4"),
+        ("build tripod.json --round --radius 0 -o a.stl", "--radius is 0 mm; need > 0"),
+        (
+            "build tripod.json --round --blend 0 -o a.stl",
+            "--blend is 0 mm; need > 0, or --nodes sharp for edges without a fillet",
+        ),
     ],
 )
 def test_numbers_out_of_range_are_told_by_their_flag(

@@ -159,7 +159,7 @@ def test_options_come_from_a_file(folder: Path, capsys: pytest.CaptureFixture[st
         ("round = true", "need tables named as commands"),
         ('[build]\nround = "yes"', "need true or false"),
         ("[build]\nblend = true", "need a text, a number"),
-        ("[build", "is no TOML file"),
+        ("[build", "is not a TOML file"),
     ],
 )
 def test_a_file_of_options_is_checked(
