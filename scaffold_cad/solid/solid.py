@@ -26,9 +26,10 @@ from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.skeleton.checking import check_single_precision
 from scaffold_cad.solid import manifolds
 from scaffold_cad.solid.cleaning import FaultySurfaceError, clean_surface
+from scaffold_cad.solid.clusters.surface import field_of
 from scaffold_cad.solid.field.nets import skeleton_struts
 from scaffold_cad.solid.field.pieces import pieces_of, without_voids
-from scaffold_cad.solid.field.written import field_as_written, report_thickened
+from scaffold_cad.solid.field.written import report_thickened
 from scaffold_cad.solid.pieces import solid_pieces
 from scaffold_cad.solid.rounds import SIDES, round_mesh
 from scaffold_cad.struts import RoundStruts
@@ -184,7 +185,7 @@ def _round_instead(scaffold: Scaffold, factor: float) -> Solidified:
     radii = EQUAL_AREA * scaffold.options.corner_distance * skeleton.radii
     struts = skeleton_struts(skeleton.with_radii(radii), blend=0.0, flat_ends=True)
     report_thickened(struts, factor)
-    mesh, voids = without_voids(field_as_written(struts, factor))
+    mesh, voids = without_voids(field_of(struts, SIDES, factor=factor))
     return Solidified(manifolds.to_manifold(mesh), np.arange(len(skeleton.edges)), voids)
 
 

@@ -83,6 +83,7 @@ def seamed(
     rings: Ints,
     starts: Points,
     factor: float = 1.0,
+    far: Floats | None = None,
 ) -> Seamed:
     """Return the mesh of a field, cut off and joined to rings.
 
@@ -93,10 +94,14 @@ def seamed(
     rings : (c, s) vertices of the ring beyond each cut, counter-clockwise about `cuts.outward`
     starts : (c, 3) unit vectors from the axis to the first point of each ring
     factor : what lengths are multiplied with in a file, in whose numbers triangles are looked at
+    far : (c,) how far past their bases the struts of the field may reach, mm; by default as those
+        of clusters do, which end in balls
     """
+    if far is None:
+        far = tail_length(cuts.radius, cuts.slope) + 1.5 * cuts.radius
     frames = _Frames(cuts, starts, np.cross(cuts.outward, starts))
     bad = np.zeros(len(cuts.node), dtype=np.bool_)
-    beyond, plane = _tails(field.vertices, frames, bad)
+    beyond, plane = _tails(field.vertices, frames, far, bad)
     clipped = _clipped(field, beyond, plane, frames, bad, factor)
     order = _around(clipped, frames, bad)
     zips, cut = _zips(clipped, order, frames, rings, len(points) + len(field.vertices))
@@ -110,10 +115,9 @@ def seamed(
     return Seamed(vertices, triangles, np.flatnonzero(bad))
 
 
-def _tails(vertices: Points, frames: _Frames, bad: Bools) -> tuple[Ints, Floats]:
+def _tails(vertices: Points, frames: _Frames, far: Floats, bad: Bools) -> tuple[Ints, Floats]:
     """Return the cut that each vertex is beyond, or -1, (v,), and the places of planes, (c,)."""
     cuts = frames.cuts
-    far = tail_length(cuts.radius, cuts.slope) + 1.5 * cuts.radius
     middle = cuts.base + 0.5 * far[:, None] * cuts.outward
     reach = np.hypot(0.5 * far + BESIDE * cuts.radius, 1.5 * TUBE * cuts.radius)
     found = cKDTree(vertices).query_ball_point(middle, reach)

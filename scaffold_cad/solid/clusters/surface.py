@@ -19,6 +19,7 @@ from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.solid.clusters.closing import shortened
+from scaffold_cad.solid.clusters.ends import with_flat_ends
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
 from scaffold_cad.solid.clusters.growth import Clusters, Core, bodies_of, clusters_of, unproved
 from scaffold_cad.solid.clusters.sags import Sags
@@ -272,7 +273,7 @@ def _surface(
         mesh, failed = shell.made.mesh, np.zeros(0, dtype=np.intp)
         voids: list[float] = []
         if fields is not None:
-            field, voids = without_voids(field_of(fields, sags, factor))
+            field, voids = without_voids(field_of(fields, sides, sags, factor))
             mesh, failed = _joined(clusters, shell, field, factor)
         if len(failed) == 0:
             own = ends < count
@@ -291,16 +292,25 @@ def _surface(
     )
     every = whole_struts(struts)
     report_thickened(every, factor)
-    mesh, voids = without_voids(field_of(every, sags, factor))
+    mesh, voids = without_voids(field_of(every, sides, sags, factor))
     report_filled(voids)
     none = np.zeros((0, sides), dtype=np.intp)
     nodes, pieces = np.ones_like(core.nodes), np.ones_like(core.pieces)
     return _Surface(mesh, none[:, 0], none, nodes, pieces, fillets, none[:, 0])
 
 
-def field_of(fields: FieldStruts, sags: Sags | None, factor: float) -> TriangleMesh:
-    """Return the surface of fields, whose coordinates are 32-bit numbers in the unit of a file."""
-    return field_as_written(fields, factor, np.inf if sags is None else sags.of(fields))
+def field_of(
+    fields: FieldStruts, sides: int, sags: Sags | None = None, factor: float = 1.0
+) -> TriangleMesh:
+    """Return the surface of fields, whose coordinates are 32-bit numbers in the unit of a file.
+
+    Parameters
+    ----------
+    sides : of the polygons at flat ends
+    sags : how far the sides of triangles may be inside of round surfaces
+    """
+    mesh = field_as_written(fields, factor, np.inf if sags is None else sags.of(fields))
+    return with_flat_ends(mesh, fields, sides, factor)
 
 
 def report_filled(voids: list[float]) -> None:

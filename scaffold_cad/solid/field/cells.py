@@ -37,7 +37,7 @@ SAFETY = 1.0 + 1e-9
 CHILDREN = np.array([[c & 1, c >> 1 & 1, c >> 2] for c in range(8)])
 """Place of each of a group's cells in it, shape (8, 3)."""
 
-RIM_FRACTION = 0.25
+RIM_FRACTION = 0.5
 """Size of cells at the rim of a flat end, as a part of that elsewhere: the rim is cut off there by
 some tenths of a cell."""
 

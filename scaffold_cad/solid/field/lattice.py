@@ -35,8 +35,8 @@ KEY_BITS = 21
 MOST_CELLS_ASIDE = 2 ** (KEY_BITS - 2)
 """Most of the finest cells along a side of the whole."""
 
-FINEST_FRACTION = 5
-"""Vertices stand at least 2^-5 of their grid edge away from its ends."""
+FINEST_FRACTION = 8
+"""Vertices stand at least 2^-8 of their grid edge away from its ends."""
 
 
 @dataclass(frozen=True, eq=False)

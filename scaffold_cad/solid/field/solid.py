@@ -85,7 +85,7 @@ def field_solid(
     cell: float | None = None,
     sag: float | Floats = np.inf,
     equal_volume: bool = True,
-    rounds: int = 3,
+    rounds: int = 6,
 ) -> FieldSolid:
     """Return the solid of the filleted union of struts.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Ints
+from scaffold_cad.base.arrays import Bools, Floats, Ints
 from scaffold_cad.base.blocks import cut
 from scaffold_cad.base.counts import counted
 from scaffold_cad.base.threads import in_order
@@ -15,7 +15,7 @@ from scaffold_cad.solid.field.marching import Polygons
 from scaffold_cad.solid.field.slots import Slots
 from scaffold_cad.solid.field.union import FilletedUnion, values
 
-NEAR_ENOUGH = 0.05
+NEAR_ENOUGH = 0.005
 """|F| from which one more round leads to the root."""
 
 EDGE_BYTES = 256
@@ -117,40 +117,46 @@ def _roots(
 ) -> Floats:
     """Return where F is 0 on lines (start and way along), as a part of the way, shape (e,).
 
-    Each round evaluates F where the line through the last values, and then the parabola, has its
-    root; the root stays between values of different sign.
+    Each round evaluates F where the inverse parabola through three points is 0, or in the middle
+    where that may not converge, as beside a kink. The root stays between values of different sign.
+
+    References
+    ----------
+    Chandrupatla, A new hybrid quadratic/bisection algorithm for finding the zero of a nonlinear
+    function without using derivatives, Advances in Engineering Software 28(3), 1997.
     """
-    swap = ends[0] >= 0
-    low, high = swap.astype(np.float64), (~swap).astype(np.float64)  # inside, outside
-    f_low, f_high = np.where(swap, ends[1], ends[0]), np.where(swap, ends[0], ends[1])
-    t = _secant(low, high, f_low, f_high)
+    x = np.stack([np.ones(len(owner)), np.zeros(len(owner)), np.ones(len(owner))])  # (3, e)
+    f = np.stack([ends[1], ends[0], ends[1]])
+    t = f[1] / np.where(f[0] != f[1], f[1] - f[0], 1.0)
     rows = np.arange(len(t))
     for _ in range(rounds):
-        x = t[rows]
-        f = values(union, line[0][rows] + x[:, None] * line[1][rows], owner[rows], grid.lists)
-        ends_x, ends_f = (low[rows], high[rows]), (f_low[rows], f_high[rows])
-        guess = _parabola((ends_x[0], x, ends_x[1]), (ends_f[0], f, ends_f[1]))
-        inside = f < 0
-        low[rows], f_low[rows] = np.where(inside, x, ends_x[0]), np.where(inside, f, ends_f[0])
-        high[rows], f_high[rows] = np.where(inside, ends_x[1], x), np.where(inside, ends_f[1], f)
-        between = (guess - low[rows]) * (guess - high[rows]) < 0
-        secant = _secant(low[rows], high[rows], f_low[rows], f_high[rows])
-        t[rows] = np.where(between, guess, secant)
-        rows = rows[np.abs(f) > NEAR_ENOUGH]
-    return t
+        at = values(union, line[0][rows] + t[rows, None] * line[1][rows], owner[rows], grid.lists)
+        own_x, own_f = x[:, rows], f[:, rows]
+        same = (at < 0) == (own_f[0] < 0)
+        for old, new in ((own_x, t[rows]), (own_f, at)):
+            old[2] = np.where(same, old[0], old[1])
+            old[1] = np.where(same, old[1], old[0])
+            old[0] = new
+        x[:, rows], f[:, rows] = own_x, own_f
+        far = np.abs(at) > NEAR_ENOUGH
+        t[rows] = own_x[0] + _next(own_x, own_f, far) * (own_x[1] - own_x[0])
+        rows = rows[far]
+    return np.asarray(t)
 
 
-def _secant(low: Floats, high: Floats, f_low: Floats, f_high: Floats) -> Floats:
-    rise = f_high - f_low
-    steep = rise > 0
-    return low + (high - low) * np.where(steep, -f_low / np.where(steep, rise, 1.0), 0.5)
+def _next(x: Floats, f: Floats, far: Bools) -> Floats:
+    """Return where to look next, as a part of the way from the last point to that beyond, (k,).
 
-
-def _parabola(x: tuple[Floats, Floats, Floats], f: tuple[Floats, Floats, Floats]) -> Floats:
-    """Return the root nearest x[1] of the parabolas through three points each, nan where none."""
+    Parameters
+    ----------
+    x, f : (3, k) the last point, that beyond the root, and the one before
+    far : (k,) where the last point is not near enough to the root for a line
+    """
     with np.errstate(all="ignore"):
-        before, behind = (f[1] - f[0]) / (x[1] - x[0]), (f[2] - f[1]) / (x[2] - x[1])
-        bend = (behind - before) / (x[2] - x[0])
-        slope = before + bend * (x[1] - x[0])
-        root = np.sqrt(slope * slope - 4.0 * bend * f[1])
-        return x[1] - 2.0 * f[1] / (slope + np.copysign(root, slope))
+        place, rise = (x[0] - x[1]) / (x[2] - x[1]), (f[0] - f[1]) / (f[2] - f[1])
+        parabola = f[0] / (f[1] - f[0]) * f[2] / (f[1] - f[2])
+        parabola += (x[2] - x[0]) / (x[1] - x[0]) * f[0] / (f[2] - f[0]) * f[1] / (f[2] - f[1])
+        fits = (rise * rise < place) & ((1.0 - rise) ** 2 < 1.0 - place)
+        line = np.where(f[0] != f[1], f[0] / (f[0] - f[1]), 0.0)
+        part = np.where(fits, parabola, np.where(far, 0.5, line))
+    return np.asarray(np.clip(part, 0.0, 1.0))

@@ -12,6 +12,7 @@ from scaffold_cad.mesh.nearest import NearestPlace
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid.clusters import surface, unseen, whole_struts
+from scaffold_cad.solid.clusters.surface import field_of
 from scaffold_cad.solid.field import field_solid
 from scaffold_cad.solid.field.pieces import pieces_of, without_voids
 from scaffold_cad.solid.rounds import round_mesh
@@ -39,7 +40,7 @@ def test_the_nodes_of_these_tests_are_crowded(skeleton: Skeleton) -> None:
 
 
 def field_triangles(struts: RoundStruts) -> int:
-    return len(without_voids(field_solid(whole_struts(struts)).mesh)[0].triangles)
+    return len(without_voids(field_of(whole_struts(struts), 8))[0].triangles)
 
 
 @pytest.mark.parametrize("skeleton", [NARROW, CROSSING, TAPERS], ids=["narrow", "cross", "tapers"])
