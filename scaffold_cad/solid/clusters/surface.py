@@ -26,6 +26,7 @@ from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.seams import seamed
 from scaffold_cad.solid.clusters.spans import Spans, no_spans
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
+from scaffold_cad.solid.clusters.walls import thickened
 from scaffold_cad.solid.field import FieldStruts
 from scaffold_cad.solid.field.pieces import without_voids
 from scaffold_cad.solid.field.written import field_as_written, report_thickened
@@ -131,7 +132,12 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
     def joined(outside: _Surface, inside: _Surface) -> TriangleMesh:
         return _walls(struts, outside, inside)
 
-    return joined(*hollow(struts, unmade, make, joined, factor))
+    outside, inside = hollow(struts, unmade, make, joined, factor)
+    mesh, wall = joined(outside, inside), float(struts.options.wall or 0.0)
+    outer = np.arange(len(outside.mesh.triangles))
+    inner = len(outer) + np.arange(len(inside.mesh.triangles))
+    fixed = len(outside.mesh.vertices) + inside.rings.reshape(-1)
+    return thickened(mesh, outer, inner, fixed, wall, factor)
 
 
 def _unmade(struts: RoundStruts, sides: int) -> Core:

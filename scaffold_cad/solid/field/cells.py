@@ -94,7 +94,7 @@ def levels_of(
     for size in range(lattice.levels, 0, -1):
         level, groups, lists = _refined(union, lattice, wanted, size, groups, lists)
         total += len(level.groups)
-        _check_size(total + len(groups) * GROWTH ** (size - 1))
+        check_size(total + len(groups) * GROWTH ** (size - 1))
         found.append(level)
     return balanced(_with_leaves(found[::-1]))
 
@@ -113,15 +113,20 @@ def _with_leaves(levels: list[Level]) -> list[Level]:
     return result
 
 
-def _check_size(groups: float) -> None:
+def check_size(groups: float) -> None:
+    """Raise if there are more than `MOST_GROUPS` groups, or the machine's memory holds."""
     most = min(MOST_GROUPS, MOST_MEMORY * machine_memory() / GROUP_BYTES)
     if groups > most:
-        memory = groups * GROUP_BYTES / 1e9
         raise OptionError(
             f"the solid of overlapping struts needs some {8 * groups:.2g} cells or more and "
-            f"{memory:.0f} GB of memory; need at most {8 * most:.2g} cells here: thicker struts or "
-            "walls, fewer struts, or tiles of them"
+            f"{memory_of(groups):.0f} GB of memory; need at most {8 * most:.2g} cells here: "
+            "thicker struts or walls, fewer struts, or tiles of them"
         )
+
+
+def memory_of(groups: float) -> float:
+    """Return the memory that so many groups take, GB."""
+    return groups * GROUP_BYTES / 1e9
 
 
 def _refined(

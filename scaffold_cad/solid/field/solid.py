@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -10,7 +11,8 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.solid.field.cells import RIM_FRACTION, levels_of
+from scaffold_cad.solid.field.cells import RIM_FRACTION, check_size, levels_of, memory_of
+from scaffold_cad.solid.field.estimates import Estimate, estimated
 from scaffold_cad.solid.field.grid import grid_of
 from scaffold_cad.solid.field.lattice import (
     FEW_STEPS,
@@ -41,6 +43,15 @@ MOST_SWELL = 2.0 * SWELL * LARGEST_FRACTION**2
 
 OCTAVE_MEAN = 0.66
 """Size of cells along a cone, as a part of those wanted: sizes are doubled from level to level."""
+
+
+UNSURE = 0.3
+"""What estimates may be too large by."""
+
+QUIET_SECONDS = 10.0
+"""Work that takes less is not told, s."""
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,6 +142,7 @@ def field_solid(
     lattice = _lattice(struts, wanted)
     swell = _swell(struts, lattice, wanted) if equal_volume else np.zeros(len(struts.radii))
     union = filleted_union(struts, lattice.origin, swell)
+    _foretell(estimated(union, struts, lattice, wanted))
     levels = levels_of(union, lattice, lambda radii, of: wanted_cells(radii, cell, sags[of]))
     grid = grid_of(union, lattice, levels)
     vertices, triangles = surface_of(union, grid, rounds)
@@ -142,6 +154,20 @@ def field_solid(
         blend=struts.blend,
         thickened=thickened,
     )
+
+
+def _foretell(estimate: Estimate | None) -> None:
+    """Log what a long work takes; raise at once if it surely does not fit into memory."""
+    if estimate is None:
+        return
+    check_size((1.0 - UNSURE) * estimate.cells / 8)
+    if estimate.seconds > QUIET_SECONDS:
+        _log.info(
+            "a field of some %.2g million cells: %.2g GB of memory and some %.0f s",
+            estimate.cells / 1e6,
+            memory_of(estimate.cells / 8),
+            estimate.seconds,
+        )
 
 
 def wanted_cells(radii: Floats, cell: float | None, sag: Floats) -> Floats:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import trimesh
+from scipy.spatial import cKDTree
 
+from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.field import FieldStruts
 from tests.crossings import check_as_written
@@ -35,6 +38,36 @@ def manifold_vertices(mesh: TriangleMesh) -> bool:
         if steps != len(neighbors):
             return False
     return True
+
+
+def thicknesses(mesh: TriangleMesh) -> Floats:
+    """Return how far places of a hollow solid's insides are from its outsides, mm, (p,).
+
+    The places are the corners and the middles of triangles inside.
+    """
+    whole = trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
+    shells = whole.split(only_watertight=False)
+    inside = trimesh.util.concatenate([shell for shell in shells if shell.volume < 0])
+    outside = trimesh.util.concatenate([shell for shell in shells if shell.volume > 0])
+    return distances(np.concatenate([inside.vertices, inside.triangles_center]), outside)
+
+
+def distances(points: Points, surface: trimesh.Trimesh) -> Floats:
+    """Return how far points (p, 3) are from the triangles near them, (p,).
+
+    Triangles are looked for among those of about one size: of long ones the middles are far.
+    """
+    found = np.full(len(points), np.inf)
+    size = np.linalg.norm(surface.triangles - surface.triangles_center[:, None], axis=2).max(axis=1)
+    classes = np.round(np.log2(size / size.min()) / 2)
+    for number in np.unique(classes):
+        triangles = surface.triangles[classes == number]
+        count = min(32, len(triangles))
+        _, near = cKDTree(triangles.mean(axis=1)).query(points, count)
+        for column in near.reshape(len(points), count).T:
+            feet = trimesh.triangles.closest_point(triangles[column], points)
+            found = np.minimum(found, np.linalg.norm(feet - points, axis=1))
+    return found
 
 
 def sampled_volume(struts: FieldStruts, count: int = 400_000) -> tuple[float, float]:

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from scaffold_cad.errors import OptionError
-from scaffold_cad.solid.field import cells, field_solid, field_struts
+from scaffold_cad.solid.field import cells, estimates, field_solid, field_struts
+from scaffold_cad.solid.field import solid as field
 from scaffold_cad.solid.field.nets import skeleton_struts
 from tests.solid.field.judges import check_exact, manifold_vertices, sampled_volume
 from tests.validation.attacks import balls
@@ -207,6 +208,27 @@ def test_what_is_larger_than_the_machine_is_refused_before_it_is_made(
     monkeypatch.setattr(cells, "machine_memory", lambda: 1e6)
     with pytest.raises(OptionError, match=r"need at most 2\.6e\+03 cells here"):
         field_solid(field_struts(TRIPOD, 1.0), cell=0.1)
+
+
+def test_what_is_far_too_large_is_refused_before_cells_are_made(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(cells, "_refined", None)
+    with pytest.raises(OptionError, match=r"needs some .*e\+08 cells or more and .* GB of memory"):
+        field_solid(field_struts(complete_graph(20), 0.5), cell=0.01)
+
+
+@pytest.mark.parametrize("flat", [False, True])
+@pytest.mark.parametrize(("count", "radius"), [(2, 1.0), (6, 0.5), (30, 1.0)])
+def test_cells_are_estimated(
+    count: int, radius: float, flat: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(estimates, "FEW_CELLS", 0.0)
+    told = []
+    monkeypatch.setattr(field, "_foretell", told.append)
+    struts = field_struts(complete_graph(count), radius, flat=flat)
+    made = field_solid(struts, cell=radius / 4)
+    assert told[0].cells == pytest.approx(made.cell_count, rel=0.35)
 
 
 def test_a_cell_must_be_positive() -> None:
