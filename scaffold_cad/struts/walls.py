@@ -15,6 +15,7 @@ from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts.curved import ALONG, Curves
 from scaffold_cad.struts.gaps import Gaps
+from scaffold_cad.struts.longends import with_long_ends
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.runs import balls_of, straight_runs
 
@@ -45,14 +46,9 @@ def without_wall(skeleton: Skeleton, wall: float, at_ends: Floats) -> Skeleton:
             f"wall is {wall:g} mm, and edge {thin[0]} near {place_text(near)} has radius "
             f"{radius:g} mm; need a wall that is thinner than each radius"
         )
+    skeleton, at_ends = with_long_ends(skeleton, at_ends)
     is_end = skeleton.valency[skeleton.edges] == 1  # (m, 2)
     cut = at_ends[skeleton.edges] * is_end
-    short = np.flatnonzero(skeleton.lengths <= cut.sum(axis=1) * (1 + 1e-6))
-    if len(short):
-        raise OptionError(
-            f"edge {short[0]} is {skeleton.lengths[short[0]]:g} mm long; need more than its closed "
-            f"ends of {cut[short[0]].max():g} mm (ends='open' has none)"
-        )
     share = cut / skeleton.lengths[:, None]
     near, far = skeleton.edge_radii.T
     start = near + share[:, 0] * (far - near)
@@ -60,6 +56,7 @@ def without_wall(skeleton: Skeleton, wall: float, at_ends: Floats) -> Skeleton:
     nodes = skeleton.nodes.copy()
     ahead = skeleton.directions.reshape(-1, 2, 3)
     nodes[skeleton.edges[is_end]] += (cut[..., None] * ahead)[is_end]
+    across = wall * np.hypot(1.0, (far - near) / skeleton.lengths)
     inside = np.stack([start, end], axis=1) - across[:, None]
     return Skeleton(nodes, skeleton.edges, _balls_inside(skeleton, inside, wall), inside)
 

@@ -1,0 +1,71 @@
+"""Closed ends of hollow struts whose chains have finer links than the wall."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+
+from scaffold_cad.errors import OptionError
+from scaffold_cad.products import to_brep
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.solid.rounds import round_mesh
+from scaffold_cad.struts import round_struts
+from tests.crossings import check_as_written
+from tests.skeletons import polyline
+from tests.solid.field.judges import thicknesses
+
+WALL = 0.5
+
+
+def chain(places: np.ndarray, bend: float = 0.0) -> Skeleton:
+    """Return a chain of radius 2 with nodes at places along it, on a parabola."""
+    nodes = np.stack([places, bend * places**2, 0 * places], axis=1)
+    return Skeleton(nodes, polyline(len(places)), 2.0)
+
+
+FEW = np.arange(0, 1.2, 0.2)
+
+FINE = {
+    "straight": chain(np.append(np.arange(0, 2, 0.1), [5.0, 30.0])),
+    "fine at both ends": chain(np.append(FEW, 20 - FEW[::-1])),
+    "bent": chain(np.arange(0, 30, 0.24), 0.01),
+    "tapered": chain(np.arange(0, 30, 0.24), 0.01).with_radii(np.linspace(1.5, 3.0, 125)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FINE)
+def test_closed_ends_of_fine_chains_are_as_thick_as_the_wall(name: str) -> None:
+    struts = round_struts(FINE[name], wall=WALL)
+    mesh = round_mesh(struts, 32)
+    check_as_written(mesh)
+    walls = thicknesses(mesh) / WALL
+    assert walls.min() > 0.9
+    whole = trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
+    outside, inside = sorted(whole.split(only_watertight=False), key=lambda each: -each.area)
+    assert outside.volume > 0 > inside.volume
+    for axis, sign in ((0, 1), (0, -1)):
+        low = [(sign * each.vertices[:, axis]).min() for each in (outside, inside)]
+        assert low[1] - low[0] == pytest.approx(WALL, abs=0.35)
+
+
+def test_faces_of_a_fine_chain_are_a_hollow_solid() -> None:
+    solid = to_brep(round_struts(FINE["bent"], wall=WALL))
+    assert solid.is_valid
+    mesh = round_mesh(round_struts(FINE["bent"], wall=WALL), 64)
+    assert solid.volume == pytest.approx(mesh.signed_volume, rel=2e-3)
+
+
+def test_a_branch_shorter_than_the_wall_is_a_stump() -> None:
+    nodes = [[0, 0, 0], [12, 0, 0], [-6, 10, 0], [-6, -10, 0], [0, 0, 0.3]]
+    star = Skeleton(nodes, [[0, 1], [0, 2], [0, 3], [0, 4]], 2.0)
+    mesh = round_mesh(round_struts(star, wall=WALL), 32)
+    check_as_written(mesh)
+    walls = thicknesses(mesh) / WALL
+    assert walls.min() > 0.8
+
+
+def test_a_chain_shorter_than_its_ends_is_refused_with_its_place() -> None:
+    short = chain(np.array([0.0, 0.2, 0.4, 0.8]))
+    with pytest.raises(OptionError, match=r"edge 0 near \[0, 0, 0\] mm is 0\.2 mm long; need more"):
+        round_struts(short, wall=WALL)
