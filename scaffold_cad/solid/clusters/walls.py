@@ -42,7 +42,7 @@ BACK = 0.4
 def thickened(
     mesh: TriangleMesh, outer: Ints, inner: Ints, fixed: Ints, wall: float, factor: float
 ) -> TriangleMesh:
-    """Return hollow struts with walls that are hardly thinner than `wall` anywhere.
+    """Return hollow struts with walls that are hardly thinner than `wall` where they may move.
 
     Parameters
     ----------
@@ -55,6 +55,8 @@ def thickened(
     moves = np.zeros(len(mesh.vertices), dtype=np.bool_)
     moves[mesh.triangles[inner]] = True
     moves[fixed] = False
+    if not moves.any():
+        return mesh
     corners = _pieces(mesh.vertices[mesh.triangles[outer]], mesh.vertices[moves], wall)
     outside = NearestPlace(
         TriangleMesh(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))

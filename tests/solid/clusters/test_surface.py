@@ -146,7 +146,7 @@ def test_walls_between_uneven_struts_are_whole_and_thick_as_written(name: str) -
     mesh = round_mesh(round_struts(star, wall=0.1), 8)
     check_as_written(mesh)
     walls = thicknesses(mesh) / 0.1
-    assert walls.min() > 0.8  # the sides of polygons of 8 are 0.03 r inside
+    assert walls.min() > 0.7  # the sides of polygons of 8 are 0.03 r inside
     assert np.quantile(walls, 0.05) > 0.9
     assert np.median(walls) == pytest.approx(1.0, rel=0.15)
 
