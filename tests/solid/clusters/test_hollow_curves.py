@@ -31,7 +31,7 @@ def test_walls_of_curves_are_thick_where_they_become_fields(seed: int) -> None:
     check_as_written(mesh)
     walls = thicknesses(mesh) / WALL
     assert walls.min() > 0.8  # the rings of curves are polygons of 16
-    assert np.quantile(walls, 0.002) > 0.9
+    assert np.quantile(walls, 0.01) > 0.9
 
 
 def test_walls_of_curves_that_become_facets_are_valid() -> None:
