@@ -86,7 +86,7 @@ def test_a_cell_that_is_slanted_is_measured_whole() -> None:
 
 
 def test_voids_that_close_are_refused_with_the_densities_beside() -> None:
-    message = r"density 0\.93: struts of 2\.\d+ mm give 0\.8\d*, of 2\.\d+ mm 1$"
+    message = r"density 0\.93: struts of 2\.\d+ mm give 0\.[89]\d*, of 2\.\d+ mm 1$"
     with pytest.raises(OptionError, match=message):
         solve_radius("sc", 5.0, 0.93, measured=True)
 
