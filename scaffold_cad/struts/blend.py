@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.errors import OptionError
 from scaffold_cad.partition import Partitions
+from scaffold_cad.struts.copies import Views
 from scaffold_cad.struts.layouts import Layout
 
 TOO_DEEP = 0.1
@@ -90,6 +91,27 @@ class Stars(Frozen):
     def __getitem__(self, item: Ints) -> Stars:
         return Stars(*(getattr(self, field.name)[item] for field in fields(self)))
 
+    @property
+    def views(self) -> Views:
+        """How nodes are looked at so that turned copies of each other are alike."""
+        room = np.where(np.isfinite(self.most), self.most, 0.0)
+        lengths = (self.radii + 0.01 * room) / self.radii.mean(axis=1, keepdims=True)
+        # Any weights do that differ where struts do.
+        return Views.of(self.directions, lengths + 0.7 * self.slopes)
+
+    def seen(self, views: Views) -> Stars:
+        """Return the stars as they are seen in `views`."""
+        return Stars(
+            views.by_number(views.seen(self.directions)),
+            views.by_number(self.radii),
+            views.by_number(self.slopes),
+            self.blends,
+            self.balls,
+            views.by_number(self.most),
+            views.seen(self.vertices),
+            views.by_number(self.quads),
+        )
+
 
 def _check(values: Floats, name: str, good: Bools, need: str) -> None:
     bad = np.argwhere(~good)
@@ -140,6 +162,19 @@ class Solved(Frozen):
     def __getitem__(self, item: Ints) -> Solved:
         rest = fields(self)[1:]
         return Solved(self.layout, *(getattr(self, field.name)[item] for field in rest))
+
+    def meant(self, views: Views) -> Solved:
+        """Return the blends of which these are as they are seen in `views`, (U) both."""
+        count, struts = self.collar_radii.shape
+        by_strut = self.control.reshape(count, struts, 4, *self.control.shape[2:])
+        return replace(
+            self,
+            control=views.meant(views.by_strut(by_strut)).reshape(self.control.shape),
+            vertices=views.meant(self.vertices),
+            collar_distances=views.by_strut(self.collar_distances),
+            collar_radii=views.by_strut(self.collar_radii),
+            collar_corners=views.meant(views.by_strut(self.collar_corners)),
+        )
 
     @staticmethod
     def joined(parts: Sequence[Solved]) -> Solved:

@@ -16,6 +16,7 @@ from scaffold_cad.skeleton import Skeleton, check_skeleton
 from scaffold_cad.struts.apart import crossings
 from scaffold_cad.struts.bends import bend_partitions
 from scaffold_cad.struts.blend import Stars
+from scaffold_cad.struts.copies import Views
 from scaffold_cad.struts.curved import Curves, curves
 from scaffold_cad.struts.curvedjoints import CurvedJoints, curved_joints, possible, sampled
 from scaffold_cad.struts.curveproof import proved
@@ -276,24 +277,30 @@ def _stars(
     blend = options.blends(group.nodes, thin)
     if outer is not None:
         blend = outer.fillet[group.nodes] + (outer.options.wall or 0.0)
-    vertices, quads = _partitions(directions, group, like or outer)
+    vertices, quads = _partitions(directions, radii, group, like or outer)
     most = np.full(radii.shape, np.inf)
     slopes = runs.slopes[group.half_runs]
     return Stars(directions, radii, slopes, blend, ball, most, vertices, quads)
 
 
 def _partitions(
-    directions: UnitVectors, group: Group, like: RoundStruts | None
+    directions: UnitVectors, radii: Floats, group: Group, like: RoundStruts | None
 ) -> tuple[UnitVectors, Ints]:
-    """Return partition vertices (M, N + 2, 3) and quads (M, N, 4) around directions (M, N, 3)."""
+    """Return partition vertices (M, N + 2, 3) and quads (M, N, 4) around directions (M, N, 3).
+
+    Turned copies of nodes, with the same radii (M, N), have turned copies of partitions.
+    """
+    views = Views.of(directions, radii / radii.mean(axis=1, keepdims=True))
+    seen = views.by_number(views.seen(directions))
     if directions.shape[1] == 2:
-        made = bend_partitions(directions)
+        made = bend_partitions(seen)
     elif like is None:
-        made = partition_spheres(directions)
+        made = partition_spheres(seen)
     else:
         quads, vertices = _of_nodes(like, group)
-        made = partition_spheres(directions, like=quads, near=vertices)
-    return made.vertices, made.quads
+        quads, vertices = views.by_number(quads), views.seen(vertices)
+        made = partition_spheres(seen, like=quads, near=vertices)
+    return views.meant(made.vertices), views.by_strut(made.quads)
 
 
 def _of_nodes(struts: RoundStruts, group: Group) -> tuple[Ints, UnitVectors]:

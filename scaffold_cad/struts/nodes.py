@@ -20,6 +20,7 @@ from scaffold_cad.base.vectors import normalize
 from scaffold_cad.partition.arcs import side_twins
 from scaffold_cad.struts.blend import Blends, Solved, Stars
 from scaffold_cad.struts.collars import LEAST_BLEND, Collars, collar_distances
+from scaffold_cad.struts.copies import Views
 from scaffold_cad.struts.evenness import even
 from scaffold_cad.struts.fitting import Turned, collars_of, solve, union_of
 from scaffold_cad.struts.joins import types_of
@@ -65,8 +66,10 @@ def blends(stars: Stars, recipes: Iterable[Recipe] = RECIPES) -> tuple[Blends, .
     >>> found.control.shape, found.proved
     ((1, 12, 6, 6, 3), array([ True]))
     """
-    first, shape_of = _distinct(stars)
-    own = _rounded(stars[first])
+    views = stars.views
+    seen = stars.seen(views)
+    one, kind = _distinct(seen)
+    own = _rounded(seen[one])
     best = _Best(len(own))
     fitted: dict[float, Collars] = {}
     open_nodes = np.arange(len(own))
@@ -87,7 +90,9 @@ def blends(stars: Stars, recipes: Iterable[Recipe] = RECIPES) -> tuple[Blends, .
         open_nodes = open_nodes[~best.good[open_nodes] & found.has_room]
         if trial == 0:
             open_nodes = open_nodes[~_narrow(own[open_nodes])]
-    return tuple(_grouped(stars, first, shape_of, best))
+    views = views.rounded(SAME)
+    first, shape_of = views.distinct(kind)
+    return tuple(_grouped(stars, first, shape_of, best.of(kind[first], views[first])))
 
 
 def _with_room(best: _Best, own: Stars, fitted: Collars, recipe: Recipe, rows: Ints) -> Ints:
@@ -146,18 +151,34 @@ class _Best:
         self._score[taken] = value[better]
         self.found.append(found[better])
 
+    def of(self, kind: Ints, views: Views) -> list[tuple[Ints, Solved]]:
+        """Return the nodes that have the blends of each trial, and these.
+
+        Parameters
+        ----------
+        kind : (K,) which of the U nodes each of K nodes is a turned copy of
+        views : in which it is seen as that node
+        """
+        parts = []
+        for trial, found in enumerate(self.found):
+            rows = np.flatnonzero(self.which[kind] == trial)
+            parts.append((rows, found[self.place[kind[rows]]].meant(views[rows])))
+        return parts
+
 
 def nearest_collars(stars: Stars) -> tuple[Floats, Floats]:
     """Return where collars stand with the fillets asked for, and with the least, mm, both (M, N).
 
     For equal nodes they are found once.
     """
+    views = stars.views
+    stars = stars.seen(views)
     first, kind = _distinct(stars)
     own, size = _rounded(stars[first]), _size(stars[first])
     union = union_of(own, own.blends)
     small = np.minimum(own.blends, LEAST_BLEND * own.radii.mean(axis=1))
     found = [size * collar_distances(union, blends) for blends in (own.blends, small)]
-    return found[0][kind], found[1][kind]
+    return views.by_strut(found[0][kind]), views.by_strut(found[1][kind])
 
 
 def _narrow(stars: Stars) -> Bools:
@@ -166,17 +187,18 @@ def _narrow(stars: Stars) -> Bools:
     return np.asarray((np.triu(cosines, 1) > NARROW).any(axis=(1, 2)))
 
 
-def _grouped(stars: Stars, first: Ints, shape_of: Ints, best: _Best) -> list[Blends]:
+def _grouped(
+    stars: Stars, first: Ints, shape_of: Ints, best: list[tuple[Ints, Solved]]
+) -> list[Blends]:
     """Return the best blends, those together whose patches have as many pieces."""
     groups = []
     own, size = stars[first], _size(stars[first])
-    pieces = [found.layout.pieces for found in best.found]
-    for kind in dict.fromkeys(pieces):
-        trials = [trial for trial, other in enumerate(pieces) if other == kind]
-        shapes = np.concatenate([np.flatnonzero(best.which == trial) for trial in trials])
+    pieces = [found.layout.pieces for _, found in best]
+    for layout in dict.fromkeys(pieces):
+        parts = [part for part, other in zip(best, pieces, strict=True) if other == layout]
+        shapes = np.concatenate([rows for rows, _ in parts])
         if len(shapes) == 0:
             continue
-        parts = [best.found[trial][best.place[best.which == trial]] for trial in trials]
         number = np.full(len(own), -1, dtype=np.intp)
         number[shapes] = np.arange(len(shapes))
         nodes = np.flatnonzero(number[shape_of] >= 0)
@@ -186,7 +208,7 @@ def _grouped(stars: Stars, first: Ints, shape_of: Ints, best: _Best) -> list[Ble
                 nodes,
                 number[shape_of[nodes]],
                 side_twins(own.quads[shapes]),
-                _enlarged(Solved.joined(parts), size[shapes]),
+                _enlarged(Solved.joined([found for _, found in parts]), size[shapes]),
             )
         )
     return groups

@@ -34,7 +34,7 @@ def test_vertices_keep_away_from_directions() -> None:
     assert np.degrees(np.arccos(nearest)) > 5
     (found,) = blends(stars_of(truss.directions))
     assert found.proved.all()
-    assert found.layout.along_arc == 1
+    assert found.shapes.sound.all()
 
 
 def test_a_cube_stays_a_cube() -> None:

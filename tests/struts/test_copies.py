@@ -1,0 +1,75 @@
+"""Nodes that are turned copies of each other have one blend, turned."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from scaffold_cad import Skeleton, round_struts
+from scaffold_cad.struts import nodes
+from scaffold_cad.struts.copies import Views
+from tests.struts.stars import random_stars
+
+COPIES = 20
+
+
+def copies(valency: int) -> tuple[Skeleton, np.ndarray, np.ndarray]:
+    """Return turned copies of a star with struts of their own radii in any order.
+
+    The orders (COPIES, N) and turns (COPIES, 3, 3) are returned too.
+    """
+    rng = np.random.default_rng(valency)
+    star = 20 * random_stars(1, valency, 40, rng)[0]
+    radii = rng.uniform(0.7, 1.4, valency)
+    order = np.argsort(rng.random((COPIES, valency)), axis=1)
+    turns = Rotation.random(COPIES, rng=rng).as_matrix()
+    places, edges, own, count = [], [], [], 0
+    for copy, (turn, some) in enumerate(zip(turns, order, strict=True)):
+        places.append(np.vstack([np.zeros(3), star[some]]) @ turn.T + [100.0 * copy, 0, 0])
+        edges += [[count, count + 1 + k] for k in range(valency)]
+        own.append(radii[some])
+        count += valency + 1
+    return Skeleton(np.vstack(places), edges, edge_radii=np.concatenate(own)), order, turns
+
+
+@pytest.mark.parametrize("valency", [2, 3, 4, 6])
+def test_turned_copies_are_solved_once(valency: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    solved = []
+    work = nodes._solved
+
+    def counted(own: nodes.Stars, *rest: object) -> nodes.Solved:
+        solved.append(len(own))
+        return work(own, *rest)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(nodes, "_solved", counted)
+    skeleton, order, turns = copies(valency)
+    struts = round_struts(skeleton)
+    assert max(solved) == 1
+    (group,) = struts.blended
+    assert group.shapes.sound.all()
+    shapes = group.shapes[group.shape_of]
+    shape = (COPIES, valency, 4, -1, 3)
+    row = np.arange(COPIES)[:, None]
+    own_order = np.argsort(order, axis=1)
+    back = shapes.control.reshape(shape)[row, own_order] @ turns[:, None, None]
+    np.testing.assert_allclose(back, np.broadcast_to(back[:1], back.shape), atol=1e-9)
+    along = shapes.collar_distances[row, own_order]
+    np.testing.assert_allclose(along, np.broadcast_to(along[:1], along.shape), rtol=1e-9)
+
+
+def test_mirrored_nodes_are_no_copies() -> None:
+    star = random_stars(1, 4, 40, np.random.default_rng(1))
+    both = np.concatenate([star, star * [1, 1, -1]])
+    views = Views.of(both, np.ones((2, 4)))
+    one, other = views.by_number(views.seen(both))
+    assert np.abs(one - other).max() > 0.1
+
+
+def test_what_is_seen_is_meant() -> None:
+    stars = random_stars(30, 5, 20, np.random.default_rng(2))
+    views = Views.of(stars, np.ones((30, 5)))
+    np.testing.assert_allclose(np.linalg.det(views.frames), 1.0)
+    seen = views.by_number(views.seen(stars))
+    np.testing.assert_allclose(views.meant(views.by_strut(seen)), stars, atol=1e-15)
+    assert (np.abs(seen[:, :, 1:]).sum(axis=2).min(axis=1) < 1e-15).all()  # one is along x
