@@ -37,10 +37,6 @@ SAFETY = 1.0 + 1e-9
 CHILDREN = np.array([[c & 1, c >> 1 & 1, c >> 2] for c in range(8)])
 """Place of each of a group's cells in it, shape (8, 3)."""
 
-RIM_FRACTION = 0.5
-"""Size of cells at the rim of a flat end, as a part of that elsewhere: the rim is cut off there by
-some tenths of a cell."""
-
 MOST_GROUPS = 10_000_000
 """Most groups of eight cells of one solid."""
 
@@ -182,8 +178,7 @@ def _refine_some(
         asked = np.full(len(which), np.inf)
         asked[kept] = wanted(union.local_radii(place[kept], struts[kept], ball), struts[kept])
         if union.capped:
-            rim = union.rim_distances(centers[which[kept]], struts[kept]) < ball
-            asked[kept] *= np.where(rim, RIM_FRACTION, 1.0)
+            asked[kept] *= union.rim_sizes(centers[which[kept]], struts[kept], ball)
         smallest = np.minimum.reduceat(asked, starts)
         refine = active & (edge > smallest * SAFETY)
         far = least_cells(np.abs(centers + lattice.origin) + edge)

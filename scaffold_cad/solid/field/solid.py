@@ -11,7 +11,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.solid.field.cells import RIM_FRACTION, check_size, levels_of, memory_of
+from scaffold_cad.solid.field.cells import check_size, levels_of, memory_of
 from scaffold_cad.solid.field.estimates import Estimate, estimated
 from scaffold_cad.solid.field.grid import grid_of
 from scaffold_cad.solid.field.lattice import (
@@ -23,6 +23,7 @@ from scaffold_cad.solid.field.lattice import (
     spacing_exponents,
 )
 from scaffold_cad.solid.field.pieces import Pieces, pieces_of, without_small_cavities
+from scaffold_cad.solid.field.rims import rim_fractions
 from scaffold_cad.solid.field.struts import FieldStruts
 from scaffold_cad.solid.field.surface import surface_of
 from scaffold_cad.solid.field.union import filleted_union
@@ -194,7 +195,7 @@ def held_by_grids(struts: FieldStruts) -> tuple[FieldStruts, Ints]:
 
 
 def _lattice(struts: FieldStruts, wanted: Floats) -> Lattice:
-    sizes = np.where(struts.flat.any(axis=1, keepdims=True), RIM_FRACTION, 1.0) * wanted
+    sizes = rim_fractions(struts).min(axis=1, keepdims=True) * wanted
     steps = np.ldexp(1.0, spacing_exponents(struts.ends))
     few = bool((sizes < FEW_STEPS * steps).any())
     room = np.maximum(struts.blend, MOST_SWELL * struts.radii.max(axis=1))

@@ -24,6 +24,7 @@ from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, UnitVe
 from scaffold_cad.base.blocks import CACHE, blocks
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.base.vectors import dot, length, normalize
+from scaffold_cad.solid.field.rims import rim_fractions
 from scaffold_cad.solid.field.struts import FieldStruts
 
 NO_LENGTH = 1e-12
@@ -55,6 +56,8 @@ class FilletedUnion(Frozen):
     """Fillet radii, shape (m,), mm."""
     section: Floats
     """Section radius at the start, its slope, length, least radius; shape (4, m)."""
+    rims: Floats
+    """How small cells are at the rims of both ends, see `rim_fractions`, shape (2, m)."""
     tapered: bool
     capped: bool
 
@@ -115,16 +118,16 @@ class FilletedUnion(Frozen):
         radii = start + slope * np.clip(place, 0.0, extent) - np.abs(slope) * within
         return np.asarray(np.maximum(radii, least))
 
-    def rim_distances(self, x: Points, struts: Ints) -> Floats:
-        """Return the distance of each point (k, 3) to the nearest rim of its strut's flat ends."""
+    def rim_sizes(self, x: Points, struts: Ints, within: float) -> Floats:
+        """Return how small cells at each point (k, 3) are for rims of its strut near it, (k,)."""
         way = x - self.rows[:3, struts].T
         along = dot(way, self.rows[3:6, struts].T)
         away = np.sqrt(np.maximum(dot(way, way) - along * along, 0.0))
         start, slope, extent, _ = (row[struts] for row in self.section)
-        before, behind = np.isfinite(self.caps[:, struts])
-        first = np.hypot(along, away - start)
-        last = np.hypot(along - extent, away - start - slope * extent)
-        return np.minimum(np.where(before, first, np.inf), np.where(behind, last, np.inf))
+        first = np.hypot(along, away - start) < within
+        last = np.hypot(along - extent, away - start - slope * extent) < within
+        before, behind = self.rims[:, struts]
+        return np.minimum(np.where(first, before, 1.0), np.where(last, behind, 1.0))
 
 
 def _corner(side: Floats, beyond: Floats, lean: Floats) -> tuple[Floats, Floats, Floats]:
@@ -167,6 +170,7 @@ def filleted_union(struts: FieldStruts, origin: Floats, swell: Floats) -> Fillet
         caps=np.array([np.where(flat[:, 0], 0.0, -np.inf), np.where(flat[:, 1], -extent, -np.inf)]),
         blend=struts.blend,
         section=np.array([radii[:, 0], slope, extent, radii.min(axis=1)]),
+        rims=np.where(flat, rim_fractions(struts), 1.0).T,
         tapered=bool((slope != 0).any()),
         capped=bool(flat.any()),
     )
