@@ -24,6 +24,7 @@ from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, UnitVe
 from scaffold_cad.base.blocks import CACHE, blocks
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.base.vectors import dot, length, normalize
+from scaffold_cad.solid.field.chains import EndPlanes, end_planes
 from scaffold_cad.solid.field.rims import rim_fractions
 from scaffold_cad.solid.field.struts import FieldStruts
 
@@ -58,6 +59,8 @@ class FilletedUnion(Frozen):
     """Section radius at the start, its slope, length, least radius; shape (4, m)."""
     rims: Floats
     """How small cells are at the rims of both ends, see `rim_fractions`, shape (2, m)."""
+    planes: EndPlanes
+    """Those that other links of chains end at, relative to the origin."""
     tapered: bool
     capped: bool
 
@@ -74,7 +77,7 @@ class FilletedUnion(Frozen):
             ends = self._ends(struts[some], along[some])
             within = [_corner(side[some], beyond, lean)[0] for beyond, lean in ends]
             side[some] = np.maximum(*within)
-        return side, place
+        return self.planes.cut(side, x, struts), place
 
     def _parts(self, x: Points, struts: Ints) -> tuple[Floats, Floats, Floats]:
         """Return distances from struts' sides, the places, and how far along axes x is, (k,)."""
@@ -99,7 +102,13 @@ class FilletedUnion(Frozen):
         return [(before - along, sine), (behind + along, -sine)]
 
     def gradients(self, x: Points, struts: Ints) -> UnitVectors:
-        """Return the direction in which each distance grows, shape (k, 3)."""
+        """Return the direction in which each distance grows, shape (k, 3).
+
+        Beyond the end of its chain a strut's is that of the last one: they have no fillet there.
+        """
+        return self._gradients(x, self.planes.last_at(x, struts))
+
+    def _gradients(self, x: Points, struts: Ints) -> UnitVectors:
         side, place, along = self._parts(x, struts)
         axis = self.rows[3:6, struts].T
         gradient = normalize(x - self.rows[:3, struts].T - place[:, None] * axis)
@@ -170,6 +179,7 @@ def filleted_union(struts: FieldStruts, origin: Floats, swell: Floats) -> Fillet
         caps=np.array([np.where(flat[:, 0], 0.0, -np.inf), np.where(flat[:, 1], -extent, -np.inf)]),
         blend=struts.blend,
         section=np.array([radii[:, 0], slope, extent, radii.min(axis=1)]),
+        planes=end_planes(struts, origin),
         rims=np.where(flat, rim_fractions(struts), 1.0).T,
         tapered=bool((slope != 0).any()),
         capped=bool(flat.any()),
