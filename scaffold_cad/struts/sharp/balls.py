@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import logging
+
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, UnitVectors
+from scaffold_cad.base.arrays import Floats, UnitVectors, place_text
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.skeleton.repair import largest_at_nodes
 from scaffold_cad.struts.runs import straight_runs
+
+_log = logging.getLogger(__name__)
 
 SPARE = 1.05
 """Radius of a ball over that of the one on which two circles touch."""
+LARGE = 3.0
+"""Radius of a ball, over that of its thickest strut, from which on it is told."""
 TAPER_STEPS = 8
 """Rounds in which the circles of cones and their ball are found: each depends on the other."""
 
@@ -37,7 +44,26 @@ def with_balls(skeleton: Skeleton) -> Skeleton:
         for _ in range(TAPER_STEPS if slopes.any() else 0):
             ball = SPARE * _least_balls(directions, across + np.maximum(slopes, 0) * ball[:, None])
         radii[nodes] = np.maximum(radii[nodes], ball)
+    _tell_large(skeleton, radii)
     return Skeleton(skeleton.nodes, skeleton.edges, radii, skeleton.edge_radii)
+
+
+def _tell_large(skeleton: Skeleton, radii: Floats) -> None:
+    """Warn of balls that narrow angles make much larger than their struts."""
+    thickest = largest_at_nodes(skeleton.edges, skeleton.edge_radii, len(radii))
+    grown = (radii > skeleton.radii) & (radii > LARGE * thickest)
+    if not grown.any():
+        return
+    node = int(np.where(grown, radii / np.maximum(thickest, 1e-300), 0.0).argmax())
+    _log.warning(
+        "%s larger than %g radii of the struts, whose circles would touch on smaller ones: that of "
+        "node %d at %s has a radius of %.3g mm; need wider angles or thinner struts there",
+        "1 ball is" if grown.sum() == 1 else f"{grown.sum()} balls are",
+        LARGE,
+        node,
+        place_text(skeleton.nodes[node]),
+        radii[node],
+    )
 
 
 def _least_balls(directions: UnitVectors, radii: Floats) -> Floats:

@@ -70,3 +70,13 @@ def test_hollow_struts_have_hollow_balls() -> None:
 def test_what_is_for_blends_is_refused() -> None:
     with pytest.raises(OptionError, match="blend with nodes='ball', whose struts meet in edges"):
         round_struts(JACK, nodes="ball", blend=0.2)
+
+
+def test_balls_that_narrow_angles_make_large_are_told(caplog: pytest.LogCaptureFixture) -> None:
+    narrow = Skeleton(
+        [[1, 2, 3], [13, 2, 3], [12, 6, 3], [-5, 9, 3]], [[0, 1], [0, 2], [0, 3]], 1.5
+    )
+    round_struts(narrow, nodes="ball")
+    assert "1 ball is larger than 3 radii" in caplog.text
+    wide = 1.05 * 1.5 / np.sin(np.arctan(4 / 11) / 2)  # circles of two struts touch
+    assert f"that of node 0 at [1, 2, 3] mm has a radius of {wide:.3g} mm" in caplog.text
