@@ -18,6 +18,10 @@ MOST_TURN = 0.5
 """Least cosine between the end and links that are cut there: what turns away further is another
 part of the chain."""
 
+MOST_GROWTH = 1.5
+"""Largest radius of links that are cut, over that of the end: what is thicker is more than a link,
+such as the body of a cell."""
+
 
 @dataclass(frozen=True, eq=False)
 class EndPlanes(Frozen):
@@ -63,8 +67,9 @@ def end_planes(struts: FieldStruts, origin: Floats) -> EndPlanes:
     strut, end = np.nonzero(struts.flat & (lengths > 0)[:, None])
     tips = struts.ends[strut, end]
     outward = (tips - struts.ends[strut, 1 - end]) / lengths[strut, None]
-    near = lengths[strut] < struts.radii.max(axis=1)[strut]  # of thicker links too: they are alike
+    near = lengths[strut] < struts.radii.max(axis=1)[strut]
     strut, end, tips, outward = strut[near], end[near], tips[near], outward[near]
+    sizes = struts.radii[strut, end]
     planes = EndPlanes(tips - origin, outward, strut, none)
     if len(strut) == 0:
         return planes
@@ -86,7 +91,9 @@ def end_planes(struts: FieldStruts, origin: Floats) -> EndPlanes:
         way = (place - struts.ends[strut, 1 - end]) / lengths[strut, None]
         reach = dot(place - tips[plane], outward[plane]) + struts.radii[strut, end]
         reach += struts.blend[strut]
-        on = (reach > 0) & (dot(way, outward[plane]) > MOST_TURN) & (of[1, strut] < 0)
+        alike = struts.radii[strut].max(axis=1) < MOST_GROWTH * sizes[plane]
+        ahead = dot(way, outward[plane]) > MOST_TURN
+        on = (reach > 0) & alike & ahead & (of[1, strut] < 0)
         plane, strut, end = plane[on], strut[on], end[on]
         free = of[0, strut] < 0
         of[0, strut[free]], of[1, strut[~free]] = plane[free], plane[~free]

@@ -55,3 +55,10 @@ def test_what_branches_off_beside_an_end_is_not_cut() -> None:
     mesh = field_solid(field_struts(ends, 1.0, flat=flat)).mesh
     beside = mesh.vertices[mesh.vertices[:, 1] > 2]
     assert beside[:, 0].max() > 10.55
+
+
+def test_what_is_much_thicker_than_the_end_is_not_cut() -> None:
+    ends = [[[-9, 0, 0], [0, 0, 0]], [[0, 0, 0], [0.9, 0, 0]]]
+    flat = [[False, False], [False, True]]
+    mesh = field_solid(field_struts(ends, [[1.0, 4.0], [4.0, 1.0]], flat=flat)).mesh
+    assert mesh.vertices[:, 0].max() > 3.5  # the ball of 4 around the origin
