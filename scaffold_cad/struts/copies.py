@@ -13,12 +13,15 @@ from typing import TypeVar
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, UnitVectors
-from scaffold_cad.base.vectors import length, normalize
+from scaffold_cad.base.vectors import any_perpendicular, length, normalize
 
 Values = TypeVar("Values", Floats, Ints)
 
 SLANTED = 0.3
 """Least sine between the two struts of a frame; less only where there are no such struts."""
+
+STRAIGHT = 1e-6
+"""Sine up to which all struts of a node are on one line: any plane through it will do."""
 
 SAME = 1e-9
 """Marks and places that differ by less are the same: then the first strut comes first."""
@@ -53,7 +56,9 @@ class Views(Frozen):
         sines = length(across)
         sines[sines > SLANTED] = 1.0
         slanted = sines == sines.max(axis=1, keepdims=True)
-        third = normalize(across[row, np.where(slanted, marks, np.inf).argmin(axis=1)])
+        third = across[row, np.where(slanted, marks, np.inf).argmin(axis=1)]
+        straight = sines.max(axis=1, keepdims=True) < STRAIGHT
+        third = normalize(np.where(straight, any_perpendicular(first), third))
         frames = np.stack([first, np.cross(third, first), third], axis=1)
         places = np.rint(directions @ frames.swapaxes(1, 2) @ ALONG / SAME)
         return Views(frames, np.argsort(places, axis=1, kind="stable"))

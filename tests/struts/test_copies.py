@@ -66,6 +66,28 @@ def test_mirrored_nodes_are_no_copies() -> None:
     assert np.abs(one - other).max() > 0.1
 
 
+@pytest.mark.parametrize("turn", [0.0, 1e-15, 1e-13, 1e-9, 1e-5])
+def test_struts_on_one_line_have_a_frame(turn: float) -> None:
+    rotations = Rotation.random(20, rng=np.random.default_rng(3)).as_matrix()
+    pair = np.array([[1.0, 0, 0], [-np.cos(turn), np.sin(turn), 0]])
+    frames = Views.of(pair @ rotations, np.array([[1.0, 0.7]] * 20)).frames
+    eyes = np.broadcast_to(np.eye(3), frames.shape)
+    np.testing.assert_allclose(frames @ frames.swapaxes(1, 2), eyes, atol=1e-10)
+
+
+@pytest.mark.parametrize("turn", [0.0, 1e-15, 1e-13, 1e-9, 1e-5])
+def test_steps_of_straight_struts_are_blended_around_their_axis(turn: float) -> None:
+    tip = [-20 * np.cos(turn), 20 * np.sin(turn), 0.0]
+    nodes = np.array([[0.0, 0, 0], [20, 0, 0], tip])
+    for rotation in Rotation.random(3, rng=np.random.default_rng(4)).as_matrix():
+        axis = rotation[:, 0]
+        struts = round_struts(Skeleton(nodes @ rotation.T, [[0, 1], [0, 2]], edge_radii=[1, 0.7]))
+        (group,) = struts.blended
+        assert group.shapes.sound.all()
+        points = group.shapes.control.reshape(-1, 3)
+        assert np.linalg.norm(np.cross(points, axis), axis=1).min() > 0.69
+
+
 def test_what_is_seen_is_meant() -> None:
     stars = random_stars(30, 5, 20, np.random.default_rng(2))
     views = Views.of(stars, np.ones((30, 5)))
