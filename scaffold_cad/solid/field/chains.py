@@ -34,7 +34,8 @@ class EndPlanes(Frozen):
     last: Ints
     """Strut that ends at each plane, shape (p,)."""
     of: Ints
-    """Planes that cut each strut, -1 for none, shape (2, m): those of both ends of a chain."""
+    """Planes that cut each strut, -1 for none, shape (2, m): of the chain's ends that its own first
+    and second end lead to."""
 
     def cut(self, side: Floats, x: Points, struts: Ints) -> Floats:
         """Return distances (k,) of points (k, 3) from struts that end at these planes."""
@@ -93,8 +94,7 @@ def end_planes(struts: FieldStruts, origin: Floats) -> EndPlanes:
         reach += struts.blend[strut]
         alike = struts.radii[strut].max(axis=1) < MOST_GROWTH * sizes[plane]
         ahead = dot(way, outward[plane]) > MOST_TURN
-        on = (reach > 0) & alike & ahead & (of[1, strut] < 0)
+        on = (reach > 0) & alike & ahead
         plane, strut, end = plane[on], strut[on], end[on]
-        free = of[0, strut] < 0
-        of[0, strut[free]], of[1, strut[~free]] = plane[free], plane[~free]
+        of[end, strut] = plane
     return replace(planes, of=of)

@@ -40,8 +40,9 @@ def test_a_curved_chain_ends_at_its_planes(count: int) -> None:
     assert mesh.signed_volume == pytest.approx(3 * np.pi**2, rel=0.02)
 
 
-def test_chains_shorter_than_thick_end_on_both_sides() -> None:
-    points = np.linspace([0.0, 0, 0], [0.8, 0, 0], 9)
+@pytest.mark.parametrize("links", [3, 7, 8])
+def test_chains_shorter_than_thick_end_on_both_sides(links: int) -> None:
+    points = np.linspace([0.0, 0, 0], [0.8, 0, 0], links + 1)
     mesh = field_solid(chain(points)).mesh
     check_exact(mesh)
     assert mesh.vertices[:, 0].min() > -3e-3
