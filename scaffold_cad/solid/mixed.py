@@ -24,9 +24,9 @@ from scaffold_cad.brep.joining import (
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.facets import SIDES, Faceted, faceted
 from scaffold_cad.solid.clusters.growth import Core, unproved
+from scaffold_cad.solid.clusters.hollow import hollow
 from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
-from scaffold_cad.solid.clusters.surface import hollow
 from scaffold_cad.solid.field.pieces import Pieces, pieces_of
 from scaffold_cad.struts.faces import bored, end_rings, faces_of, run_names
 from scaffold_cad.struts.model import RoundStruts

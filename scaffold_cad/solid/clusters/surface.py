@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from typing import Protocol, TypeVar
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, place_text
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
 from scaffold_cad.base.blocks import CACHE, blocks
 from scaffold_cad.base.positions import in_single_precision
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import length
-from scaffold_cad.errors import MeshError
-from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
-from scaffold_cad.solid.clusters.closing import shortened
 from scaffold_cad.solid.clusters.ends import with_flat_ends
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
 from scaffold_cad.solid.clusters.growth import Clusters, Core, bodies_of, clusters_of, unproved
+from scaffold_cad.solid.clusters.hollow import hollow
 from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.seams import seamed
 from scaffold_cad.solid.clusters.spans import Spans, no_spans
@@ -34,9 +30,8 @@ from scaffold_cad.struts.apart import Slack
 from scaffold_cad.struts.bands import polygon_slack
 from scaffold_cad.struts.curverings import rings_hold
 from scaffold_cad.struts.model import RoundStruts
-from scaffold_cad.struts.runs import ball_ends
 from scaffold_cad.struts.sharp.surface import without_triangles
-from scaffold_cad.struts.surface import Shell, Triangulated, inside_of, open_ends, shell_of
+from scaffold_cad.struts.surface import Shell, Triangulated, open_ends, shell_of
 
 MARGIN = 1e-9
 """Least sine of the angle at which the triangles of a node are seen from it."""
@@ -48,10 +43,6 @@ then cuts save nothing."""
 TRIES = 8
 """Times that clusters grow where a seam fails, before all becomes one field."""
 
-FINER = 5
-"""Times that hollow struts are made, with cells of half the size where walls cross, until these
-are whole."""
-
 STEP = 0.4
 """By how much a span grows whose seam failed, in radii: the next window has other vertices."""
 
@@ -59,33 +50,6 @@ TRIANGLE_BYTES = 256
 """What a triangle takes where it is looked at."""
 
 _log = logging.getLogger(__name__)
-
-
-class _Made(Protocol):
-    """A surface of solid struts, some of which are in fields."""
-
-    @property
-    def mesh(self) -> TriangleMesh:
-        """Its triangles."""
-
-    @property
-    def nodes(self) -> Bools:
-        """Nodes that are in fields, shape (n,)."""
-
-    @property
-    def pieces(self) -> Bools:
-        """Pieces of curves that are in fields, shape (p,)."""
-
-    @property
-    def fillets(self) -> Floats:
-        """Fillet radius of each node, mm, shape (n,)."""
-
-    @property
-    def node(self) -> Ints:
-        """Nodes that the first triangles are around, shape (t',)."""
-
-
-Surface = TypeVar("Surface", bound=_Made)
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,87 +111,6 @@ def _unmade(struts: RoundStruts, sides: int) -> Core:
     core = unproved(struts)
     nodes = core.nodes | without_triangles(struts.sharp, sides, len(core.nodes))
     return replace(core, nodes=nodes)
-
-
-def hollow(
-    struts: RoundStruts,
-    core_of: Callable[[RoundStruts], Core],
-    make: Callable[[RoundStruts, Floats, Core, Sags], Surface],
-    joined: Callable[[Surface, Surface], TriangleMesh],
-    factor: float = 1.0,
-) -> tuple[Surface, Surface]:
-    """Return the surfaces outside and inside of hollow struts.
-
-    Where their outside and their inside cross, nodes become fields, and the cells of fields
-    smaller.
-
-    Parameters
-    ----------
-    core_of : what has no surface of its own of solid struts, and is in clusters
-    make : the surface of solid struts, from their fillets (n,), what is in clusters, and sags
-    joined : both surfaces as triangles, those of the outside first, then those of the inside
-    """
-    inner = inside_of(struts)
-    core, more = core_of(struts), core_of(inner)
-    core = replace(core.with_nodes(more.nodes), pieces=core.pieces | more.pieces)
-    sags = Sags(float(struts.options.wall or 0.0) / 4.0)
-    for _ in range(FINER):
-        outside, inside = _both(struts, inner, make, core, sags)
-        mesh = joined(outside, inside)
-        written = TriangleMesh(in_single_precision(mesh.vertices, factor), mesh.triangles)
-        crossing = np.unique(self_intersections(written))
-        if len(crossing) == 0:
-            return outside, inside
-        places = mesh.vertices[mesh.triangles[crossing]].mean(axis=1)
-        at_nodes = _nodes_of(crossing, outside, inside)
-        _log.debug("walls cross in %d triangles", len(crossing))
-        crossed = np.zeros_like(core.nodes)
-        crossed[at_nodes[at_nodes >= 0]] = True
-        core = core.with_nodes(crossed)
-        sags = sags.smaller_at(places)
-    raise MeshError(
-        f"the wall of {struts.options.wall:g} mm crosses itself as triangles in {len(crossing)} "
-        f"places, the first near {place_text(places[0])}; need a thicker wall, more sides, or "
-        "larger angles between struts"
-    )
-
-
-def _nodes_of(triangles: Ints, outside: _Made, inside: _Made) -> Ints:
-    """Return the nodes that triangles of walls are around, -1 where they are around none."""
-    node = np.full(len(triangles), -1)
-    for surface, first in ((outside, 0), (inside, len(outside.mesh.triangles))):
-        own = triangles - first
-        there = (own >= 0) & (own < len(surface.node))
-        node[there] = surface.node[own[there]]
-    return node
-
-
-def _both(
-    struts: RoundStruts,
-    inner: RoundStruts,
-    make: Callable[[RoundStruts, Floats, Core, Sags], Surface],
-    core: Core,
-    sags: Sags,
-) -> tuple[Surface, Surface]:
-    """Return the surfaces outside and inside of hollow struts.
-
-    Of curves the same pieces are in fields on both sides, which follow edges and not the curve.
-    """
-    wall, fillets = float(struts.options.wall or 0.0), wanted_fillets(struts)
-    is_end = (struts.runs.valency == 1) & ~ball_ends(struts.skeleton, struts.runs)
-    is_open = struts.options.ends == "open"
-    while True:
-        outside = make(struts, fillets, core, sags)
-        own = shortened(inner, core.nodes & is_end, wall)
-        core = core.with_zone(outside.pieces)
-        inside = make(own, outside.fillets + wall, core, sags)
-        more = (outside.nodes | inside.nodes) & is_end & ~core.nodes & is_open
-        if not more.any() and np.array_equal(inside.pieces, outside.pieces):
-            return outside, inside
-        if more.any():
-            closed = counted(int(more.sum()), "open end overlaps", "open ends overlap")
-            _log.info("%s other struts: closed", closed)
-        core = core.with_nodes(more).with_zone(inside.pieces)
 
 
 def _walls(struts: RoundStruts, outside: _Surface, inside: _Surface) -> TriangleMesh:

@@ -10,7 +10,7 @@ from scaffold_cad.errors import MeshError
 from scaffold_cad.lattice import tile
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.solid.clusters import surface, unseen, whole_struts
+from scaffold_cad.solid.clusters import hollow, unseen, whole_struts
 from scaffold_cad.solid.clusters.surface import field_of
 from scaffold_cad.solid.field import field_solid
 from scaffold_cad.solid.field.pieces import without_voids
@@ -169,7 +169,7 @@ def test_walls_of_clusters_are_as_thick_as_asked(skeleton: Skeleton, wall: float
 def test_walls_that_cross_after_all_are_refused_with_a_place(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(surface, "FINER", 1)
+    monkeypatch.setattr(hollow, "FINER", 1)
     tips, radii = UNEVEN["one thick"]
     star = Skeleton([[0, 0, 0], *tips], [[0, i] for i in range(1, 5)], 1.0).with_edge_radii(radii)
     with pytest.raises(MeshError, match=r"the wall of 0.05 mm crosses itself .* near \[.*\] mm"):
