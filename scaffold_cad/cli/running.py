@@ -23,7 +23,9 @@ PARAMETER = re.compile(
     r"|scale|block)=('?)([\w.]*)\2"
 )
 """Parameters of the library that are flags here, as messages give them with a value."""
-SUBJECT = re.compile(r"^(radius|blend|wall|sides|socket(?=s))s? (?=is |of node |has )")
+SUBJECT = re.compile(
+    r"^(radius|blend|wall|sides|skin|drain|thickness|socket(?=s))s? (?=is |of node |has )"
+)
 """The same, where they are what a message is about."""
 
 BAD_INPUT = 2
@@ -116,6 +118,8 @@ def with_flags(message: str) -> str:
     'need --overlaps unite, or --radius for all'
     >>> with_flags("wall is 1 mm; need less")
     '--wall is 1 mm; need less'
+    >>> with_flags("drain is 0 mm; need > 0")
+    '--drain is 0 mm; need > 0'
     """
     named = SUBJECT.sub(r"--\1 ", message)
     return PARAMETER.sub(lambda found: f"--{found[1].replace('_', '-')} {found[3]}".strip(), named)

@@ -66,7 +66,7 @@ def drained(
     MeshError
         If a void stays closed; the place is named.
     """
-    wide = as_number(diameter, "diameter of drain holes")
+    wide = as_number(diameter, "drain")
     outside = NearestPlace(evened(surface))
     if places is None:
         found = [_chosen(void, outside, skin, wide) for void in _voids(part)]

@@ -80,7 +80,7 @@ def test_holes_without_room_are_refused(diameter: float, place: object, message:
     [
         ({"drain": 2.0}, "drain holes are given without a skin"),
         ({"skin": 1.0, "drain_places": [[0, 0, 8]]}, "given without drain, their diameter"),
-        ({"skin": 1.0, "drain": 0.0}, "diameter of drain holes is 0 mm"),
+        ({"skin": 1.0, "drain": 0.0}, "^drain is 0 mm; need > 0"),
         ({"skin": 1.0, "drain": 1.0, "drain_places": [[0, 0]]}, "places of drain holes has shape"),
     ],
 )
