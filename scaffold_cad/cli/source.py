@@ -202,7 +202,7 @@ def triangles_from(
     Parameters
     ----------
     others : options that are refused for meshes, beside those that change a skeleton
-    why : what is said of an option that is refused
+    why : why an option is refused
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Which radii of a skeleton a format holds, and what is said of those that are lost."""
+"""Which radii of a skeleton a format holds, and the warning about those that are lost."""
 
 from __future__ import annotations
 
