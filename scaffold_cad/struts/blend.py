@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -207,6 +207,66 @@ class Solved(Frozen):
         return np.asarray(np.sqrt(square.max(axis=(1, 2, 3))))
 
 
+def best_by_layout(
+    found: Sequence[Solved], which: Ints, place: Ints
+) -> Iterator[tuple[Ints, Solved]]:
+    """Yield the nodes whose best blends have patches of as many pieces, and these blends.
+
+    Parameters
+    ----------
+    found : blends of some of the nodes, as often as was tried
+    which : (U,) which of these has the best blend of a node, -1 for none
+    place : (U,) place in it
+    """
+    pieces = [each.layout.pieces for each in found]
+    for layout in dict.fromkeys(pieces):
+        trials = [number for number, other in enumerate(pieces) if other == layout]
+        rows = [np.flatnonzero(which == number) for number in trials]
+        parts = [found[number][place[row]] for number, row in zip(trials, rows, strict=True)]
+        nodes = np.concatenate(rows)
+        order = np.argsort(nodes)
+        if len(nodes):
+            yield nodes[order], Solved.joined(parts)[order]
+
+
+@dataclass(frozen=True, eq=False)
+class Skins(Frozen):
+    """The surfaces of U nodes of one valency, and the struts that they join."""
+
+    shapes: Solved
+    quads: Ints
+    """Corners of the quad around each strut, shape (U, N, 4)."""
+    axes: UnitVectors
+    """Direction of each strut, shape (U, N, 3)."""
+    slopes: Floats
+    """Growth of each strut's radius along it, shape (U, N)."""
+
+    def __len__(self) -> int:
+        return len(self.shapes)
+
+    def __getitem__(self, rows: Ints) -> Skins:
+        return Skins(self.shapes[rows], self.quads[rows], self.axes[rows], self.slopes[rows])
+
+
+@dataclass(frozen=True, eq=False)
+class Originals(Frozen):
+    """Nodes as they were solved, and of which of them U blends are turned copies."""
+
+    skins: Skins
+    """K nodes as they are seen in their views."""
+    which: Ints
+    """Which of them each blend is a copy of, shape (U,)."""
+    views: Views
+    """The views, U, in which each is seen as that node."""
+
+    def __getitem__(self, rows: Ints) -> Originals:
+        return Originals(self.skins, self.which[rows], self.views[rows])
+
+    def turned(self) -> Solved:
+        """Return the U copies."""
+        return self.skins.shapes[self.which].meant(self.views)
+
+
 @dataclass(frozen=True, eq=False)
 class Blends(Frozen):
     """The blends of m nodes of one valency and one layout. Equal nodes share a blend."""
@@ -221,6 +281,8 @@ class Blends(Frozen):
     """Patch that shares the arc of each one, run along the other way, shape (U, 4 N)."""
     shapes: Solved
     """The blends."""
+    originals: Originals
+    """What they are turned copies of."""
 
     @property
     def control(self) -> Floats:

@@ -74,7 +74,7 @@ class NodeBodies:
         count = 0
         group_of, row_of = self._group_of[some], self._row_of[some]
         for number in np.unique(group_of).tolist():
-            group = _some_of(self._struts.blended[number], row_of[group_of == number])
+            group = self._struts.blended[number][row_of[group_of == number]]
             placed, triangles = self._closed(group)
             points.append(placed)
             faces.append(triangles + count)
@@ -200,16 +200,3 @@ def sharp_bodies(struts: RoundStruts, sides: int, chosen: Bools) -> TriangleMesh
         faces.append((start + own).reshape(-1, 3))
         count += placed.size // 3
     return TriangleMesh(np.concatenate(points), np.concatenate(faces))
-
-
-def _some_of(group: BlendedNodes, rows: Ints) -> BlendedNodes:
-    """Return some nodes of a group, and of its blends those that they have."""
-    used, shape_of = np.unique(group.shape_of[rows], return_inverse=True)
-    return BlendedNodes(
-        group.nodes[rows],
-        group.half_runs[rows],
-        group.quads[used],
-        group.axes[used],
-        shape_of.reshape(-1),
-        group.shapes[used],
-    )

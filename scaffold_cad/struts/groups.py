@@ -82,6 +82,7 @@ def _as_asked(group: Group, stars: Stars) -> Iterator[BlendedNodes]:
             found.stars.directions[first],
             found.shape_of,
             found.shapes,
+            found.originals,
         )
 
 

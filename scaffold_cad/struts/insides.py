@@ -16,11 +16,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
+from scaffold_cad.base.arrays import Bools, Floats, Ints
 from scaffold_cad.base.blocks import CACHE, cut
 from scaffold_cad.base.counts import counted
 from scaffold_cad.base.threads import in_order
-from scaffold_cad.struts.blend import Solved
+from scaffold_cad.struts.blend import Originals, Skins, Solved, best_by_layout
 from scaffold_cad.struts.fits import TypeFit
 from scaffold_cad.struts.fitting import pieces_of_patches
 from scaffold_cad.struts.gaps import LEVELS, Gaps
@@ -68,25 +68,6 @@ RECIPES = (
 """Tried in this order, each for the nodes that the ones before left unproved or thin."""
 
 
-@dataclass(frozen=True, eq=False)
-class Skins(Frozen):
-    """The outer surfaces of U hollow nodes of one valency."""
-
-    shapes: Solved
-    quads: Ints
-    """Corners of the quad around each strut, shape (U, N, 4)."""
-    axes: UnitVectors
-    """Direction of each strut, shape (U, N, 3)."""
-    slopes: Floats
-    """Growth of each strut's radius along it, shape (U, N)."""
-
-    def __len__(self) -> int:
-        return len(self.shapes)
-
-    def __getitem__(self, rows: Ints) -> Skins:
-        return Skins(self.shapes[rows], self.quads[rows], self.axes[rows], self.slopes[rows])
-
-
 def hollow_nodes(outer: RoundStruts, runs: Runs, wall: float) -> Iterator[BlendedNodes]:
     """Yield the insides of those nodes that have room for them and whose insides are proved.
 
@@ -99,24 +80,18 @@ def hollow_nodes(outer: RoundStruts, runs: Runs, wall: float) -> Iterator[Blende
     fits = ~outer.crowded & _have_room(outer, runs, wall)
     for group in outer.blended:
         rows = np.flatnonzero(fits[group.nodes])
-        used, first, of_row = np.unique(
-            group.shape_of[rows], return_index=True, return_inverse=True
-        )
-        slopes = outer.runs.slopes[group.half_runs[rows[first]]]
-        skins = Skins(group.shapes[used], group.quads[used], group.axes[used], slopes)
-        for shapes, made in insides(skins, wall):
-            number = np.full(len(used), -1, dtype=np.intp)
-            number[shapes] = np.arange(len(shapes))
-            shape_of = number[of_row.reshape(-1)]
-            some = rows[shape_of >= 0]
-            yield BlendedNodes(
-                group.nodes[some],
-                group.half_runs[some],
-                skins.quads[shapes],
-                skins.axes[shapes],
-                shape_of[shape_of >= 0],
-                made,
+        some = group[rows]
+        used, which = np.unique(some.originals.which, return_inverse=True)
+        skins = some.originals.skins[used]
+        for kinds, made in insides(skins, wall):
+            shapes = np.flatnonzero(np.isin(which, kinds))
+            inside = Originals(
+                replace(skins[kinds], shapes=made),
+                np.searchsorted(kinds, which[shapes]),
+                some.originals.views[shapes],
             )
+            nodes = np.flatnonzero(np.isin(some.shape_of, shapes))
+            yield replace(some[nodes], shapes=inside.turned(), originals=inside)
 
 
 def _have_room(outer: RoundStruts, runs: Runs, wall: float) -> Bools:
@@ -166,20 +141,7 @@ def insides(skins: Skins, wall: float) -> list[tuple[Ints, Solved]]:
         best.append(found)
         open_nodes = open_nodes[score[open_nodes] < KEPT * wall]
     trial[score < LEAST * wall] = -1
-    return _by_layout(best, trial, place)
-
-
-def _by_layout(best: list[Solved], trial: Ints, place: Ints) -> list[tuple[Ints, Solved]]:
-    """Return the rows of each layout, and their insides."""
-    found = []
-    layouts = [each.layout for each in best]
-    for layout in dict.fromkeys(layouts):
-        trials = [number for number, other in enumerate(layouts) if other == layout]
-        rows = [np.flatnonzero(trial == number) for number in trials]
-        parts = [best[number][place[row]] for number, row in zip(trials, rows, strict=True)]
-        if sum(len(row) for row in rows):
-            found.append((np.concatenate(rows), Solved.joined(parts)))
-    return found
+    return list(best_by_layout(best, trial, place))
 
 
 def _solved(skins: Skins, wall: float, recipe: InsideRecipe) -> tuple[Solved, Floats]:

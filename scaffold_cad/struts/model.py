@@ -12,7 +12,7 @@ from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.base.notebook import Shown
 from scaffold_cad.base.summaries import counted, radii_text, size_text
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.struts.blend import Solved
+from scaffold_cad.struts.blend import Originals, Solved
 from scaffold_cad.struts.curved import Curves
 from scaffold_cad.struts.options import StrutOptions
 from scaffold_cad.struts.runs import Runs, at_balls
@@ -36,6 +36,8 @@ class BlendedNodes(Frozen):
     """Which of the U blends each node has, shape (M,)."""
     shapes: Solved
     """The blends: patches between the collars, relative to the nodes."""
+    originals: Originals
+    """What they are turned copies of."""
 
     def __getitem__(self, rows: Ints) -> BlendedNodes:
         used, shape_of = np.unique(self.shape_of[rows], return_inverse=True)
@@ -46,6 +48,7 @@ class BlendedNodes(Frozen):
             self.axes[used],
             shape_of.reshape(-1),
             self.shapes[used],
+            self.originals[used],
         )
 
 

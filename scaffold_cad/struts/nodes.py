@@ -18,9 +18,8 @@ from scaffold_cad.base.counts import counted
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.partition.arcs import side_twins
-from scaffold_cad.struts.blend import Blends, Solved, Stars
+from scaffold_cad.struts.blend import Blends, Originals, Skins, Solved, Stars, best_by_layout
 from scaffold_cad.struts.collars import LEAST_BLEND, Collars, collar_distances
-from scaffold_cad.struts.copies import Views
 from scaffold_cad.struts.evenness import even
 from scaffold_cad.struts.fitting import Turned, collars_of, solve, union_of
 from scaffold_cad.struts.joins import types_of
@@ -92,7 +91,16 @@ def blends(stars: Stars, recipes: Iterable[Recipe] = RECIPES) -> tuple[Blends, .
             open_nodes = open_nodes[~_narrow(own[open_nodes])]
     views = views.rounded(SAME)
     first, shape_of = views.distinct(kind)
-    return tuple(_grouped(stars, first, shape_of, best.of(kind[first], views[first])))
+    size = _size(seen[one])
+    copied = []
+    for kinds, made in best_by_layout(best.found, best.which, best.place):
+        some, size_of = own[kinds], size[kinds]
+        skins = Skins(_enlarged(made, size_of), some.quads, some.directions, some.slopes)
+        shapes = np.flatnonzero(np.isin(kind[first], kinds))
+        which = np.searchsorted(kinds, kind[first[shapes]])
+        originals = Originals(skins, which, views[first[shapes]])
+        copied.append(_copied(stars, shapes, shape_of, originals))
+    return tuple(copied)
 
 
 def _with_room(best: _Best, own: Stars, fitted: Collars, recipe: Recipe, rows: Ints) -> Ints:
@@ -151,20 +159,6 @@ class _Best:
         self._score[taken] = value[better]
         self.found.append(found[better])
 
-    def of(self, kind: Ints, views: Views) -> list[tuple[Ints, Solved]]:
-        """Return the nodes that have the blends of each trial, and these.
-
-        Parameters
-        ----------
-        kind : (K,) which of the U nodes each of K nodes is a turned copy of
-        views : in which it is seen as that node
-        """
-        parts = []
-        for trial, found in enumerate(self.found):
-            rows = np.flatnonzero(self.which[kind] == trial)
-            parts.append((rows, found[self.place[kind[rows]]].meant(views[rows])))
-        return parts
-
 
 def nearest_collars(stars: Stars) -> tuple[Floats, Floats]:
     """Return where collars stand with the fillets asked for, and with the least, mm, both (M, N).
@@ -187,31 +181,13 @@ def _narrow(stars: Stars) -> Bools:
     return np.asarray((np.triu(cosines, 1) > NARROW).any(axis=(1, 2)))
 
 
-def _grouped(
-    stars: Stars, first: Ints, shape_of: Ints, best: list[tuple[Ints, Solved]]
-) -> list[Blends]:
-    """Return the best blends, those together whose patches have as many pieces."""
-    groups = []
-    own, size = stars[first], _size(stars[first])
-    pieces = [found.layout.pieces for _, found in best]
-    for layout in dict.fromkeys(pieces):
-        parts = [part for part, other in zip(best, pieces, strict=True) if other == layout]
-        shapes = np.concatenate([rows for rows, _ in parts])
-        if len(shapes) == 0:
-            continue
-        number = np.full(len(own), -1, dtype=np.intp)
-        number[shapes] = np.arange(len(shapes))
-        nodes = np.flatnonzero(number[shape_of] >= 0)
-        groups.append(
-            Blends(
-                stars[nodes],
-                nodes,
-                number[shape_of[nodes]],
-                side_twins(own.quads[shapes]),
-                _enlarged(Solved.joined([found for _, found in parts]), size[shapes]),
-            )
-        )
-    return groups
+def _copied(stars: Stars, shapes: Ints, shape_of: Ints, originals: Originals) -> Blends:
+    """Return the blends of those nodes that have the `shapes` (U,), ascending."""
+    nodes = np.flatnonzero(np.isin(shape_of, shapes))
+    own = np.searchsorted(shapes, shape_of[nodes])
+    first = nodes[np.unique(own, return_index=True)[1]]
+    twins = side_twins(stars.quads[first])
+    return Blends(stars[nodes], nodes, own, twins, originals.turned(), originals)
 
 
 def _solved(own: Stars, fitted: Collars, recipe: Recipe, begun: Solved | None = None) -> Solved:

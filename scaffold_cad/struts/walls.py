@@ -150,17 +150,26 @@ def walls_at(outer: Sequence[BlendedNodes], inner: Sequence[BlendedNodes], count
         for node, row in zip(group.nodes.tolist(), group.shape_of.tolist(), strict=True)
     }
     for group in outer:
-        known: dict[tuple[int, int, int], float] = {}
+        known: dict[tuple[int, ...], float] = {}
         for node, row in zip(group.nodes.tolist(), group.shape_of.tolist(), strict=True):
             if node not in inside_of:
                 continue
             inside, other = inside_of[node]
-            key = row, id(inside), other
+            key = _pair(group, row, inside, other)
             if key not in known:
                 pair = group.shapes[np.array([row])], inside.shapes[np.array([other])]
                 known[key] = float(Gaps(pair[0]).least(pair[1])[0])
             found[node] = known[key]
     return found
+
+
+def _pair(outer: BlendedNodes, row: int, inner: BlendedNodes, other: int) -> tuple[int, ...]:
+    """Return what an outside and an inside have that are turned alike, or else the two."""
+    outside, inside = outer.originals, inner.originals
+    alike = (outside.views.order[row] == inside.views.order[other]).all()
+    if alike and (outside.views.frames[row] == inside.views.frames[other]).all():
+        return int(outside.which[row]), id(inner), int(inside.which[other])
+    return row, id(inner), other, 1
 
 
 def _along_curves(outer: Curves, inner: Curves) -> Floats:

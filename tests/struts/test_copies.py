@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 from scaffold_cad import Skeleton, round_struts
 from scaffold_cad.struts import nodes
 from scaffold_cad.struts.copies import Views
+from scaffold_cad.struts.walls import walls_at
 from tests.struts.stars import random_stars
 
 COPIES = 20
@@ -56,6 +57,21 @@ def test_turned_copies_are_solved_once(valency: int, monkeypatch: pytest.MonkeyP
     np.testing.assert_allclose(back, np.broadcast_to(back[:1], back.shape), atol=1e-9)
     along = shapes.collar_distances[row, own_order]
     np.testing.assert_allclose(along, np.broadcast_to(along[:1], along.shape), rtol=1e-9)
+
+
+@pytest.mark.parametrize("valency", [3, 4])
+def test_insides_of_turned_copies_are_solved_once(valency: int) -> None:
+    skeleton, order, turns = copies(valency)
+    struts = round_struts(skeleton, wall=0.3)
+    assert struts.inner is not None
+    (group,) = struts.inner.blended
+    assert len(group.originals.skins) == 1
+    control = group.shapes.control[group.shape_of].reshape(COPIES, valency, 4, -1, 3)
+    back = control[np.arange(COPIES)[:, None], np.argsort(order, axis=1)] @ turns[:, None, None]
+    np.testing.assert_allclose(back, np.broadcast_to(back[:1], back.shape), atol=1e-9)
+    walls = walls_at(struts.blended, struts.inner.blended, len(skeleton.nodes))[group.nodes]
+    assert np.ptp(walls) < 1e-9
+    assert walls.min() > 0.95 * 0.3
 
 
 def test_mirrored_nodes_are_no_copies() -> None:
