@@ -299,6 +299,9 @@ VIEWS: dict[str, tuple[tuple[float, float, float], str]] = {
     "neuron": ((-0.2, -0.5, 1.4), CORAL),
     "sandwich_panel": ((-0.8, -1.0, 0.5), BLUE),
     "geodesic_dome": ((-0.5, -1.0, 0.5), SAND),
+    "space_frame": ((-0.5, -1.0, 0.5), BLUE),
+    "helix_lamp": ((-0.5, -1.0, 0.35), SAND),
+    "brake_lever": ((0.25, -0.5, 1.0), BLUE),
     "spiral": ((-0.35, -1.0, 0.75), SAND),
     "shoe_sole": ((-0.55, -1.0, 0.7), BLUE),
     "helmet": ((-0.5, -1.0, 0.45), SAND),
@@ -321,7 +324,7 @@ def draw_gallery(name: str) -> None:
         line = 0.003 * float(np.linalg.norm(np.ptp(made.mesh.vertices, axis=0)))
         stage.add_mesh(made.mesh, color, line)
     else:
-        if name == "filled_bracket":
+        if name in ("filled_bracket", "brake_lever"):
             made = to_solid(tessellated(made))
         if name in ("lattice_bracket", "filled_bracket"):  # cut, for one to see the lattice
             made = made.trim_by_plane((0.0, 1.0, 0.0), 0.0)
