@@ -9,6 +9,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Ints, Points
 from scaffold_cad.base.positions import equal_positions
+from scaffold_cad.base.ranges import steps
 from scaffold_cad.errors import SkeletonError
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -71,7 +72,7 @@ def triangulated(points: Points, faces: Faces) -> TriangleMesh:
     start = np.cumsum(faces.sizes) - faces.sizes
     fans = faces.sizes - 2
     first = np.repeat(start, fans)  # (t,), where the polygon of each triangle begins
-    step = np.arange(len(first)) - np.repeat(np.cumsum(fans) - fans, fans)
+    step = steps(fans)
     corners = np.stack([first, first + step + 1, first + step + 2], axis=1)
     return TriangleMesh(points, faces.corners[corners])
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
 from scaffold_cad.base.blocks import blocks, uneven_blocks
+from scaffold_cad.base.ranges import ranges, steps
 
 CELLS_ACROSS = (32, 128)
 """Least and most cells along the longest side of a grid."""
@@ -89,7 +90,7 @@ class BoxGrid:
         spans = np.maximum(last - first + 1, 0)  # (q, d)
         counts = spans.prod(axis=1)
         box = np.repeat(np.arange(len(counts)), counts)
-        rest = ranges(np.zeros_like(counts), counts)
+        rest = steps(counts)
         cell = np.zeros(len(box), dtype=np.intp)
         for axis, size in enumerate(self._shape.tolist()):
             rest, step = np.divmod(rest, spans[box, axis])
@@ -100,12 +101,6 @@ class BoxGrid:
         """Return how many cells each point (n, d) is from the lowest one along each axis."""
         steps: Ints = np.floor((points - self._low) / self._pitch).astype(np.intp)
         return steps
-
-
-def ranges(first: Ints, counts: Ints) -> Ints:
-    """Return `first[k]`, `first[k]` + 1, ... (`counts[k]` of them), for each k in turn."""
-    before = np.cumsum(counts) - counts
-    return np.repeat(first - before, counts) + np.arange(int(counts.sum()))
 
 
 def _small_boxes(corners: Floats, pitch: float) -> tuple[Floats, Floats, Ints]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
 from scaffold_cad.base.boxes import overlapping_boxes
-from scaffold_cad.lattice.boxgrid import ranges
+from scaffold_cad.base.ranges import steps
 from scaffold_cad.layers.contours import contours, keys_of, unpacked, widened
 from scaffold_cad.layers.loops import Loops
 from scaffold_cad.layers.rounds import crossed
@@ -126,7 +126,7 @@ class FilletSections:
         first = low.min(axis=0) - 1
         wide, deep = (high - low + 1).T
         pair = np.repeat(np.arange(len(piece)), wide * deep)
-        number = ranges(np.zeros_like(wide), wide * deep)
+        number = steps(wide * deep)
         across, along = np.divmod(number, deep[pair])
         places = low[pair] - first + np.stack([across, along], axis=1)
         keys, strut = keys_of(level[pair], places), self._strut[piece][pair]
@@ -184,7 +184,7 @@ def _pieces(fields: FieldStruts) -> tuple[Points, Points, Ints]:
     reach = fields.radii.max(axis=1) + fields.blend
     count = np.maximum(np.ceil(fields.lengths / (PIECE * reach)), 1).astype(np.intp)
     strut = np.repeat(np.arange(len(count)), count)
-    number = ranges(np.zeros_like(count), count)
+    number = steps(count)
     start, end = fields.ends[strut, 0], fields.ends[strut, 1]
     at = [start + ((number + side) / count[strut])[:, None] * (end - start) for side in (0, 1)]
     margin = reach[strut, None]

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
-from scaffold_cad.lattice.boxgrid import ranges
+from scaffold_cad.base.ranges import ranges
 from scaffold_cad.layers.sweep import Sweep, count_at
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints, Points
-from scaffold_cad.lattice.boxgrid import ranges
+from scaffold_cad.base.ranges import ranges
 from scaffold_cad.layers.loops import Loops, Surface
 from scaffold_cad.layers.rounds import crossed
 from scaffold_cad.layers.sweep import Sweep

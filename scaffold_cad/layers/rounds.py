@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points
-from scaffold_cad.lattice.boxgrid import ranges
+from scaffold_cad.base.ranges import ranges
 from scaffold_cad.layers.loops import Loops
 
 UPRIGHT = 1e-12

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
-from scaffold_cad.lattice.boxgrid import ranges
+from scaffold_cad.base.ranges import ranges, steps
 
 WIDEST = 1.5
 """Extent of the widest polygon that is repeated, in cells that a strut reaches into."""
@@ -64,7 +64,7 @@ class Stamp(Frozen):
         """Return polygons moved by `first` (2, l) cells and on, `copies` (2, l) times."""
         number = copies[0] * copies[1]
         polygon = np.repeat(np.arange(len(number)), number)  # (k,)
-        step = ranges(np.zeros_like(number), number)
+        step = steps(number)
         along, across = np.divmod(step, copies[1, polygon])
         cells = np.stack([first[0, polygon] + along, first[1, polygon] + across], axis=1)
         shifts = cells @ self.sides  # (k, 2), mm

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, UnitVectors
+from scaffold_cad.base.ranges import steps
 from scaffold_cad.base.vectors import dot
 from scaffold_cad.mechanics.hexplans import Caps, Plan, Span
 from scaffold_cad.mechanics.hexruns import RunEdges, RunTurns, check_has_hexahedra
@@ -206,7 +207,7 @@ def _straight_span(
     cuts = np.maximum(np.ceil(np.abs(turns.rest) / most - 1e-9).astype(np.intp) - 1, 0)
     cuts[run] = 0
     more = np.repeat(every, cuts)
-    place = np.arange(len(more)) - np.repeat(np.cumsum(cuts) - cuts, cuts) + 1
+    place = steps(cuts) + 1
     free = runs.lengths - collar.sum(axis=1)
     run = np.concatenate([run, more])
     start = np.concatenate([start, collar[more, 0] + free[more] * place / (cuts[more] + 1)])

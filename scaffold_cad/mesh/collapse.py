@@ -8,6 +8,7 @@ from typing import TypeAlias
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Points, Triangles
+from scaffold_cad.base.ranges import steps
 from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted, have_distinct_corners
 
@@ -91,9 +92,7 @@ def _stay_up(mesh: TriangleMesh, edges: Edges) -> Bools:
     count = np.bincount(corner, minlength=len(mesh.vertices))
     first = np.cumsum(count) - count
     of_edge = np.repeat(np.arange(len(edges)), count[edges[:, 1]])
-    rank = np.arange(len(of_edge)) - np.repeat(
-        np.cumsum(count[edges[:, 1]]) - count[edges[:, 1]], count[edges[:, 1]]
-    )
+    rank = steps(count[edges[:, 1]])
     side = by_vertex[first[edges[of_edge, 1]] + rank]
     moved, fixed = corner[side], edges[of_edge, 0]
     after, last = (corner[side // 3 * 3 + (side % 3 + k) % 3] for k in (1, 2))

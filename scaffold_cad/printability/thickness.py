@@ -9,8 +9,8 @@ from scipy.spatial import KDTree
 
 from scaffold_cad.base.arrays import Floats, Ints, Points
 from scaffold_cad.base.blocks import blocks
+from scaffold_cad.base.ranges import ranges
 from scaffold_cad.base.vectors import any_perpendicular, dot
-from scaffold_cad.lattice.boxgrid import ranges
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.skeleton import Skeleton
 

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_count, as_number, as_real, check_choice
 from scaffold_cad.base.arrays import Edges, Floats, Ints, Points, Radii, as_floats
+from scaffold_cad.base.ranges import steps
 from scaffold_cad.base.regions import BoxRegion, ImplicitRegion, Keep, Region
 from scaffold_cad.base.vectors import mirror, rotate
 from scaffold_cad.errors import OptionError, SkeletonError
@@ -143,7 +144,7 @@ class Editing(ABC):
             limit = as_number(longest, "longest length")
             pieces = np.maximum(np.ceil(spans / limit * (1 - 1e-12)), 1).astype(np.intp)
         edge = np.repeat(np.arange(len(spans)), pieces - 1)
-        step = np.arange(len(edge)) - np.repeat(np.cumsum(pieces - 1) - (pieces - 1), pieces - 1)
+        step = steps(pieces - 1)
         cut = cut_at(self.nodes, self.edges, edge, (step + 1) / pieces[edge])
         edge_radii = self._radii_along(cut.source, cut.along)
         new = self._radii_at(edge, (step + 1) / pieces[edge])

@@ -15,6 +15,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points
 from scaffold_cad.base.blocks import CACHE, blocks, uneven_blocks
 from scaffold_cad.base.boxes import overlapping_boxes
+from scaffold_cad.base.ranges import steps
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.struts.curved import Curves
@@ -188,7 +189,7 @@ def _parts(
     for some in uneven_blocks(tall * wide, PAIR_BYTES):
         sizes = tall[some] * wide[some]
         pair = np.repeat(np.arange(some.start, some.stop), sizes)
-        place = np.arange(len(pair)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+        place = steps(sizes)
         i, j = bounds[one[pair]] + place // wide[pair], bounds[other[pair]] + place % wide[pair]
         overlap = ((low[i] <= high[j]) & (low[j] <= high[i])).all(axis=1)
         yield i[overlap], j[overlap]

@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
+from scaffold_cad.base.ranges import steps
 from scaffold_cad.struts.curved import NOT_OF_CIRCLES, Curves
 
 
@@ -81,7 +82,7 @@ def chains_left(curves: Curves, left_out: Bools) -> tuple[Ints, Ints]:
     """Return the pieces that are left, one after another, and the chain that each is in."""
     counts = np.diff(curves.offsets) - 1
     of = curves.curve_of_piece
-    place = np.arange(len(of)) - np.repeat(np.cumsum(counts) - counts, counts)
+    place = steps(counts)
     # Closed curves begin behind the last piece that is left out.
     last = np.full(len(counts), -1, dtype=np.intp)
     np.maximum.at(last, of[left_out], place[left_out])

@@ -25,6 +25,7 @@ from functools import cached_property
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points, UnitVectors
+from scaffold_cad.base.ranges import steps
 from scaffold_cad.base.topology import chains
 from scaffold_cad.base.vectors import (
     angle_between,
@@ -323,11 +324,11 @@ def _turned(made: Curves, x: Floats) -> Curves:
     tangents = made.tangents
     x = np.where(np.any(x, axis=1, keepdims=True), x, any_perpendicular(tangents[start]))
     chords = normalize(made.centers[first + 1] - made.centers[first])
-    steps = double_reflection(chords, tangents[first], tangents[first + 1])
-    position = np.arange(len(first)) - np.repeat(np.cumsum(counts) - counts, counts)
+    turns = double_reflection(chords, tangents[first], tangents[first + 1])
+    position = steps(counts)
     turned = np.empty_like(tangents)
     turned[start] = x
-    turned[first + 1] = turn(accumulate(steps, position), np.repeat(x, counts, axis=0))
+    turned[first + 1] = turn(accumulate(turns, position), np.repeat(x, counts, axis=0))
     ahead = np.zeros(len(tangents))
     ahead[first + 1] = made.speeds
     along = np.cumsum(ahead) - np.repeat(np.cumsum(ahead)[start], counts + 1)  # (s,) mm

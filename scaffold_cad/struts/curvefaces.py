@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
+from scaffold_cad.base.ranges import steps
 from scaffold_cad.brep.analytic import Axes, Knots, SplineCurves, SplinePatches
 from scaffold_cad.struts.curved import ALONG, Curves
 from scaffold_cad.struts.quarter import ARC, DEGREE
@@ -41,7 +42,7 @@ class CurveParts(Frozen):
         begin = np.cumsum(counts) - counts  # first piece of each curve
         halves = np.where(curves.closed, 2, 1)
         curve = np.repeat(np.arange(len(counts)), halves)
-        half = np.arange(len(curve)) - np.repeat(np.cumsum(halves) - halves, halves)
+        half = steps(halves)
         closed = curves.closed[curve]
         middle = np.where(closed, counts[curve] // 2, counts[curve])
         first = begin[curve] + np.where(half == 1, middle, 0)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Triangles
+from scaffold_cad.base.ranges import steps
 from scaffold_cad.base.vectors import dot, length, normalize, triple
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.struts.bands import enlargement, polygon_slack
@@ -96,7 +97,7 @@ def intervals(curves: Curves, turns: Floats, sides: int) -> Intervals:
     step = 2 * np.pi / sides
     levels = np.maximum(np.ceil(turns / step - 1e-9), 1).astype(np.intp)  # (p,)
     piece = np.repeat(np.arange(len(levels)), levels)
-    place = np.arange(len(piece)) - np.repeat(np.cumsum(levels) - levels, levels) + 1
+    place = steps(levels) + 1
     frames = np.einsum(
         "lj,ljkx->lkx", bernstein(ALONG, place / levels[piece]), curves.frames[piece]
     )

@@ -12,6 +12,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points
 from scaffold_cad.base.blocks import CACHE, blocks
+from scaffold_cad.base.ranges import steps
 from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.struts.curved import ALONG, Curves
@@ -147,7 +148,7 @@ def strut_pieces(runs: Runs, curved: Bools, collar: Floats) -> Pieces:
     cone = runs.slopes[0::2] != 0
     pieces = np.where(curved, 0, np.where(cone, PIECES, 1))
     run = np.repeat(np.arange(len(pieces)), pieces)
-    piece = np.arange(len(run)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+    piece = steps(pieces)
     first, last = collar[0::2][run], (runs.lengths - collar[1::2])[run]
     bounds = [first + (last - first) * (piece + side) / pieces[run] for side in (0, 1)]
     ahead, tail = runs.directions[0::2][run], runs.nodes[runs.edges[run, 0]]

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints
+from scaffold_cad.base.ranges import ranges
 from scaffold_cad.errors import OptionError
-from scaffold_cad.lattice.boxgrid import ranges
 from scaffold_cad.layers import Layer, Layers
 
 BAND = 2**22

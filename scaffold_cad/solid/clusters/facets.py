@@ -15,6 +15,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
+from scaffold_cad.base.ranges import steps
 from scaffold_cad.mesh.decimation import decimated
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
@@ -111,7 +112,7 @@ def _coarser(
     """Return the mesh of a field with fewer triangles."""
     count = 1 + np.ceil(fields.lengths / fields.radii.min(axis=1)).astype(np.intp)
     which = np.repeat(np.arange(len(count)), count)
-    step = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
+    step = steps(count)
     share = (step / np.maximum(count - 1, 1)[which])[:, None]
     start, end = np.moveaxis(fields.ends[which], 1, 0)
     radii = (1.0 - share[:, 0]) * fields.radii[which, 0] + share[:, 0] * fields.radii[which, 1]

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints, Points
+from scaffold_cad.base.ranges import steps
 from scaffold_cad.struts.sharp.shapes import SharpShape
 
 SAMPLES = 65
@@ -138,8 +139,9 @@ def _crossings(shape: SharpShape, sides: int) -> tuple[Ints, Floats, Ints, Ints]
     around = curves.stars.angles(zero, np.repeat(strut, SAMPLES), points).reshape(-1, SAMPLES)
     around = np.unwrap(around, axis=1) / step
     level = np.floor(around + ON_LINE)
-    row, place = np.nonzero(np.diff(level, axis=1) != 0)
-    line = np.maximum(level[row, place], level[row, place + 1])
+    passed = np.abs(np.diff(level, axis=1)).astype(np.intp)  # generators between two samples
+    row, place = (np.repeat(each, passed[passed > 0]) for each in np.nonzero(passed))
+    line = np.minimum(level[row, place], level[row, place + 1]) + 1 + steps(passed[passed > 0])
     low, high = angles[edge[row], place], angles[edge[row], place + 1]
     rises = level[row, place + 1] > level[row, place]
     zero = np.zeros(len(row), dtype=np.intp)

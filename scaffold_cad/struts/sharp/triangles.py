@@ -25,8 +25,12 @@ from scaffold_cad.struts.sharp.spherical import cut_out
 SPACING = 0.75
 """Least distance of points inside of the ball's face from its outline, in sides of the ball."""
 
-MOST_SWELL = 1.1
-"""By how much these are further out than the ball at most, so that its faces have its volume."""
+MOST_STEP = np.pi / 8
+"""Greatest angle between these, as the node sees them: with fewer of them the ball is too small."""
+
+SWELL = (0.9, 1.1)
+"""How far out these are at least and at most, in radii of the ball, for its faces to have its
+volume."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -295,7 +299,7 @@ def _fill(shape: SharpShape, edges: SampledEdges, sides: int) -> Points:
     if not outline:
         return np.zeros((0, 3))
     around = np.array([edges.points[k] for k in sorted({a for a, _ in outline})])
-    step = 2 * np.pi / sides
+    step = min(2 * np.pi / sides, MOST_STEP)
     count = int(4 * np.pi / (step**2 * 0.87))
     turn = np.arange(count) + 0.5
     height = 1.0 - 2.0 * turn / count
@@ -329,7 +333,7 @@ def _ball(shape: SharpShape, edges: SampledEdges, points: Points) -> Triangles |
 
 
 def _swelled(points: Points, ball: Triangles, fixed: int, larger: float) -> Points:
-    """Return points, those inside of the ball's faces moved outward for these to have its volume.
+    """Return points, those inside of the ball's faces moved for these to have its volume.
 
     Parameters
     ----------
@@ -343,7 +347,7 @@ def _swelled(points: Points, ball: Triangles, fixed: int, larger: float) -> Poin
     angles = 1.0 + dot(a, b) + dot(b, c) + dot(c, a)
     wanted = 2.0 * np.arctan2(volume, angles).sum() / larger**3  # of three times the volume
     moved = (ball >= fixed).sum(axis=1)
-    factors = np.linspace(1.0, MOST_SWELL, 64)
+    factors = np.linspace(*SWELL, 64)
     made = (volume[:, None] / 2.0 * factors ** moved[:, None]).sum(axis=0)
     found = points.copy()
     found[fixed:] *= np.interp(wanted, made, factors)

@@ -39,6 +39,14 @@ def test_each_strut_ends_in_a_circle_on_one_sphere(skeleton: Skeleton, tmp_path:
     assert not kinds
 
 
+@pytest.mark.parametrize("sides", [8, 16, 128, 256])
+def test_meshes_have_the_volume_of_balls_and_struts(sides: int) -> None:
+    struts = round_struts(tapered(), nodes="ball")
+    assert to_solid(struts, sides=sides).volume() == pytest.approx(
+        to_brep(struts).volume, rel=1e-4 if sides > 8 else 1e-3
+    )
+
+
 def test_the_least_ball_is_larger_than_the_one_on_which_circles_touch() -> None:
     ball = round_struts(JACK.with_radii(1.0), nodes="ball").skeleton.radii
     np.testing.assert_allclose(ball[JACK.valency > 1], 1.05 * np.sqrt(2))

@@ -31,7 +31,7 @@ def test_random_nodes_have_triangles_of_their_own(kind: int) -> None:
     assert solid.num_tri() < 1000
 
 
-@pytest.mark.parametrize("sides", [8, 12, 32])
+@pytest.mark.parametrize("sides", [8, 12, 32, 128, 256])
 def test_sides_change_the_volume_little(sides: int) -> None:
     struts = round_struts(NODES["thin oblique tee"], nodes="sharp")
     assert to_solid(struts, sides=sides).volume() == pytest.approx(to_brep(struts).volume, rel=0.01)
