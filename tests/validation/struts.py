@@ -114,7 +114,7 @@ def union_volume(skeleton: Skeleton, generator: np.random.Generator) -> tuple[fl
     """Return the volume of the struts' union by Monte Carlo, without fillets, and its error.
 
     Points are drawn in the cones and balls that it is the union of, and count the less the more of
-    these they are in.
+    these they are in. Ends are flat: links of a chain shorter than it is thick end at its plane.
 
     References
     ----------
@@ -128,14 +128,19 @@ def union_volume(skeleton: Skeleton, generator: np.random.Generator) -> tuple[fl
     volumes[axis == 0] = 4 / 3 * np.pi * near[axis == 0] ** 3
     chosen = generator.choice(len(volumes), SAMPLES, p=volumes / volumes.sum())
     points = _drawn((start[chosen], end[chosen], radii[chosen]), generator)
-    points = points[np.argsort(points[:, 0])]
+    order = np.argsort(points[:, 0])
+    points = points[order]
+    planes = _end_planes(skeleton)
+    beyond = ((points - planes[0][chosen[order]]) * planes[1][chosen[order]]).sum(axis=1) > 0
     count = np.zeros(SAMPLES, dtype=np.intp)
     low = np.minimum(start, end)[:, 0] - radii.max(axis=1)
     high = np.maximum(start, end)[:, 0] + radii.max(axis=1)
     slices = np.searchsorted(points[:, 0], np.stack([low, high]))
-    for first, last, *piece in zip(*slices, *pieces, strict=True):
-        count[first:last] += _is_in(points[first:last], *piece)
+    for first, last, *piece, tip, outward in zip(*slices, *pieces, *planes, strict=True):
+        some = points[first:last]
+        count[first:last] += _is_in(some, *piece) & ((some - tip) @ outward <= 0)
     share = 1.0 / np.maximum(count, 1)  # a point on a border may be in none
+    share[beyond] = 0.0
     total = float(volumes.sum())
     return total * float(share.mean()), total * float(share.std() / np.sqrt(SAMPLES))
 
@@ -152,6 +157,41 @@ def _pieces(skeleton: Skeleton) -> tuple[Points, Points, Floats]:
         np.concatenate([start, centers]),
         np.concatenate([end, centers]),
         np.concatenate([skeleton.edge_radii, np.stack([sizes, sizes], axis=1)]),
+    )
+
+
+def _end_planes(skeleton: Skeleton) -> tuple[Points, Points]:
+    """Return points and outward normals, (p, 3), of the planes at which cones and balls end.
+
+    Normals of those that end at none are 0.
+    """
+    edges, near = skeleton.edges.tolist(), skeleton.edge_radii
+    at: dict[int, list[int]] = {}
+    for edge, pair in enumerate(edges):
+        for node in pair:
+            at.setdefault(node, []).append(edge)
+    tips = np.zeros((len(edges), 2, 3))  # of the joint at each end of an edge
+    outward = np.zeros((len(edges), 2, 3))
+    for leaf in np.flatnonzero(skeleton.valency == 1).tolist():
+        node, edge, normal, reach = leaf, at[leaf][0], None, 0.0
+        while True:
+            other = sum(edges[edge]) - node
+            way = skeleton.nodes[node] - skeleton.nodes[other]
+            way /= np.linalg.norm(way)
+            if normal is None:
+                normal, reach = way, float(near[edge, edges[edge].index(leaf)])
+            elif way @ normal < 0.5 or near[edge].max() > 1.5 * reach:
+                break
+            tips[edge], outward[edge] = skeleton.nodes[leaf], normal
+            depth = (skeleton.nodes[leaf] - skeleton.nodes[other]) @ normal
+            if len(at[other]) != 2 or depth > near[edge].max():
+                break
+            node, edge = other, sum(at[other]) - edge
+    inner = (skeleton.valency[skeleton.edges] > 1).T  # (2, m)
+    balls = [(tips[own, side], outward[own, side]) for side, own in enumerate(inner)]
+    return (
+        np.concatenate([tips[:, 0], *(tip for tip, _ in balls)]),
+        np.concatenate([outward[:, 0], *(normal for _, normal in balls)]),
     )
 
 

@@ -15,9 +15,9 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Frozen, Points, Triangles
 from scaffold_cad.base.vectors import dot, triple
 from scaffold_cad.struts.bands import enlargement
+from scaffold_cad.struts.sharp.columns import points_along, seen, strut_triangles, unrolled
 from scaffold_cad.struts.sharp.earcut import ears
 from scaffold_cad.struts.sharp.loops import Steps
-from scaffold_cad.struts.sharp.nodes import BESIDE, CLEAR
 from scaffold_cad.struts.sharp.sampled import CLOSE, SampledEdges, sampled
 from scaffold_cad.struts.sharp.shapes import SharpShape
 from scaffold_cad.struts.sharp.spherical import cut_out
@@ -63,7 +63,7 @@ def _made(shape: SharpShape, edges: SampledEdges, sides: int) -> ShapeTriangles 
     points = np.concatenate([np.array(edges.points), fill])
     found: list[tuple[int, int, int]] = []
     for strut in range(shape.valency):
-        own = _columns(shape, edges, strut, sides, len(points))
+        own = strut_triangles(shape, edges, strut, sides, len(points))
         if own is None:
             return None
         found += own
@@ -100,185 +100,16 @@ def _closes(triangles: Triangles, count: int) -> bool:
     return bool(np.array_equal(ahead, back) and (np.diff(ahead) > 0).all())
 
 
-def _path(edges: SampledEdges, steps: Steps) -> list[int]:
-    """Return the points along a loop."""
-    found: list[int] = []
-    for edge, way in steps:
-        found += (edges.edges[edge] if way else edges.edges[edge][::-1])[:-1]
-    return found
-
-
-def _unrolled(shape: SharpShape, strut: int, points: Points) -> Floats:
-    """Return angles in (−π, π] and heights of points (q, 3) on a strut, (q, 2)."""
-    zero = np.zeros(len(points), dtype=np.intp)
-    angle = shape.curves.stars.angles(zero, zero + strut, points)
-    return np.stack([angle, points @ shape.curves.stars.directions[0, strut]], axis=1)
-
-
-def _columns(
-    shape: SharpShape, edges: SampledEdges, strut: int, sides: int, count: int
-) -> list[tuple[int, int, int]] | None:
-    """Return the triangles of a strut's face up to its ring, or None where columns do not close.
-
-    Parameters
-    ----------
-    count : number of the first point of rings
-    """
-    first = count + sides * strut
-    loops = [_path(edges, steps) for face, steps in shape.loops if face == strut]
-    used = sorted({point for loop in loops for point in loop})
-    flat = dict(
-        zip(used, _unrolled(shape, strut, np.array([edges.points[k] for k in used])), strict=True)
-    )
-    size, slope = (
-        float(each[0, strut]) for each in (shape.curves.stars.radii, shape.curves.stars.slopes)
-    )
-    top = CLEAR * max(float(shape.heights[strut]), 0.0) + BESIDE * size
-    columns = [_Column() for _ in range(sides)]
-    lines: list[list[int]] = [[] for _ in range(sides)]
-    bridged: dict[int, list[list[int]]] = {}
-    for loop in loops:
-        if not any(strut in edges.on[point] for point in loop):
-            _bridge(loop, flat, sides, bridged)
-        elif not _cut_loop(loop, edges, strut, columns, lines, sides, flat):
-            return None
-    for line, points in enumerate(lines):
-        points.sort(key=lambda point: flat[point][1])
-        if len(points) % 2 == 0:
-            return None
-        steps = [*points, first + line]
-        own_holes = bridged.get(line, [])
-        for low, high in zip(steps[0::2], steps[1::2], strict=True):
-            top_of = flat[high][1] if high in flat else np.inf
-            holes = [loop for loop in own_holes if flat[low][1] < flat[loop[0]][1] < top_of]
-            down = [point for loop in reversed(holes) for point in (*loop, loop[0])]
-            if high in columns[line].links or low in columns[line - 1].links:
-                return None
-            columns[line].links[high] = [*down, low]  # on its left side
-            columns[line - 1].links[low] = [*(loop[0] for loop in holes), high]  # on the right
-    found: list[tuple[int, int, int]] = []
-    for line, column in enumerate(columns):
-        column.links[first + (line + 1) % sides] = [first + line]
-        own = _column_triangles(column, flat, first, line, sides, top, size, slope)
-        if own is None:
-            return None
-        found += own
-    return found
-
-
-class _Column:
-    """What is around the polygons of a column: from each point on, the points up to the next."""
-
-    def __init__(self) -> None:
-        self.links: dict[int, list[int]] = {}
-
-
-def _cut_loop(
-    loop: list[int],
-    edges: SampledEdges,
-    strut: int,
-    columns: list[_Column],
-    lines: list[list[int]],
-    sides: int,
-    flat: dict[int, Floats],
-) -> bool:
-    """Cut a loop at generators and give its pieces to columns; return whether that can be done."""
-    marks = [edges.on[point].get(strut, -1) for point in loop]
-    cuts = [place for place, line in enumerate(marks) if line >= 0]
-    if not cuts:
-        return False
-    for place, following in zip(cuts, [*cuts[1:], cuts[0] + len(loop)], strict=True):
-        here, there = marks[place], marks[following % len(loop)]
-        lines[here].append(loop[place])
-        if (there - here) % sides == 1:
-            column = here
-        elif (here - there) % sides == 1:
-            column = there
-        elif here == there and len(cuts) > 1:
-            column = -1
-        else:
-            return False
-        path = [loop[k % len(loop)] for k in range(place + 1, following + 1)]
-        if column < 0:  # back to the generator from which it came
-            if len(path) < 2:
-                return False
-            angle = flat[path[len(path) // 2 - 1]][0] - here * 2 * np.pi / sides
-            column = here if np.sin(angle) > 0 else (here - 1) % sides
-        if loop[place] in columns[column].links:
-            return False
-        columns[column].links[loop[place]] = path
-    return True
-
-
-def _bridge(
-    loop: list[int], flat: dict[int, Floats], sides: int, bridged: dict[int, list[list[int]]]
-) -> None:
-    """Add a hole that is within a column to the generator on its left, from its left end on."""
-    step = 2 * np.pi / sides
-    angles = np.unwrap([flat[point][0] for point in loop])
-    first = int(np.argmin(angles))
-    line = int(np.floor(angles[first] / step)) % sides
-    there = bridged.setdefault(line, [])
-    there.append(loop[first:] + loop[:first])
-    there.sort(key=lambda points: float(flat[points[0]][1]))
-
-
-def _column_triangles(
-    column: _Column,
-    flat: dict[int, Floats],
-    first: int,
-    line: int,
-    sides: int,
-    top: float,
-    size: float,
-    slope: float,
-) -> list[tuple[int, int, int]] | None:
-    """Return the triangles of the polygons of a column."""
-    links, found = column.links, []
-    step = 2 * np.pi / sides
-    while links:
-        start = next(iter(links))
-        polygon, at = [], start
-        while at in links:
-            path = links.pop(at)
-            polygon.append(at)
-            polygon += path[:-1]
-            at = path[-1]
-        if at != start:
-            return None
-        corners = np.empty((len(polygon), 2))
-        for row, point in enumerate(polygon):
-            if point >= first:
-                corners[row] = step * (point - first), top
-            else:
-                corners[row] = flat[point]
-        corners[:, 0] -= (line + 0.5) * step
-        cut = ears(_seen(corners, size, slope))
-        if cut is None:
-            return None
-        found += [(polygon[a], polygon[b], polygon[c]) for a, b, c in cut]
-    return found
-
-
-def _seen(corners: Floats, size: float, slope: float) -> Floats:
-    """Return points of a strut, given as angles and heights (q, 2), as the node sees them, (q, 2).
-
-    Triangles that are counter-clockwise there are seen from inside of the solid as they should be.
-    """
-    angle, height = corners.T
-    return np.stack([np.tan(angle), height / ((size + slope * height) * np.cos(angle))], axis=1)
-
-
 def _island(
     shape: SharpShape, edges: SampledEdges, strut: int, steps: Steps
 ) -> list[tuple[int, int, int]] | None:
     """Return the triangles of a piece of a strut that is apart from the rest of it."""
-    path = _path(edges, steps)
-    corners = _unrolled(shape, strut, np.array([edges.points[k] for k in path]))
+    path = points_along(edges, steps)
+    corners = unrolled(shape, strut, np.array([edges.points[k] for k in path]))
     corners[:, 0] = np.unwrap(corners[:, 0])
     corners[:, 0] -= (corners[:, 0].min() + corners[:, 0].max()) / 2
     stars = shape.curves.stars
-    cut = ears(_seen(corners, float(stars.radii[0, strut]), float(stars.slopes[0, strut])))
+    cut = ears(seen(corners, float(stars.radii[0, strut]), float(stars.slopes[0, strut])))
     return None if cut is None else [(path[a], path[b], path[c]) for a, b, c in cut]
 
 

@@ -8,8 +8,10 @@ import pytest
 from scaffold_cad import Skeleton, round_struts, slices, tile, to_brep, to_solid
 from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts.sharp.earcut import ears
+from scaffold_cad.struts.sharp.surface import without_triangles
 from tests.solids import check_solid_of
 from tests.struts.sharp.nodes import BEND, NODES, random_node
+from tests.struts.stars import random_stars
 
 
 @pytest.mark.parametrize("name", NODES)
@@ -29,6 +31,18 @@ def test_random_nodes_have_triangles_of_their_own(kind: int) -> None:
     check_solid_of(skeleton, solid)
     assert solid.volume() == pytest.approx(to_brep(struts).volume, rel=5e-3)
     assert solid.num_tri() < 1000
+
+
+@pytest.mark.parametrize("valency", [2, 3, 4])
+def test_edges_along_generators_and_beside_them_are_kept(valency: int) -> None:
+    rng = np.random.default_rng(7)
+    for star in random_stars(6, valency, 40, rng):
+        nodes = np.vstack([np.zeros(3), 15 * star])
+        edges = [[0, k + 1] for k in range(valency)]
+        skeleton = Skeleton(nodes, edges, edge_radii=rng.uniform(0.6, 1.5, valency))
+        struts = round_struts(skeleton, nodes="sharp")
+        for sides in (16, 20, 48, 96):
+            assert not without_triangles(struts.sharp, sides, len(nodes)).any()
 
 
 @pytest.mark.parametrize("sides", [8, 12, 32, 128, 256])
