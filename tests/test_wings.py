@@ -25,12 +25,18 @@ def test_imports_point_down_but_for_the_named_exceptions() -> None:
     assert upward == wings.EXCEPTIONS
 
 
+def test_there_are_as_many_floors_as_the_longest_chain_of_imports() -> None:
+    assert len(wings.floors()) == len(wings.FLOORS)
+
+
 def test_no_wings_import_one_another_in_a_circle() -> None:
-    assert wings.circles() == []
+    assert wings.circles(wings.between_wings()) == []
 
 
-def test_the_map_has_a_line_for_each_wing() -> None:
+def test_the_map_has_a_line_for_each_wing_from_the_top_floor_down() -> None:
     page = (wings.ROOT / ".github" / "CONTRIBUTING.md").read_text("utf-8")
     there = page.split("## Where things are")[1].split("Where is")[0]
     listed = re.findall(r"^\| `(\w+)/?` \|", there, flags=re.MULTILINE)
     assert sorted(listed) == sorted(wings.FLOOR_OF)
+    floors = [wings.FLOOR_OF[wing] for wing in listed]
+    assert floors == sorted(floors, reverse=True)

@@ -20,14 +20,12 @@ FLOORS = (
     ("base",),
     ("mesh", "skeleton"),
     ("lattice", "partition", "convolution", "brep"),
-    ("scaffold",),
-    ("struts",),
+    ("scaffold", "struts"),
     ("solid",),
     ("products",),
-    ("layers",),
-    ("io",),
-    ("webpage", "viewers", "filling"),
-    ("parts", "printability", "mechanics"),
+    ("layers", "webpage", "viewers", "filling"),
+    ("io", "parts"),
+    ("printability", "mechanics"),
     ("tiles",),
     ("cli",),
 )
@@ -94,19 +92,34 @@ def _imported(node: ast.AST, known: dict[str, Path]) -> list[str]:
     return [name for name in names if name in known and name.count(".") >= 1]
 
 
-def circles() -> list[list[str]]:
-    """Return the sets of wings that import one another in a circle."""
-    wings = sorted(FLOOR_OF)
-    pairs = {
-        (wings.index(wing_of(one.who)), wings.index(wing_of(one.what)))
-        for one in imports()
-        if (one.who, one.what) not in EXCEPTIONS and wing_of(one.who) != wing_of(one.what)
-    }
-    rows, columns = np.array(sorted(pairs)).T
-    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(len(wings), len(wings)))
+def between_wings() -> set[tuple[str, str]]:
+    """Return the wings that import others, (who, what), the named exceptions apart."""
+    allowed = [one for one in imports() if (one.who, one.what) not in EXCEPTIONS]
+    pairs = {(wing_of(one.who), wing_of(one.what)) for one in allowed}
+    return {(who, what) for who, what in pairs if who != what}
+
+
+def floors() -> list[list[str]]:
+    """Return the wings by the longest chain of imports below each, as the imports show it."""
+    left, pairs, found = set(FLOOR_OF), between_wings(), []
+    while left:
+        lowest = {wing for wing in left if not any((wing, other) in pairs for other in left)}
+        if not lowest:  # the rest import one another in circles
+            return [*found, sorted(left)]
+        found.append(sorted(lowest))
+        left -= lowest
+    return found
+
+
+def circles(pairs: set[tuple[str, str]]) -> list[list[str]]:
+    """Return the sets of names that import one another in a circle."""
+    names = sorted({name for pair in pairs for name in pair})
+    place = {name: k for k, name in enumerate(names)}
+    rows, columns = np.array([(place[who], place[what]) for who, what in sorted(pairs)]).T
+    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(len(names), len(names)))
     count, label = connected_components(graph, directed=True, connection="strong")
-    members = [[wings[k] for k in np.flatnonzero(label == one)] for one in range(count)]
-    return [wings for wings in members if len(wings) > 1]
+    members = [[names[k] for k in np.flatnonzero(label == one)] for one in range(count)]
+    return [names for names in members if len(names) > 1]
 
 
 def loose_modules() -> list[str]:
@@ -116,11 +129,16 @@ def loose_modules() -> list[str]:
 
 def main() -> None:
     """Print what the imports show."""
+    rooms = {(one.name, one.is_dir()) for one in (ROOT / "scaffold_cad").iterdir()}
+    rooms = {name for name, folder in rooms if (folder or name.endswith(".py")) and name[0] != "_"}
+    files = {(one.who, one.what) for one in imports()}
     upward = [one for one in imports() if not one.points_down]
-    print(f"wings {len(FLOOR_OF)}, floors {len(FLOORS)}, imports {len(imports())}")
+    print(f"rooms {len(rooms)}, modules {len(modules())}, imports {len(files)}")
     print(f"loose modules: {', '.join(loose_modules())}")
+    print(f"floors {len(floors())}, from the lowest: {' / '.join(map(' '.join, floors()))}")
     print(f"upward imports {len(upward)}: {', '.join(f'{i.who} -> {i.what}' for i in upward)}")
-    print(f"circles across wings: {circles() or 'none'}")
+    print(f"circles across wings: {circles(between_wings()) or 'none'}")
+    print(f"circles of modules: {circles(files - EXCEPTIONS) or 'none'}")
 
 
 if __name__ == "__main__":

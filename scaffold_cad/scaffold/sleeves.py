@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, UnitVectors
+from scaffold_cad.base.frames import accumulate, bisectors, double_reflection, multiply, turn
 from scaffold_cad.base.topology import Chains
 from scaffold_cad.base.vectors import (
     any_perpendicular,
@@ -26,7 +27,6 @@ from scaffold_cad.base.vectors import (
     rotate,
     running_sums,
 )
-from scaffold_cad.scaffold.frames import accumulate, bisectors, double_reflection, multiply, turn
 from scaffold_cad.skeleton import Skeleton
 
 MITER_LIMIT = 3.0

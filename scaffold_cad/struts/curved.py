@@ -25,6 +25,7 @@ from functools import cached_property
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points, UnitVectors
+from scaffold_cad.base.frames import accumulate, double_reflection, turn
 from scaffold_cad.base.ranges import steps
 from scaffold_cad.base.topology import chains
 from scaffold_cad.base.vectors import (
@@ -35,7 +36,6 @@ from scaffold_cad.base.vectors import (
     normalize,
     rotate,
 )
-from scaffold_cad.scaffold.frames import accumulate, double_reflection, turn
 from scaffold_cad.struts.curvedjoints import CurvedJoints
 from scaffold_cad.struts.runs import Runs
 

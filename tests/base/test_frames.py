@@ -9,15 +9,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaffold_cad.base.vectors import normalize
-from scaffold_cad.errors import OptionError
-from scaffold_cad.scaffold.frames import (
+from scaffold_cad.base.frames import (
     accumulate,
     double_reflection,
     multiply,
     rotation_minimizing_frames,
     turn,
 )
+from scaffold_cad.base.vectors import normalize
+from scaffold_cad.errors import OptionError
 from tests.strategies import directions
 
 
