@@ -1,6 +1,6 @@
 """A bracket: a lattice arm on a wall, and a weight at its tip.
 
-The arm's cells get smaller towards the tip; its struts are sized for aluminum. Written is the
+The arm's cells get smaller toward the tip; its struts are sized for aluminum. Written is the
 solid.
 """
 

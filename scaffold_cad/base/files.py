@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all, and what is told of those that cannot be read."""
+"""Files that are written whole or not at all, and messages about those that cannot be read."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 from scaffold_cad.base.arguments import did_you_mean
 
 CHOICE = re.compile(r"invalid choice: '(.*?)' \(choose from (.*)\)")
-"""What argparse says of a value that is none of some words."""
+"""What argparse says of a value that is not one of its choices."""
 
 
 class Parser(argparse.ArgumentParser):

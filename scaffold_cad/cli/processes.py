@@ -51,7 +51,7 @@ def check_struts(options: argparse.Namespace, skeleton: Skeleton, apothem: float
 
 
 def check_lattice(options: argparse.Namespace, lattice: PeriodicLattice) -> None:
-    """Raise if a process cannot print the struts of a lattice of which none is made yet."""
+    """Raise if a process cannot print the struts of a lattice, before any is made."""
     if options.process is None:
         return
     process = PROCESSES[options.process]

@@ -50,7 +50,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _run_all(files: list[argparse.Namespace], jobs: int | None, folder: str) -> int:
-    """Run a command for each file, in so many processes, and return the greatest exit code."""
+    """Run a command for each file, in several processes, and return the greatest exit code."""
     one = partial(_run_one, folder=folder, several=True)
     count = as_count(1 if jobs is None else jobs, "--jobs", 1)
     if count == 1:

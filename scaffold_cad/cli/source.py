@@ -197,7 +197,7 @@ def united(
 def triangles_from(
     options: argparse.Namespace, others: Iterable[str], why: str
 ) -> TriangleMesh | None:
-    """Return the mesh of an input that is no assembly, or None where it is a skeleton.
+    """Return the mesh of an input that is not an assembly, or None where it is a skeleton.
 
     Parameters
     ----------

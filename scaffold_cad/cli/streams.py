@@ -37,7 +37,7 @@ def add_output(parser: argparse.ArgumentParser, about: str) -> None:
 def streamed(options: argparse.Namespace) -> Iterator[str]:
     """Let files stand for `-` while the block runs; what was written goes to standard output.
 
-    The folder of these files is yielded, to be left out of what is told, or an empty text.
+    The folder of these files is yielded, to be left out of messages, or an empty text.
     """
     inputs = getattr(options, "input", [])
     reads = STREAM in inputs if isinstance(inputs, list) else inputs == STREAM

@@ -242,7 +242,7 @@ def _force(text: str, force: str) -> list[float]:
 
 
 def _summary(solution: BeamSolution, result: Sized | None) -> dict[str, Any]:
-    """Return what is told of the whole, in order."""
+    """Return what is reported of the whole, in order."""
     rows: dict[str, Any] = {
         "struts": len(solution.model.skeleton.edges),
         "mass_kg": solution.mass,

@@ -18,7 +18,7 @@ from scaffold_cad.products.surfaces import surface_of
 from scaffold_cad.skeleton import Skeleton
 
 NEWTON_STEPS = 8
-"""Steps towards the surface where a function is 0."""
+"""Steps toward the surface where a function is 0."""
 
 
 @checks_keywords()
@@ -46,7 +46,7 @@ def cut(
     Raises
     ------
     OptionError
-        If an argument is out of its range, or the region is none of these.
+        If an argument is out of its range, or the region is not one of these.
     MeshError
         If the mesh is not closed.
     SkeletonError

@@ -56,7 +56,7 @@ TOUCHING = 1e-9
 """Depth down to which parts of a body only touch, mm."""
 
 FULL = 0.97
-"""Share of a body beyond which it is said to be full."""
+"""Share of a body beyond which it counts as full."""
 
 CRUMB = 0.01
 """Volume below which a loose piece is a crumb, in that of the largest piece."""
@@ -277,7 +277,7 @@ def _sides(section: Section | None, sides: int | None) -> int:
 
 
 def _maker(sides: int, options: RoundOptions) -> Make:
-    """Return what makes struts with so many sides."""
+    """Return what makes struts with this number of sides."""
     check_sides(sides)
     if sides == 4 and options:
         raise OptionError(

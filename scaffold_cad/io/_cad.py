@@ -17,12 +17,12 @@ HEAD = 2**12
 """Bytes from which a CAD format is recognized."""
 
 
-def read_cad_wires(path: Path, recognises: Callable[[bytes], bool]) -> RawSkeleton:
+def read_cad_wires(path: Path, recognizes: Callable[[bytes], bool]) -> RawSkeleton:
     """Return the edges of a CAD file that bound no face, joined where they have equal points.
 
     Parameters
     ----------
-    recognises : tells from the first bytes of a file whether it holds the format
+    recognizes : tells from the first bytes of a file whether it holds the format
 
     Raises
     ------
@@ -30,7 +30,7 @@ def read_cad_wires(path: Path, recognises: Callable[[bytes], bool]) -> RawSkelet
         If it cannot be read, or has no such edges.
     """
     with path.open("rb") as stream:
-        if not recognises(stream.read(HEAD)):
+        if not recognizes(stream.read(HEAD)):
             raise FormatError(
                 f"{path} does not begin as {path.suffix[1:].upper()}; need such a file"
             )

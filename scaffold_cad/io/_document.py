@@ -1,4 +1,4 @@
-"""JSON of strangers: a document is read whole, and its members must be what a reader needs."""
+"""JSON of other programs: a document is read whole, and its members must be what a reader needs."""
 
 from __future__ import annotations
 

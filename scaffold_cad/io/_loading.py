@@ -53,7 +53,7 @@ class Gathered:
         self._pulls.append((node, freedom, value))
 
     def loading(self, count: int) -> RawLoading | None:
-        """Return what was taken, for so many nodes; None for nothing.
+        """Return what was taken, for `count` nodes; None for nothing.
 
         Raises
         ------

@@ -122,7 +122,7 @@ def whole_number(path: Path, line: int, word: str, need: str) -> int:
     Raises
     ------
     FormatError
-        If it is none; the line is named, and `need`.
+        If it is not; the line is named, and `need`.
     """
     try:
         return int(word)

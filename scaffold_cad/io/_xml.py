@@ -1,4 +1,4 @@
-"""XML of strangers: no document types, no entities, nothing fetched."""
+"""XML of other programs: no document types, no entities, nothing fetched."""
 
 from __future__ import annotations
 

@@ -30,18 +30,18 @@ def read_brep_triangles(path: Path) -> TriangleMesh:
     return read_cad_triangles(path)
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return b"CASCADE Topology" in head[:200]
 
 
-@register_reader("OCCT B-rep", ".brep", recognises=_recognises)
+@register_reader("OCCT B-rep", ".brep", recognizes=_recognizes)
 def read_brep_wires(path: Path) -> RawSkeleton:
     """Read the edges and wires of a BREP file that bound no face; it has no radii.
 
     Curves become edges within 1/1000 of their size, and join where they have equal points.
     """
     _refuse_cut(path)
-    return read_cad_wires(path, _recognises)
+    return read_cad_wires(path, _recognizes)
 
 
 def _refuse_cut(path: Path) -> None:

@@ -15,11 +15,11 @@ from scaffold_cad.io.register import register_reader
 _OFFSET = "an offset: OFFSET x y z"
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return [word.upper() for word in first_words(head)] == ["HIERARCHY"]
 
 
-@register_reader("BVH", ".bvh", recognises=_recognises)
+@register_reader("BVH", ".bvh", recognizes=_recognizes)
 def read_bvh(path: Path) -> RawSkeleton:
     """Read the hierarchy of a BVH file, which has no radii; its motion is left out.
 

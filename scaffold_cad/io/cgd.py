@@ -73,12 +73,12 @@ def read_nets(path: str | Path) -> list[UnitCell]:
     return nets
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     words = head.split(None, 1)
     return bool(words) and words[0].upper() == b"CRYSTAL"
 
 
-@register_reader("Systre net", ".cgd", recognises=_recognises)
+@register_reader("Systre net", ".cgd", recognizes=_recognizes)
 def read_cgd(path: Path) -> RawSkeleton:
     """Read one cell of the first net; lengths are taken as mm, struts through its faces are whole.
 
@@ -239,7 +239,7 @@ def _edges(where: str, sites: Points, ends: Points) -> tuple[Edges, Ints]:
 
 
 def _check_valency(where: str, block: _Block, edges: Edges, kind: Ints, of_image: Ints) -> None:
-    """Raise where a site has another number of edges than its node is said to have."""
+    """Raise where a site has another number of edges than the file gives its node."""
     valency = np.bincount(edges.reshape(-1), minlength=int(of_image.max()) + 1)
     wanted = np.array([count for count, _ in block.nodes.values()])
     wrong = np.flatnonzero(valency[of_image] != wanted[kind])

@@ -13,11 +13,11 @@ from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io.register import register_reader
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return b'"chemicalJson"' in head or b'"chemical json"' in head
 
 
-@register_reader("Chemical JSON", ".cjson", recognises=_recognises)
+@register_reader("Chemical JSON", ".cjson", recognizes=_recognizes)
 def read_cjson(path: Path) -> RawSkeleton:
     """Read atoms and bonds; the order of bonds is ignored, and lengths, in Å, are taken as mm.
 

@@ -13,12 +13,12 @@ from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io.register import register_reader
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     text = head.lstrip(b"\xef\xbb\xbf \t\r\n")
     return text.startswith(b"{") and b'"dtype"' in head and b'"compas' in head
 
 
-@register_reader("COMPAS JSON", ".json", recognises=_recognises)
+@register_reader("COMPAS JSON", ".json", recognizes=_recognizes)
 def read_compas(path: Path) -> RawSkeleton:
     """Read a network or graph of COMPAS; lengths are taken as mm.
 

@@ -88,7 +88,7 @@ class _Table:
     units: dict[str, float]
     """mm in the unit that a column names."""
     said: dict[str, str]
-    """The name of this unit, also where it is no length."""
+    """The name of this unit, also where it does not measure lengths."""
     rows: list[tuple[int, list[str]]]
 
     def first(self, groups: Sequence[tuple[str, ...]]) -> tuple[str, ...] | None:
@@ -126,7 +126,7 @@ class _Table:
         return self.number(row, name) / (2.0 if name in ("diameter", "d") else 1.0)
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     if b"\0" in head or b"\n" not in head:
         return False
     lines = head.decode("utf-8-sig", errors="replace").replace("\r", "\n").split("\n")
@@ -135,7 +135,7 @@ def _recognises(head: bytes) -> bool:
     return len(names) >= 2 and len(names & _KNOWN) >= 2
 
 
-@register_reader("CSV", ".csv", ".tsv", recognises=_recognises)
+@register_reader("CSV", ".csv", ".tsv", recognizes=_recognizes)
 def read_csv(path: Path) -> RawSkeleton:
     """Read members, nodes and members, or samples of a path; this module says which columns.
 

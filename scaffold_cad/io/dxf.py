@@ -29,13 +29,13 @@ _BINARY = b"AutoCAD Binary DXF"
 _log = logging.getLogger(__name__)
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     words = head.removeprefix(b"\xef\xbb\xbf").split(maxsplit=2)[:2]
     comment = words[:1] == [b"999"] and b"SECTION" in head
     return words == [b"0", b"SECTION"] or comment or head.startswith(_BINARY)
 
 
-@register_reader("DXF", ".dxf", recognises=_recognises)
+@register_reader("DXF", ".dxf", recognizes=_recognizes)
 def read_dxf(path: Path) -> RawSkeleton:
     """Read the lines, polylines and curves of a DXF file, text or binary, which has no radii.
 

@@ -53,7 +53,7 @@ def read_field(path: str | Path, name: str | None = None) -> Field | PointField:
     Raises
     ------
     FormatError
-        If the suffix is none of these, or the file does not hold what it must.
+        If the suffix is not one of these, or the file does not hold what it must.
     """
     source = as_path(path)
     suffix = source.suffix.lower()

@@ -12,12 +12,12 @@ _NODE = "a node: n x y z"
 _EDGE = "an edge: c i j"
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     words = first_words(head)
     return len(words) >= 4 and words[0] == "n"
 
 
-@register_reader("GEL graph", ".graph", recognises=_recognises)
+@register_reader("GEL graph", ".graph", recognizes=_recognizes)
 def read_graph(path: Path) -> RawSkeleton:
     """Read a graph of the GEL library, which has no radii.
 

@@ -25,12 +25,12 @@ _MAGIC = b"glTF"
 _JSON_CHUNK = b"JSON"
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     text = head.lstrip(b"\xef\xbb\xbf \t\r\n")
     return head.startswith(_MAGIC) or (text.startswith(b"{") and b'"asset"' in text)
 
 
-@register_reader("glTF", ".gltf", ".glb", recognises=_recognises)
+@register_reader("glTF", ".gltf", ".glb", recognizes=_recognizes)
 def read_gltf(path: Path) -> RawSkeleton:
     """Read the skins of a glTF or GLB file, which have no radii.
 

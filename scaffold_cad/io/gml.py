@@ -20,11 +20,11 @@ _TOKEN = re.compile(r'"[^"]*"|\[|\]|[^\s\[\]"]+')
 _GRAPH = re.compile(rb"^\s*graph\s*\[|\n\s*graph\s*\[|^\s*graph\s*[\r\n]+\s*\[", re.IGNORECASE)
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return b"\0" not in head and bool(_GRAPH.search(head))
 
 
-@register_reader("GML", ".gml", recognises=_recognises)
+@register_reader("GML", ".gml", recognizes=_recognizes)
 def read_gml(path: Path) -> RawSkeleton:
     """Read nodes and edges; names of attributes may differ in case.
 

@@ -11,11 +11,11 @@ from scaffold_cad.io._text import check_size
 from scaffold_cad.io.register import register_reader
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return head.lstrip().startswith(b"$MeshFormat") or b"\n$MeshFormat" in head
 
 
-@register_reader("Gmsh", ".msh", recognises=_recognises)
+@register_reader("Gmsh", ".msh", recognizes=_recognizes)
 def read_gmsh(path: Path) -> RawSkeleton:
     """Read the line elements of a mesh, text or binary, which have no radii; other elements go.
 

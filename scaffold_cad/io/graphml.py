@@ -17,11 +17,11 @@ from scaffold_cad.io.content import Content
 from scaffold_cad.io.register import register_reader, register_writer
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return b"<graphml" in head
 
 
-@register_reader("GraphML", ".graphml", recognises=_recognises)
+@register_reader("GraphML", ".graphml", recognizes=_recognizes)
 def read_graphml(path: Path) -> RawSkeleton:
     """Read nodes and edges; names of attributes may differ in case.
 

@@ -14,11 +14,11 @@ from scaffold_cad.io._xml import xml_root
 from scaffold_cad.io.register import register_reader
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return b"<gxl" in head
 
 
-@register_reader("GXL", ".gxl", recognises=_recognises)
+@register_reader("GXL", ".gxl", recognizes=_recognizes)
 def read_gxl(path: Path) -> RawSkeleton:
     """Read nodes with a ``position`` and edges with a ``radius``, or with none.
 

@@ -15,19 +15,19 @@ from scaffold_cad.io.register import register_mesh_reader, register_reader
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     lines = head.split(b"\n")[:2]
     return len(lines[0]) >= 80 and lines[0][72:73] == b"S" and lines[0][73:80].strip().isdigit()
 
 
-@register_reader("IGES", ".iges", ".igs", recognises=_recognises)
+@register_reader("IGES", ".iges", ".igs", recognizes=_recognizes)
 def read_iges_wires(path: Path) -> RawSkeleton:
     """Read the curves of an IGES file that bound no face; it has no radii.
 
     Curves become edges within 1/1000 of their size, and join where they have equal points. Lengths
     are in the unit of the file.
     """
-    return read_cad_wires(path, _recognises)
+    return read_cad_wires(path, _recognizes)
 
 
 @register_mesh_reader("IGES", ".iges", ".igs", names_unit=True)

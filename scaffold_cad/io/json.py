@@ -37,11 +37,11 @@ VERSIONS = (1, 2)
 UNITS = "mm"
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{") and FORMAT.encode() in head
 
 
-@register_reader("scaffold-cad JSON", ".json", recognises=_recognises)
+@register_reader("scaffold-cad JSON", ".json", recognizes=_recognizes)
 def read_json(path: Path) -> RawSkeleton:
     """Read a skeleton from our JSON format, which this module documents."""
     document = _document(path)

@@ -9,11 +9,11 @@ from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io.register import register_reader
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return head.startswith(b"\x89HDF\r\n\x1a\n")
 
 
-@register_reader("MED", ".med", recognises=_recognises)
+@register_reader("MED", ".med", recognizes=_recognizes)
 def read_med(path: Path) -> RawSkeleton:
     """Read the segments of a mesh, which have no radii; other elements go.
 

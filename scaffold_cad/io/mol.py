@@ -19,11 +19,11 @@ _BOND = "a bond: two numbers of atoms"
 _log = logging.getLogger(__name__)
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return b"\0" not in head and bool(_COUNTS.search(head.replace(b"\r", b"")))
 
 
-@register_reader("MOL", ".mol", ".sdf", ".sd", recognises=_recognises)
+@register_reader("MOL", ".mol", ".sdf", ".sd", recognizes=_recognizes)
 def read_mol(path: Path) -> RawSkeleton:
     """Read the atoms and bonds of a molecule, of the first one of several.
 

@@ -18,11 +18,11 @@ _BOND = "a bond: number, and two numbers of atoms"
 _log = logging.getLogger(__name__)
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return _SECTION.encode() in head
 
 
-@register_reader("MOL2", ".mol2", recognises=_recognises)
+@register_reader("MOL2", ".mol2", recognizes=_recognizes)
 def read_mol2(path: Path) -> RawSkeleton:
     """Read the atoms and bonds of a molecule, of the first one of several.
 

@@ -35,11 +35,11 @@ _CARD = re.compile(rb"^(GRID|CBAR|CBEAM|CROD|CONROD|CTUBE)[\s*,]", re.MULTILINE)
 _log = logging.getLogger(__name__)
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return b"\0" not in head and bool(_CARD.search(head.upper().replace(b"\r", b"\n")))
 
 
-@register_reader("Nastran bulk data", ".bdf", ".nas", ".dat", recognises=_recognises)
+@register_reader("Nastran bulk data", ".bdf", ".nas", ".dat", recognizes=_recognizes)
 def read_nastran(path: Path) -> RawSkeleton:
     """Read bars, beams, rods and tubes, in fields of 8 or 16 characters or between commas.
 

@@ -34,7 +34,7 @@ def skeleton_from_networkx(
     SkeletonError
         If a node has no position or no radius, or not what a `Skeleton` takes.
     OptionError
-        If `graph` is none of networkx, or a name of an attribute is not text.
+        If `graph` is not a networkx graph, or a name of an attribute is not text.
     """
     if not isinstance(getattr(graph, "nodes", None), Mapping):
         check_kind(graph, "networkx Graph")

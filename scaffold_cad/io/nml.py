@@ -17,11 +17,11 @@ NANOMETERS = 1000.0
 """nm in the micrometer that is taken as a millimeter."""
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return b"<things" in head
 
 
-@register_reader("NML", ".nml", recognises=_recognises)
+@register_reader("NML", ".nml", recognizes=_recognizes)
 def read_nml(path: Path) -> RawSkeleton:
     """Read the trees of an NML file.
 

@@ -19,13 +19,13 @@ _OTHERS = (b'"point"', b'"markups"', b'"asset"', b'"node_list"')
 """What spatial frames, markups and glTF have, and node-link JSON has not."""
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     text = head.lstrip(b"\xef\xbb\xbf \t\r\n")
     is_graph = text.startswith(b"{") and bool(_NODES.search(head))
     return is_graph and not any(mark in head for mark in _OTHERS)
 
 
-@register_reader("node-link JSON", ".json", recognises=_recognises)
+@register_reader("node-link JSON", ".json", recognizes=_recognizes)
 def read_node_link(path: Path) -> RawSkeleton:
     """Read the graph that `networkx.node_link_data` gives; ``links`` may be called ``edges``.
 

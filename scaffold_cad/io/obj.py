@@ -45,7 +45,7 @@ _ELEMENTS = {
 """Where the vertices of an element begin among its words, and what it must be."""
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return not _KEYWORDS.isdisjoint(first_words(head)[:1])
 
 
@@ -109,7 +109,7 @@ def _row_by_row(path: Path) -> tuple[Points, Triangles]:
     return points, np.concatenate(triangles)
 
 
-@register_reader("OBJ", ".obj", ".wire", recognises=_recognises)
+@register_reader("OBJ", ".obj", ".wire", recognizes=_recognizes)
 def read_obj(path: Path) -> RawSkeleton:
     """Read the lines of an OBJ file, which has no radii.
 

@@ -26,11 +26,11 @@ _COUNTS = "the numbers of vertices, faces and edges"
 _FACE = "a face: N, then its N vertices, 3 or more"
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return first_words(head)[:1] != [] and first_words(head)[0] in _KINDS
 
 
-@register_reader("OFF", ".off", recognises=_recognises)
+@register_reader("OFF", ".off", recognizes=_recognizes)
 def read_off(path: Path) -> RawSkeleton:
     """Read the edges of an OFF file, without those between triangles in a plane.
 

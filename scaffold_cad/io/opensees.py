@@ -33,13 +33,13 @@ _ELEMENT = "element, its kind, its number, and two nodes"
 _log = logging.getLogger(__name__)
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     lines = [line.split() for line in head.decode("utf-8", errors="replace").splitlines()]
     nodes = [words for words in lines if words[:1] == ["node"]]
     return b"\0" not in head and any(len(words) >= 4 and is_number(words[1]) for words in nodes)
 
 
-@register_reader("OpenSees", ".tcl", recognises=_recognises)
+@register_reader("OpenSees", ".tcl", recognizes=_recognizes)
 def read_opensees(path: Path) -> RawSkeleton:
     """Read the nodes and struts of a model, whose numbers must be written out or ``set`` before.
 

@@ -16,14 +16,14 @@ _NEED = "an atom: its number in columns 7 to 11, x, y, z in columns 31 to 54"
 _log = logging.getLogger(__name__)
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     lines = head.replace(b"\r", b"\n").split(b"\n")
     return b"\0" not in head and any(
         line.startswith((b"ATOM  ", b"HETATM")) and len(line) >= 54 for line in lines
     )
 
 
-@register_reader("PDB", ".pdb", ".ent", recognises=_recognises)
+@register_reader("PDB", ".pdb", ".ent", recognizes=_recognizes)
 def read_pdb(path: Path) -> RawSkeleton:
     """Read the atoms and bonds of the first model of a PDB file.
 

@@ -70,11 +70,11 @@ class _Table:
 _NOTHING = _Table({}, {})
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return head[:3] == b"ply" and head[3:4].isspace()
 
 
-@register_reader("PLY", ".ply", recognises=_recognises)
+@register_reader("PLY", ".ply", recognizes=_recognizes)
 def read_ply(path: Path) -> RawSkeleton:
     """Read the elements ``edge`` of a PLY file, or the edges of its faces where it has none.
 

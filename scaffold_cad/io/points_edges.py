@@ -25,13 +25,13 @@ OF_EDGES = ("edge_radii", "member_radii", "strut_radii", "edge_radius", "member_
 _POINTS = re.compile(rb'"(%s)"\s*:\s*\[\s*\[' % "|".join(POINTS).encode(), re.IGNORECASE)
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     text = head.lstrip(b"\xef\xbb\xbf \t\r\n")
     is_ours = b"scaffold-cad skeleton" in head
     return text.startswith(b"{") and bool(_POINTS.search(head)) and not is_ours
 
 
-@register_reader("points and edges JSON", ".json", recognises=_recognises)
+@register_reader("points and edges JSON", ".json", recognizes=_recognizes)
 def read_points_edges(path: Path) -> RawSkeleton:
     """Read an object with a list of points, x, y, z or x, y, and one of edges, pairs of points.
 

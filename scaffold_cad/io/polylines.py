@@ -20,7 +20,7 @@ from scaffold_cad.io.register import register_reader
 _NEED = "a polyline: N x y z x y z ..., with N points"
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     words = first_words(head)
     return (
         len(words) >= 7
@@ -30,7 +30,7 @@ def _recognises(head: bytes) -> bool:
     )
 
 
-@register_reader("CGAL polylines", ".polylines.txt", ".cgal", recognises=_recognises)
+@register_reader("CGAL polylines", ".polylines.txt", ".cgal", recognizes=_recognizes)
 def read_polylines(path: Path) -> RawSkeleton:
     """Read polylines, which have no radii and join where they have equal points."""
     rows = read_rows(path)

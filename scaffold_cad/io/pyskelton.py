@@ -25,11 +25,11 @@ _EDGE = "two numbers of nodes, from 0, or more of an arc"
 _RADIUS = "a radius a node"
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return first_words(head) == ["nodes"]
 
 
-@register_reader("PySkelton graph", ".graph", recognises=_recognises)
+@register_reader("PySkelton graph", ".graph", recognizes=_recognizes)
 def read_pyskelton(path: Path) -> RawSkeleton:
     """Read the sections ``nodes``, ``edges`` and ``arcs``, and ``radii`` where there are any.
 

@@ -13,6 +13,7 @@ from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.io._radii import KeptRadii
 from scaffold_cad.io._raw import RawSkeleton
@@ -25,11 +26,11 @@ MeshReader: TypeAlias = Callable[[Path], TriangleMesh]
 """Reads the triangles of a file; none if it holds a skeleton."""
 Writer: TypeAlias = Callable[[Content, Path], None]
 """Writes a file, which exists and is empty."""
-Recogniser: TypeAlias = Callable[[bytes], bool]
+Recognizer: TypeAlias = Callable[[bytes], bool]
 """Tells from the first bytes of a file whether it holds the format."""
 
 HEAD_SIZE = 2**16
-"""How many bytes of a file a recogniser is given."""
+"""How many bytes of a file a recognizer is given."""
 
 ENTRY_POINTS = "scaffold_cad.readers"
 """Group of entry points, each a module of an installed package that registers what it has."""
@@ -43,7 +44,7 @@ class Format:
 
     name: str
     suffixes: tuple[str, ...]
-    recognises: Recogniser
+    recognizes: Recognizer
     read: Reader
 
 
@@ -78,28 +79,30 @@ class WrittenFormat:
 _formats: list[Format | MeshFormat | WrittenFormat] = []
 
 
+@checks_keywords()
 def register_reader(
-    name: str, *suffixes: str, recognises: Recogniser
+    name: str, *suffixes: str, recognizes: Recognizer
 ) -> Callable[[Reader], Reader]:
     """Register the decorated reader of skeletons for files whose names end with a suffix.
 
-    A suffix may belong to several formats: the one registered last that recognises the file
+    A suffix may belong to several formats: the one registered last that recognizes the file
     reads it.
 
     Parameters
     ----------
     name : what messages call the format
     suffixes : such as ".swc"; case does not matter
-    recognises : tells from the first bytes of a file whether it holds the format
+    recognizes : tells from the first bytes of a file whether it holds the format
     """
 
     def register(read: Reader) -> Reader:
-        _formats.append(Format(name, _lowered(suffixes), recognises, read))
+        _formats.append(Format(name, _lowered(suffixes), recognizes, read))
         return read
 
     return register
 
 
+@checks_keywords()
 def register_mesh_reader(
     name: str, *suffixes: str, names_unit: bool = False
 ) -> Callable[[MeshReader], MeshReader]:
@@ -117,6 +120,7 @@ def register_mesh_reader(
     return register
 
 
+@checks_keywords()
 def register_writer(
     *suffixes: str,
     name: str | None = None,
@@ -214,14 +218,14 @@ def reader_of(path: Path, head: bytes) -> Reader:
     Raises
     ------
     FormatError
-        If no format has the suffix of the file or recognises its content.
+        If no format has the suffix of the file or recognizes its content.
     """
     formats = known_formats()
     by_suffix = [known for known in formats if path.name.lower().endswith(known.suffixes)]
-    both = [known for known in by_suffix if known.recognises(head)]
+    both = [known for known in by_suffix if known.recognizes(head)]
     if both:
         return both[-1].read
-    by_content = [known for known in formats if known.recognises(head)]
+    by_content = [known for known in formats if known.recognizes(head)]
     if len(by_content) == 1:
         _log.warning("%s is read as %s, by its content", path, by_content[0].name)
         return by_content[0].read

@@ -22,11 +22,11 @@ from scaffold_cad.io.register import register_reader
 _log = logging.getLogger(__name__)
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return head.startswith(b"3D Geometry File Format")
 
 
-@register_reader("Rhino", ".3dm", recognises=_recognises)
+@register_reader("Rhino", ".3dm", recognizes=_recognizes)
 def read_rhino(path: Path) -> RawSkeleton:
     """Read the lines, polylines and curves of a Rhino file, which has no radii.
 

@@ -18,12 +18,12 @@ OPEN, CLOSED = ("Curve", "Line"), ("ClosedCurve",)
 """Kinds of markups that become edges."""
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     text = head.lstrip(b"\xef\xbb\xbf \t\r\n")
     return text.startswith(b"{") and b'"markups"' in head and b'"controlPoints"' in head
 
 
-@register_reader("Slicer markups", ".mrk.json", ".json", recognises=_recognises)
+@register_reader("Slicer markups", ".mrk.json", ".json", recognizes=_recognizes)
 def read_slicer(path: Path) -> RawSkeleton:
     """Read lines, curves and closed curves; a curve is the polyline of its control points.
 

@@ -30,12 +30,12 @@ _UNITS = {
 """Length of each unit, mm."""
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     is_object = head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{")
     return is_object and (b'"node_list"' in head or (b'"nodes"' in head and b'"point"' in head))
 
 
-@register_reader("spatial frame JSON", ".json", recognises=_recognises)
+@register_reader("spatial frame JSON", ".json", recognizes=_recognizes)
 def read_spatial_frame(path: Path) -> RawSkeleton:
     """Read a frame of bars, each with its radius.
 

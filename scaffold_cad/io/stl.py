@@ -37,14 +37,14 @@ def _is_text(head: bytes) -> bool:
     return head.lstrip()[:5].lower() == b"solid" and b"facet" in head.lower()
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     count = int.from_bytes(head[80:84], "little")
     return _is_text(head) or (
         count > 0 and len(head) < HEAD_SIZE and len(head) == _HEADER + count * _FACET.itemsize
     )
 
 
-@register_reader("STL", ".stl", recognises=_recognises)
+@register_reader("STL", ".stl", recognizes=_recognizes)
 def read_stl(path: Path) -> RawSkeleton:
     """Read the edges of an STL file, without those that cut a flat face in triangles.
 

@@ -27,11 +27,11 @@ PIXELS_PER_INCH = 25.4
 """So that a pixel is a millimeter: lengths without a unit are taken as mm."""
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return b"<svg" in head and b"\0" not in head
 
 
-@register_reader("SVG", ".svg", recognises=_recognises)
+@register_reader("SVG", ".svg", recognizes=_recognizes)
 def read_svg(path: Path) -> RawSkeleton:
     """Read the outlines of paths, lines, polygons, circles and the like, which have no radii.
 

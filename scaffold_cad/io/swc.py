@@ -28,7 +28,7 @@ from scaffold_cad.skeleton import Skeleton
 _NEED = "a sample: number, type, x, y, z, radius, parent"
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     words = first_words(head)
     lines = [line.strip() for line in head.splitlines()]
     # In TGF a line # ends the nodes; here it is a comment, mostly before them.
@@ -40,7 +40,7 @@ def _recognises(head: bytes) -> bool:
     )
 
 
-@register_reader("SWC", ".swc", recognises=_recognises)
+@register_reader("SWC", ".swc", recognizes=_recognizes)
 def read_swc(path: Path) -> RawSkeleton:
     """Read an SWC file: a node a sample, an edge from each sample to its parent.
 

@@ -15,7 +15,7 @@ _NODE = "a node: name, x, y, z, and its radius if it has one"
 _PUNCTUATION = str.maketrans("()[]{},;", "        ")
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     if b"\0" in head:
         return False
     lines = head.decode("utf-8-sig", errors="replace").translate(_PUNCTUATION).split("\n")
@@ -25,7 +25,7 @@ def _recognises(head: bytes) -> bool:
     return len(words) >= 4 and all(is_number(word) for word in words[1:4])
 
 
-@register_reader("TGF", ".tgf", recognises=_recognises)
+@register_reader("TGF", ".tgf", recognizes=_recognizes)
 def read_tgf(path: Path) -> RawSkeleton:
     """Read nodes, a line ``#``, and edges.
 

@@ -19,7 +19,7 @@ from scaffold_cad.io.register import register_reader
 _ATOM = "an atom: number, element, x, y, z, type, numbers of its neighbors"
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     if b"\0" in head:
         return False
     lines = [line.split() for line in head.decode("utf-8", errors="replace").splitlines()[:2]]
@@ -39,7 +39,7 @@ def _is_plain_atom(words: list[str]) -> bool:
     return len(words) >= 4 and words[0].isalpha() and all(map(is_number, words[1:4]))
 
 
-@register_reader("Tinker XYZ", ".xyz", ".txyz", recognises=_recognises)
+@register_reader("Tinker XYZ", ".xyz", ".txyz", recognizes=_recognizes)
 def read_xyz(path: Path) -> RawSkeleton:
     """Read atoms and bonds of a Tinker XYZ file; atoms are numbered from 1.
 

@@ -12,11 +12,11 @@ from scaffold_cad.io._text import is_number, line_error, read_text
 from scaffold_cad.io.register import register_reader
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return b"ObjectType" in head and (b"Tube" in head or b"Scene" in head) and b"NDims" in head
 
 
-@register_reader("TubeTK", ".tre", recognises=_recognises)
+@register_reader("TubeTK", ".tre", recognizes=_recognizes)
 def read_tubetk(path: Path) -> RawSkeleton:
     """Read the tubes of a text file: points in order, with radii.
 

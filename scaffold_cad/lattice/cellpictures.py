@@ -13,7 +13,7 @@ SIZE = 220
 """Width and height of a drawing, pixels."""
 
 RIGHT, TOWARDS = np.array([-0.866, 0.5, 0.0]), normalize(np.array([0.5, 0.866, 0.45]))
-"""Directions to the right and towards the viewer; z goes up."""
+"""Directions to the right and toward the viewer; z goes up."""
 
 BOX = [(a, b) for a in range(8) for b in range(8) if b > a and (a ^ b) in (1, 2, 4)]
 """Edges of a cube whose corners are numbered by x, y and z, a bit each."""

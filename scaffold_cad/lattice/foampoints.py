@@ -20,7 +20,7 @@ LARGEST_REGULARITY = 0.7
 """Beyond it, random points find no room any more."""
 
 MOST_POINTS = 10_000_000
-"""Most random points: a foam of so many has some 1e8 struts, see `MOST_STRUTS`."""
+"""Most random points: a foam of that many has some 1e8 struts, see `MOST_STRUTS`."""
 
 KELVIN_SPACING = np.sqrt(3) / 2 * np.cbrt(2)
 """Distance of neighbors in a body-centered cubic lattice of one point a unit of volume."""

@@ -15,7 +15,7 @@ BITS = 22
 """Bits of each place along a side of the grid: 4 million squares."""
 
 OUTSIDE = 1.0
-"""Value at grid points of which none is known."""
+"""Value at grid points where it is not known."""
 
 TINY = 1e-300
 """Least difference between values outside and inside."""

@@ -142,7 +142,7 @@ def _sections(cones: Cones, heights: Floats, sides: int) -> Floats:
     wide = np.hypot(span[:, 0], span[:, 1]) / size  # s, (q,)
     upright = wide < UPRIGHT
     rise = span[:, 2] / size
-    # Across the axis: towards where the side is highest, and level; only x and y of both.
+    # Across the axis: toward where the side is highest, and level; only x and y of both.
     level = np.where(upright[:, None], [0.0, 1.0], span[:, [1, 0]] * [1.0, -1.0])
     level = level / np.hypot(level[:, 0], level[:, 1])[:, None]
     toward = np.where(upright, 1.0, -rise)[:, None] * np.stack([-level[:, 1], level[:, 0]], axis=1)

@@ -41,7 +41,7 @@ def write_beams(model: BeamModel | BeamSolution, path: str | Path) -> None:
     OptionError
         If it is not a beam model.
     FormatError
-        If the ending is none of these, or the file cannot be written.
+        If the ending is not one of these, or the file cannot be written.
     MissingBackendError
         If meshio is needed and not installed.
 

@@ -1,6 +1,6 @@
 """Stiffness of beams in space as blocks of 6 × 6, and the sparse matrix that they make up.
 
-A round section has no preferred axes: all is said by the strut's direction t. With P = 1 − t tᵀ
+A round section has no preferred axes: the strut's direction t gives all. With P = 1 − t tᵀ
 and T v = t × v the stiffness of the second end, the first held, is
 
     [ axial t tᵀ + shear P        −coupling T             ]

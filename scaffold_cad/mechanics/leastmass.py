@@ -24,7 +24,7 @@ FEASIBLE = 5e-3
 """How far above 1 the largest utilization of an accepted step may be."""
 
 GAIN = 1e-6
-"""Relative loss of mass below which a step counts as none."""
+"""Relative loss of mass below which a step does not count."""
 
 
 def less_mass(

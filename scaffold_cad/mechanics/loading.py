@@ -160,7 +160,7 @@ def chosen_nodes(skeleton: Skeleton, where: Where, what: str) -> Ints:
     Raises
     ------
     OptionError
-        If there is none; `what` is named.
+        If no node is there; `what` is named.
     """
     given = where(skeleton.nodes) if callable(where) else where
     nodes = np.unique(as_chosen(np.atleast_1d(np.asarray(given)), what, len(skeleton.nodes)))

@@ -44,7 +44,7 @@ def write_hexahedra(mesh: Hexahedra, path: str | Path) -> None:
     OptionError
         If `mesh` is not a mesh of hexahedra.
     FormatError
-        If the ending is none of these, or the file cannot be written.
+        If the ending is not one of these, or the file cannot be written.
     MissingBackendError
         If meshio is not installed, which .msh and .vtu need.
 

@@ -26,7 +26,7 @@ def young_polar(law: Homogenized, plane: str = "xy", count: int = 180) -> Floats
     Raises
     ------
     OptionError
-        If the plane is none of these or there are fewer than 3 points.
+        If the plane is not one of these or there are fewer than 3 points.
 
     Examples
     --------

@@ -139,7 +139,7 @@ def _coarser(mesh: TriangleMesh, size: Lengths, sharp: SharpEdges) -> TriangleMe
 
 
 def _times(factor: float, size: Lengths) -> Lengths:
-    """Return so many times a length."""
+    """Return `factor` times a length."""
     if not callable(size):
         return factor * size
     return lambda points: factor * size(points)

@@ -23,7 +23,7 @@ from scaffold_cad.printability.triangletopology import TriangleTopology
 from scaffold_cad.skeleton import Skeleton
 
 LEVEL = 1e-6
-"""Difference of heights taken as none, parts of the extent."""
+"""Difference of heights below which they count as equal, parts of the extent."""
 
 
 def floating_groups(
@@ -39,7 +39,7 @@ def floating_groups(
     heights : (n,), mm
     edges : (m, 2)
     clear : whether each node is clear of the plate, shape (n,)
-    tolerance : difference of heights taken as none, mm
+    tolerance : difference of heights below which they count as equal, mm
 
     Returns
     -------

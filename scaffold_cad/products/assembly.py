@@ -60,7 +60,7 @@ class Assembly(Frozen):
 
     @property
     def is_skeleton(self) -> bool:
-        """Whether a skeleton says it all: beams with spheres at their ends, and nothing else."""
+        """Whether a skeleton holds all of it: beams with spheres at their ends, nothing else."""
         return not self.beyond_skeleton() and bool(self.lattices)
 
     def whole_beams(self) -> Skeleton | None:

@@ -170,7 +170,7 @@ class Editing(ABC):
         Raises
         ------
         OptionError
-            If `region` is none of these.
+            If `region` is not one of these.
         SkeletonError
             If nothing is left.
         """

@@ -66,7 +66,7 @@ def faulty_runs(struts: RoundStruts, made: Triangulated, sides: int) -> Bools:
 
     Parameters
     ----------
-    made : the triangles with so many `sides`
+    made : the triangles with this number of `sides`
     """
     faulty = struts.crowded | unseen(struts, made)
     faulty |= without_triangles(struts.sharp, sides, len(faulty))
@@ -86,7 +86,7 @@ def faulty_runs(struts: RoundStruts, made: Triangulated, sides: int) -> Bools:
 
 
 def check_sides(sides: int) -> None:
-    """Raise unless a round strut can have so many sides."""
+    """Check that `sides` is a number of sides that round struts can have."""
     if as_count(sides, "sides", 4) % 4:
         raise OptionError(f"sides is {sides}; need a multiple of 4")
     if sides > MOST_SIDES:

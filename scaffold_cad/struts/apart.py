@@ -211,7 +211,7 @@ def _share_nodes(a: Edges, b: Edges) -> Bools:
 def _apart(pieces: Pieces, i: Ints, j: Ints, slack: Floats) -> Bools:
     """Return whether a plane was found between the pieces of each pair, shape (p,).
 
-    Steps towards the point of their difference that is nearest to 0 (Frank and Wolfe's): where the
+    Steps toward the point of their difference that is nearest to 0 (Frank and Wolfe's): where the
     difference lies beyond a plane across the way to it, the pieces are apart.
     """
     around = [slack[k] / (1 + slack[k]) * pieces.radius[k] for k in (i, j)]

@@ -31,7 +31,7 @@ def matching(x: UnitVectors, y: UnitVectors, far_x: UnitVectors, sides: int) -> 
 
     Parameters
     ----------
-    x, y : (b, 3); point k of the first ring is at the angle 2πk/n from x towards y, seen with the
+    x, y : (b, 3); point k of the first ring is at the angle 2πk/n from x toward y, seen with the
         band's axis x × y pointing at the viewer
     far_x : (b, 3), at right angles to the axis; where the second ring begins, which runs the
         other way round
@@ -113,7 +113,7 @@ def enlargement(twist: Floats, sides: int) -> Floats:
 
 
 def polygon_slack(sides: int) -> float:
-    """Return how far polygons of so many sides reach beyond their circles at most, in radii."""
+    """Return how far polygons of `sides` sides reach beyond their circles at most, in radii."""
     step = 2 * np.pi / sides
     twisted, straight = enlargement(np.array([step / 2, 0.0]), sides)
     return float(max(twisted, straight + step**2 / 8)) - 1.0

@@ -36,7 +36,7 @@ def bend_partitions(directions: UnitVectors) -> Partitions:
     bent = length(inner)[:, None] > STRAIGHT
     inner = np.where(bent, normalize(inner), any_perpendicular(normal))
     side = np.cross(normal, inner)
-    # Towards the inside of the bend lies the middle of an arc.
+    # Toward the inside of the bend lies the middle of an arc.
     between = angle_between(first, second)
     half = half_length(between)[:, None]
     ahead, aside = np.cos(half) * inner, np.sin(half) * side

@@ -35,7 +35,7 @@ from scaffold_cad.struts.sockets import sockets_of
 from scaffold_cad.struts.walls import without_wall
 
 SHRUNK = 1e-3
-"""Part of a fillet radius that may be missing before it is told."""
+"""Part of a fillet radius that may be missing before it is reported."""
 
 _log = logging.getLogger(__name__)
 

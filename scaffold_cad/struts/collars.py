@@ -211,7 +211,7 @@ def _surely_clear(pairs: _Pairs, gap: Floats) -> Floats:
 
 
 def _at_gap(pairs: _Pairs, blends: Floats, side: float) -> Floats:
-    """Return where the circle's point towards the other strut, or away, is at a gap of it, (M, P).
+    """Return where the circle's point toward the other strut, or away, is at a gap of it, (M, P).
 
     On a circle the distance to another cone is a concave function of the height along that cone's
     axis, so it is least at the two points of the circle in the plane of both axes. In that plane

@@ -74,7 +74,7 @@ class Curves(Frozen):
     slopes: Floats
     """Growth of the radius along the curve, shape (s,)."""
     bends: Floats
-    """Curvature, towards the center of the bend, shape (s, 3), 1/mm."""
+    """Curvature, toward the center of the bend, shape (s, 3), 1/mm."""
     twists: Floats
     """How fast circles turn about the curve, so that closed ones meet, shape (s,), rad/mm."""
     curved: Bools

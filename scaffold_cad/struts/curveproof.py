@@ -21,7 +21,7 @@ from scaffold_cad.brep.bernstein import bernstein, elevation
 from scaffold_cad.struts.curved import ALONG, Curves
 
 DEPTH = 4
-"""How often pieces are halved before no is said."""
+"""How often pieces are halved before the proof is given up."""
 
 CORNERS = 12
 """Corners of the polygon around the disc."""
@@ -74,7 +74,7 @@ class _Planes(Frozen):
     origins: Points
     """Shape (p, 2, 3), mm."""
     normals: UnitVectors
-    """Towards the piece, shape (p, 2, 3)."""
+    """Toward the piece, shape (p, 2, 3)."""
 
     def of(self, rows: Ints) -> _Planes:
         return _Planes(self.origins[rows], self.normals[rows])

@@ -281,7 +281,7 @@ class Union(Frozen):
         return Planes(points, *self._filleted(points, every)), self._excess(every, size, most)
 
     def projected(self, points: Floats, steps: int) -> Floats:
-        """Return `points` (3, M, S) moved towards f = 0 by Newton steps along the gradient."""
+        """Return `points` (3, M, S) moved toward f = 0 by Newton steps along the gradient."""
         for _ in range(steps):
             points = self.planes_at(points).reached(points)
         return points

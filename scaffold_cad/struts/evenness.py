@@ -38,7 +38,7 @@ def even(
     directions : (M, N, 3) float64, unit vectors
     vertices : (M, N + 2, 3) float64, unit vectors
     quads : (M, N, 4) intp, vertices of the quad around each direction
-    openness : weight of the pull away from near directions against that towards squares
+    openness : weight of the pull away from near directions against that toward squares
     """
     frame_x = any_perpendicular(directions)
     frame_y = np.cross(directions, frame_x)
@@ -66,7 +66,7 @@ def even(
 def _crowding(directions: UnitVectors, vertices: UnitVectors) -> Floats:
     """Return which way each vertex comes nearer to the directions around it, (M, V, 3).
 
-    It is the gradient of a soft maximum of their cosines. Towards near directions the surface lies
+    It is the gradient of a soft maximum of their cosines. Toward near directions the surface lies
     far out, between struts that have not yet parted.
     """
     cosines = vertices @ directions.transpose(0, 2, 1)  # (M, V, N)

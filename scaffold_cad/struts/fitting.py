@@ -228,7 +228,7 @@ def _settle(
 ) -> None:
     """Fit to wanted samples (3, m, S), and to where they are moved, as a stage says.
 
-    Samples that are deep inside a strut are lifted more each round, until they are no more: the
+    Samples that are deep inside a strut are lifted more each round, until they are not: the
     multipliers of a condition on one side.
     """
     before, planes, lift, number = None, None, None, 0

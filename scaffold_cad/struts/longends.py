@@ -76,8 +76,8 @@ def _at_branch_point(skeleton: Skeleton, chain: list[tuple[int, int]]) -> bool:
 def _chain(skeleton: Skeleton, end: int, reach: float, done: Bools) -> list[tuple[int, int]]:
     """Return the links from an extremity on, and the side that each begins at.
 
-    The chain is as long as `reach`, or leads to a node that is no joint or a link that is `done`.
-    If it leads to another extremity before twice as much, half of it is for that one.
+    The chain is as long as `reach`, or leads to a node that is not a joint or to a link that is
+    `done`. If it leads to another extremity before twice as much, half of it is for that one.
     """
     chain: list[tuple[int, int]] = []
     lengths: list[float] = []

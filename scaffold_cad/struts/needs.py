@@ -63,7 +63,7 @@ def of_two(one: Floats, other: Floats, first: Floats, second: Floats) -> tuple[F
     first, second : (3, P) float64, the normals
     """
     cosine = np.clip(leading_dot(first, second), 0.0, 1.0)
-    # The shares of both, up to a factor; where one is none the other's need is enough for both.
+    # The shares of both, up to a factor; where one is missing the other's need is enough for both.
     shares = np.maximum(one - cosine * other, 0.0), np.maximum(other - cosine * one, 0.0)
     is_corner = (shares[0] > 0) & (shares[1] > 0) & (cosine < SAME_WAY)
     sine = np.where(is_corner, np.sqrt(1 - cosine**2), 1.0)

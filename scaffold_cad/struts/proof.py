@@ -30,7 +30,7 @@ from scaffold_cad.struts.quarter import DEGREE
 TOP = 3 * DEGREE - 1
 """Degree of S · (S_u × S_v) in either direction."""
 DEPTH = 6
-"""How often patches are halved before no is said."""
+"""How often patches are halved before the proof is given up."""
 ROUNDING = 15 * np.finfo(np.float64).eps
 """Relative error of a point from its control points, and of a triple product."""
 PATCH_BYTES = 4096

@@ -61,6 +61,6 @@ def seams(struts: RoundStruts) -> Seams:
 
 
 def _angle(vectors: Floats, x: Floats, y: Floats) -> Floats:
-    """Return the angle of vectors (k, 3) from x towards y, in [0, 2π), shape (k,), rad."""
+    """Return the angle of vectors (k, 3) from x toward y, in [0, 2π), shape (k,), rad."""
     angles: Floats = np.mod(np.arctan2(dot(vectors, y), dot(vectors, x)), 2 * np.pi)
     return angles

@@ -105,7 +105,7 @@ def tiles(what: Skeleton | PeriodicLattice, *, block: ArrayLike) -> SkeletonTile
 
 
 def block_size(skeleton: Skeleton, struts: int) -> float:
-    """Return the side of a cube that holds so many struts of a skeleton, about, mm.
+    """Return the side of a cube that holds about `struts` struts of a skeleton, mm.
 
     As if struts were spread evenly in a box, or over a plane where that is flat.
     """

@@ -271,7 +271,7 @@ def test_a_registered_reader_is_used_and_named_among_the_known(
 ) -> None:
     monkeypatch.setattr(register, "_formats", list(register._formats))
 
-    @register_reader("pairs", ".Pairs", recognises=lambda head: head.startswith(b"pairs"))
+    @register_reader("pairs", ".Pairs", recognizes=lambda head: head.startswith(b"pairs"))
     def read_pairs(path: Path) -> RawSkeleton:
         numbers = [float(word) for word in path.read_text().split()[1:]]
         return RawSkeleton(np.reshape(numbers, (2, 3)), np.array([[0, 1]]))
@@ -299,7 +299,7 @@ def test_what_a_foreign_reader_gets_wrong_is_refused_with_the_name_of_the_file(
     radii: Any,
 ) -> None:
     monkeypatch.setattr(register, "_formats", list(register._formats))
-    register_reader("wrong", ".wrong", recognises=lambda head: True)(
+    register_reader("wrong", ".wrong", recognizes=lambda head: True)(
         lambda path: RawSkeleton(nodes, edges, radii)
     )
     with pytest.raises(FormatError, match=rf"x\.wrong: {message}"):

@@ -5,13 +5,14 @@ from __future__ import annotations
 import logging
 from importlib.metadata import EntryPoint
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from scaffold_cad import TriangleMesh, write
 from scaffold_cad.cli import main
-from scaffold_cad.errors import FormatError, OptionError
+from scaffold_cad.errors import FormatError, KeywordError, OptionError
 from scaffold_cad.io import (
     RawSkeleton,
     known_formats,
@@ -35,7 +36,7 @@ MODULE = """
 import numpy
 from scaffold_cad.io import RawSkeleton, register_reader
 
-@register_reader("pairs", ".pairs", recognises=lambda head: head.startswith(b"pairs"))
+@register_reader("pairs", ".pairs", recognizes=lambda head: head.startswith(b"pairs"))
 def read_pairs(path):
     numbers = [float(word) for word in path.read_text().split()[1:]]
     return RawSkeleton(numpy.reshape(numbers, (2, 3)), numpy.array([[0, 1]]))
@@ -80,7 +81,7 @@ def test_every_format_that_is_read_has_a_sample() -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_a_sample_is_recognized_by_its_own_format_only(name: str) -> None:
     head = sample(name)[: register.HEAD_SIZE]
-    found = [known for known in known_formats() if known.recognises(head)]
+    found = [known for known in known_formats() if known.recognizes(head)]
     assert len(found) == 1
     assert name.endswith(found[0].suffixes)
 
@@ -94,8 +95,14 @@ def test_formats_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert set(known_suffixes()) <= set(rows)
 
 
+def test_a_wrong_keyword_of_the_register_is_answered_with_the_right_one() -> None:
+    wrong: Any = register_reader
+    with pytest.raises(KeywordError, match="no parameter 'recognises'; did you mean 'recognizes'"):
+        wrong("pairs", ".pairs", recognises=lambda head: True)
+
+
 def test_an_entry_can_be_taken_out_again(tmp_path: Path) -> None:
-    @register_reader("pairs", ".pairs", recognises=lambda head: head.startswith(b"pairs"))
+    @register_reader("pairs", ".pairs", recognizes=lambda head: head.startswith(b"pairs"))
     def read_pairs(path: Path) -> RawSkeleton:
         return RawSkeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], [1, 1])
 

@@ -12,7 +12,7 @@ X, Y, Z = np.eye(3)[:, None]
 
 
 def at(angle: float) -> np.ndarray:
-    """Return the direction at an angle from X towards Y, (1, 3)."""
+    """Return the direction at an angle from X toward Y, (1, 3)."""
     return np.array([[np.cos(angle), np.sin(angle), 0.0]])
 
 

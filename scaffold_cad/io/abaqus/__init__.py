@@ -38,7 +38,7 @@ YOUNG = 210e3
 _log = logging.getLogger(__name__)
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     upper = head.upper()
     return any(
         line.startswith((b"*NODE", b"*HEADING", b"*PART"))
@@ -46,7 +46,7 @@ def _recognises(head: bytes) -> bool:
     )
 
 
-@register_reader("Abaqus input", ".inp", recognises=_recognises)
+@register_reader("Abaqus input", ".inp", recognizes=_recognizes)
 def read_abaqus(path: Path) -> RawSkeleton:
     """Read the beams, pipes and trusses of an Abaqus or CalculiX input file; other elements go.
 

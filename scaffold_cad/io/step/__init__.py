@@ -40,17 +40,17 @@ def read_step_triangles(path: Path) -> TriangleMesh:
     return read_cad_triangles(path)
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return head.lstrip().startswith(b"ISO-10303-21")
 
 
-@register_reader("STEP", *STEP_SUFFIXES, recognises=_recognises)
+@register_reader("STEP", *STEP_SUFFIXES, recognizes=_recognizes)
 def read_step_wires(path: Path) -> RawSkeleton:
     """Read the edges and wires of a STEP file that bound no face; it has no radii.
 
     Curves become edges within 1/1000 of their size, and join where they have equal points.
     """
-    return read_cad_wires(path, _recognises)
+    return read_cad_wires(path, _recognizes)
 
 
 __all__ = ["STEP_SUFFIXES", "write_analytic", "write_step"]

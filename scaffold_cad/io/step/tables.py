@@ -90,7 +90,7 @@ class Tables:
 
 
 def references(count: int) -> str:
-    """Return a template of so many references to entities."""
+    """Return a template of `count` references to entities."""
     return ",".join(["#%d"] * count)
 
 

@@ -31,11 +31,11 @@ from scaffold_cad.solid.manifolds import manifold_triangles
 _log = logging.getLogger(__name__)
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return head.startswith(b"PK\x03\x04")
 
 
-@register_reader("3MF", ".3mf", recognises=_recognises)
+@register_reader("3MF", ".3mf", recognizes=_recognizes)
 def read_3mf(path: Path) -> RawSkeleton:
     """Read the beam lattices that a 3MF file builds, each where it is placed, in mm.
 

@@ -41,11 +41,11 @@ _WORD = re.compile(rb"\S+")
 _CELLS = ("VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS", "CELLS")
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return head.startswith(b"# vtk DataFile")
 
 
-@register_reader("VTK", ".vtk", recognises=_recognises)
+@register_reader("VTK", ".vtk", recognizes=_recognizes)
 def read_vtk(path: Path) -> RawSkeleton:
     """Read the lines of a legacy VTK file; point data called "radius" are the radii.
 

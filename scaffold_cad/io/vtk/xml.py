@@ -44,11 +44,11 @@ MOST_UNPACKED = 2**28
 """Most bytes that an array may be unpacked to."""
 
 
-def _recognises(head: bytes) -> bool:
+def _recognizes(head: bytes) -> bool:
     return b"<VTKFile" in head
 
 
-@register_reader("VTK XML", ".vtp", ".vtu", recognises=_recognises)
+@register_reader("VTK XML", ".vtp", ".vtu", recognizes=_recognizes)
 def read_vtk_xml(path: Path) -> RawSkeleton:
     """Read the lines of a .vtp or .vtu file; point or cell data called "radius" are the radii.
 

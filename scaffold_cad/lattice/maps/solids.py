@@ -91,7 +91,7 @@ class CylinderMap(Frozen, CellMap):
     origin: Points
     """Position of the axis at v = 0, shape (3,), mm."""
     axes: Frames
-    """Unit vectors towards u = 0, a quarter turn on, and along the axis, rows, shape (3, 3)."""
+    """Unit vectors toward u = 0, a quarter turn on, and along the axis, rows, shape (3, 3)."""
     angle: float
     """How far around it goes, rad, in (0, 2 π]."""
 
@@ -132,7 +132,7 @@ class SphereMap(Frozen, CellMap):
     """A spherical wall, w outwards: whole, or a band of it.
 
     The whole sphere is the six sides of a cube blown up, which has no pole; a band has u around
-    the axis and v from south to north, and its cells narrow towards the poles.
+    the axis and v from south to north, and its cells narrow toward the poles.
 
     Examples
     --------
@@ -149,7 +149,7 @@ class SphereMap(Frozen, CellMap):
     origin: Points
     """Center, shape (3,), mm."""
     axes: Frames
-    """Unit vectors towards u = 0, a quarter turn on, and the north pole, rows, shape (3, 3)."""
+    """Unit vectors toward u = 0, a quarter turn on, and the north pole, rows, shape (3, 3)."""
     latitudes: Floats | None
     """Least and greatest latitude of a band, shape (2,), rad; None for the whole sphere."""
     angle: float

@@ -14,7 +14,7 @@ from scaffold_cad.struts.pieces import Pieces
 from scaffold_cad.struts.runs import Runs
 
 STEPS = 8
-"""Newton's steps towards the end of what is near."""
+"""Newton's steps toward the end of what is near."""
 
 
 def near_spans(

@@ -70,7 +70,7 @@ class _Surface:
     node: Ints
     """Nodes that the first triangles are around, shape (t',)."""
     exact: int
-    """Number of the vertices that come first, of struts that are no fields."""
+    """Number of the vertices that come first, of struts that are not fields."""
 
 
 def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> TriangleMesh:

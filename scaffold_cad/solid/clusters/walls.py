@@ -105,7 +105,7 @@ def _near(corners: Floats, points: Points, wall: float) -> Bools:
 def _dents(vertices: Points, faces: Ints) -> Bools:
     """Return which triangles (t, 3) inside may be nearer to the outside than their corners, (t,).
 
-    Seen from the wall these stand out: the normals of their corners lean towards their middles.
+    Seen from the wall these stand out: the normals of their corners lean toward their middles.
     """
     corners = vertices[faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -26,7 +26,7 @@ MOST_POINTS = 2000
 """Most points that are looked at; half of their number's root in percent is the error."""
 
 FEW_CELLS = 1e6
-"""No estimate is needed for so many cells."""
+"""Most cells for which no estimate is needed."""
 
 LEAST_POINTS = 100
 """Least number of points, however many struts there are."""

@@ -16,7 +16,7 @@ _log = logging.getLogger(__name__)
 SPARE = 1.05
 """Radius of a ball over that of the one on which two circles touch."""
 LARGE = 3.0
-"""Radius of a ball, over that of its thickest strut, from which on it is told."""
+"""Radius of a ball, over that of its thickest strut, from which on it is reported."""
 TAPER_STEPS = 8
 """Rounds in which the circles of cones and their ball are found: each depends on the other."""
 
