@@ -79,11 +79,6 @@ class BoxRegion:
         )
         return inside
 
-    def on_face(self, points: Points) -> Bools:
-        """Return whether each of `points` (n, 3) is on a face of the box, (n,)."""
-        gaps = np.abs(points[:, None] - self.bounds)  # (n, 2, 3)
-        return self.contains(points) & (gaps <= self.tolerance).any(axis=(1, 2))
-
 
 class ImplicitRegion:
     """Where a function of positions, like a signed distance, is negative."""

@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_number, check_choice, check_kind, checks_keywords
+from scaffold_cad.base.arguments import as_number, check_choice, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frames, Frozen, Ints, Points
 from scaffold_cad.base.radii import Radius, radii_at
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.lattice.maps.placing import Counts, three_counts
-from scaffold_cad.lattice.maps.solids import BoxMap, as_axes, as_place
+from scaffold_cad.lattice.maps.solids import as_axes, as_place
 from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.repetition import Window, all_layers, as_counts, placed, window_struts
 from scaffold_cad.lattice.tiling import cell_size
@@ -122,15 +122,6 @@ class PeriodicLattice(Frozen):
             ends=ends,
             wall=wall,
         )
-
-    @classmethod
-    def in_box(
-        cls, box: BoxMap, cell: str | UnitCell, counts: Counts, *, radius: Radius
-    ) -> PeriodicLattice:
-        """Return the lattice of `counts` cells that fill a box, see `tile`."""
-        check_kind(box, BoxMap)
-        size = box.size / three_counts(counts)
-        return cls(cell, size, counts, radius=radius, origin=box.origin, axes=box.axes)
 
     @property
     def strut_options(self) -> dict[str, Any]:

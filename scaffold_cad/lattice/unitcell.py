@@ -180,11 +180,6 @@ class UnitCell(Frozen):
         """Whether struts may go through the faces of the box, see `of_net`."""
         return bool(self.nodes.max() > 1.0)
 
-    @property
-    def is_slanted(self) -> bool:
-        """Whether its sides are not along x, y and z."""
-        return not np.array_equal(self.axes, np.eye(3))
-
     def strut_lengths(self, size: Floats) -> Floats:
         """Return the length of each strut of the motif in a cell of `size` (3,), shape (s,), mm."""
         motif = self.motif

@@ -8,7 +8,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
 from scaffold_cad.base.blocks import CACHE, blocks
-from scaffold_cad.base.vectors import dot, triple
+from scaffold_cad.base.vectors import triple
 
 NEIGHBORS = np.array(
     [[1, 3, 4], [2, 0, 5], [3, 1, 6], [0, 2, 7], [7, 5, 0], [4, 6, 1], [5, 7, 2], [6, 4, 3]]
@@ -105,7 +105,7 @@ def hexahedron_volumes(points: Points, hexahedra: Ints) -> Floats:
 def boundary_faces(hexahedra: Ints) -> Ints:
     """Return the quads that belong to one hexahedron only, counter-clockwise from outside, (f, 4).
 
-    A face of three hexahedra or more is none of a mesh that conforms.
+    A mesh with a face of three hexahedra or more does not conform.
     """
     faces = hexahedra[:, FACES].reshape(-1, 4)
     key = np.sort(faces, axis=1)
@@ -123,15 +123,3 @@ def enclosed_volume(points: Points, quads: Ints) -> float:
     # A bilinear patch encloses the mean of its two triangulations.
     both = triple(a, b, c) + triple(a, c, d) + triple(a, b, d) + triple(b, c, d)
     return float(both.sum() / 12.0)
-
-
-def shortest_side(points: Points, hexahedra: Ints) -> float:
-    """Return the shortest side of all hexahedra, mm."""
-    corners = points[hexahedra]
-    return float(
-        min(
-            np.sqrt(dot(step, step)).min()
-            for one, others in enumerate(NEIGHBORS.tolist())
-            for step in [corners[:, other] - corners[:, one] for other in others if other > one]
-        )
-    )

@@ -97,12 +97,6 @@ class BeamLattice(Frozen):
         more = f", with {' and '.join(beside)}" if beside else ""
         return f"BeamLattice: {counts}, {nodes}, {radii}{more}"
 
-    @property
-    def is_plain(self) -> bool:
-        """Whether the skeleton says it all: every beam ends in spheres, and there is no more."""
-        more = (self.clip, self.mesh)
-        return not (self.balls.any() or self.caps.any() or any(part is not None for part in more))
-
 
 def _caps(values: str | ArrayLike, count: int) -> Ints:
     """Return how each end of `count` beams ends, shape (count, 2), from names or numbers."""

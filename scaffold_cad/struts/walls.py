@@ -125,11 +125,6 @@ def walls(struts: RoundStruts) -> Walls:
     return Walls(struts.options.wall or 0.0, nodes, curves, np.minimum(*left))
 
 
-def least_wall(struts: RoundStruts) -> float:
-    """Return the least thickness of the walls of hollow struts, sockets among them, mm."""
-    return walls(struts).least
-
-
 def walls_at(outer: Sequence[BlendedNodes], inner: Sequence[BlendedNodes], count: int) -> Floats:
     """Return the least wall of each node with blends outside and inside, nan elsewhere, mm.
 

@@ -15,7 +15,7 @@ from scaffold_cad.products import to_brep
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts import round_struts
-from scaffold_cad.struts.walls import least_wall
+from scaffold_cad.struts.walls import walls
 from tests.solids import check_watertight
 
 TUBE = Skeleton([[0, 0, 0], [0, 0, 20]], [[0, 1]], 5.0)
@@ -37,7 +37,7 @@ def test_sockets_have_their_radius_and_depth(sockets: dict[int, tuple[float, flo
     mesh = round_mesh(struts, 16)
     check_watertight(mesh)
     assert mesh.signed_volume == pytest.approx(volume, rel=1e-9)
-    assert least_wall(struts) == pytest.approx(min(1.0, *(5 - r for r, _ in sockets.values())))
+    assert walls(struts).least == pytest.approx(min(1.0, *(5 - r for r, _ in sockets.values())))
 
 
 def test_nodes_keep_their_wall_beside_sockets(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.struts.gaps import Gaps
 from scaffold_cad.struts.options import Ends
 from scaffold_cad.struts.surface import triangulated
-from scaffold_cad.struts.walls import least_wall, walls
+from scaffold_cad.struts.walls import walls
 from tests.struts.stars import FIVE_TUBES
 
 TUBE = Skeleton([[0, 0, 0], [0, 0, 20]], [[0, 1]], 5.0)
@@ -38,7 +38,7 @@ def test_a_hollow_tube_has_the_volume_of_its_wall(ends: Ends) -> None:
     mesh: TriangleMesh = triangulated(struts, 64).mesh
     mesh.check_closed()
     assert mesh.signed_volume == pytest.approx(HOLLOW[ends], rel=2e-3)
-    assert least_wall(struts) == 1.0
+    assert walls(struts).least == 1.0
 
 
 TUBES = np.array([17.5, 16, 14, 9, 9])
@@ -76,7 +76,7 @@ def test_walls_of_reported_five_tubes_are_those_asked_for(
     assert body.is_valid
     measured = wall_of(body, 40)
     assert 0.95 * 3 < measured <= 3.01
-    assert least_wall(struts) == pytest.approx(measured, rel=0.01)
+    assert walls(struts).least == pytest.approx(measured, rel=0.01)
     radii = {round(f.radius, 6) for f in body.faces() if f.geom_type == GeomType.CYLINDER}
     assert radii == {17.5, 16, 14, 9, 14.5, 13, 11, 6}
 
@@ -113,7 +113,7 @@ def test_a_hollow_node_is_one_valid_solid(ends: Ends, shells: int) -> None:
     assert len(body.solids()) == 1
     assert len(body.shells()) == shells
     assert body.volume < to_brep(round_struts(ELBOWS, ends="round")).volume
-    assert least_wall(struts) > 0.95 * 1.5
+    assert walls(struts).least > 0.95 * 1.5
     triangulated(struts, 16).mesh.check_closed()
 
 
@@ -139,7 +139,7 @@ def test_open_ends_need_a_wall() -> None:
 
 def test_solid_struts_have_no_wall_to_measure() -> None:
     with pytest.raises(OptionError, match="the struts are solid; need wall="):
-        least_wall(round_struts(TUBE))
+        walls(round_struts(TUBE))
 
 
 def test_what_is_past_the_collars_is_measured_to_the_struts() -> None:
