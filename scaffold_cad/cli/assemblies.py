@@ -10,7 +10,7 @@ from scaffold_cad.base.summaries import counted
 from scaffold_cad.brep import BREP_SUFFIXES
 from scaffold_cad.cli.progress import Progress
 from scaffold_cad.io.write import write
-from scaffold_cad.products.assembly import Assembly, assembly_solid
+from scaffold_cad.products.assembly import Assembly, assembly_solid, log_united
 from scaffold_cad.products.assemblybreps import assembly_brep
 from scaffold_cad.products.models import Make
 from scaffold_cad.products.overlaps import Overlaps
@@ -31,12 +31,11 @@ def build(
     """
     beams = assembly.beam_count
     cad = options.output.suffix.lower() in BREP_SUFFIXES
-    struts = counted(beams, "beam is", "beams are")
-    others = ", ".join(assembly.beyond_skeleton() if make is None else assembly.beside_beams())
     if cad and options.overlaps != "unite":
+        struts, others = counted(beams, "beam is", "beams are"), ", ".join(assembly.beside_beams())
         _log.info("%s a body beside %s; --overlaps unite makes one of triangles", struts, others)
     else:
-        _log.info("%s united with %s", struts, others)
+        log_united(assembly, options.input)
     with progress.stage("solid", beams, "struts"):
         product: Any
         if cad:

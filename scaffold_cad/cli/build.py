@@ -4,47 +4,22 @@ from __future__ import annotations
 
 import argparse
 import logging
-from functools import partial
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from scaffold_cad.base.arguments import as_number
-from scaffold_cad.base.arrays import Bools, place_text
-from scaffold_cad.base.summaries import counted
 from scaffold_cad.brep import BREP_SUFFIXES
-from scaffold_cad.cli import assemblies, fields, hexahedra, processes, sizes, source, streams, tiled
+from scaffold_cad.cli import assemblies, hexahedra, processes, shapes, source, streams, tiled
 from scaffold_cad.cli.progress import Progress
 from scaffold_cad.errors import OptionError
 from scaffold_cad.io.write import check_writable, write
 from scaffold_cad.products.breps import to_brep
-from scaffold_cad.products.models import Make
 from scaffold_cad.products.overlaps import Overlaps
-from scaffold_cad.scaffold import Scaffold, build_scaffold
-from scaffold_cad.scaffold.stars import APOTHEM, Fit, Section
-from scaffold_cad.solid import frame_skeleton
+from scaffold_cad.scaffold.stars import APOTHEM
 from scaffold_cad.solid.rounds import SIDES
-from scaffold_cad.struts import Ends, Joints, Nodes, round_struts
 
 if TYPE_CHECKING:
     from scaffold_cad.skeleton import Skeleton
 
 PRODUCTS = ("scaffold", "frame", "shell", "hexahedra")
-
-SQUARE_OPTIONS = ("fit", "section", "collars")
-"""Those that round struts have no use for, unless they are made of a scaffold's edges."""
-
-SCAFFOLD_OPTIONS = ("strut_radius", *SQUARE_OPTIONS)
-"""What `add_scaffold_arguments` adds."""
-
-ROUND_OPTIONS = ("blend", "ends", "joints", "bend", "wall", "nodes")
-"""What `add_strut_arguments` adds, beside the sides."""
-
-FRAME_RADIUS = 0.15
-"""Radius of a frame's struts when none is given, as a fraction of the median node radius."""
-
-WIDENED = 1.1
-"""Radius of a node, in that of a strut that ends there, above which it is reported."""
 
 _log = logging.getLogger(__name__)
 
@@ -67,110 +42,11 @@ def add_parser(
         "hexahedra for finite elements: .inp .bdf .msh .vtu",
     )
     hexahedra.add_arguments(parser)
-    add_scaffold_arguments(parser)
-    add_round_arguments(parser)
-    parser.add_argument(
-        "--socket",
-        action="append",
-        type=sizes.socket,
-        metavar="NODE:RADIUS:DEPTH",
-        help="bore the open end at a node for a tube: inner radius, and depth down to a shoulder, "
-        "mm; for several sockets several times",
-    )
-    add_overlaps_argument(parser)
+    shapes.add_arguments(parser)
+    shapes.add_overlaps_argument(parser)
     processes.add_process(parser)
     tiled.add_arguments(parser, of="an .stl file")
     parser.set_defaults(run=run)
-
-
-def add_round_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments that `round_options` and `round_sides` read."""
-    parser.add_argument(
-        "--round",
-        action="store_true",
-        help="round struts: cylinders and cones on the edges, with blends at the nodes",
-    )
-    add_strut_arguments(parser)
-
-
-def add_strut_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of round struts: those that `round_options` reads, and their sides."""
-    parser.add_argument(
-        "--blend",
-        type=fields.number,
-        metavar="R",
-        help="fillet radius at the nodes of round struts, mm, a number or a file as for --radius "
-        "(default: half of the thinnest strut's radius)",
-    )
-    parser.add_argument(
-        "--ends", choices=get_args(Ends), help="how round struts end (default: flat)"
-    )
-    parser.add_argument(
-        "--joints",
-        choices=get_args(Joints),
-        help="how round struts pass joints of two edges: on a curve through their nodes, or as a "
-        "bend between two cylinders (default: auto, by how the curve is sampled)",
-    )
-    parser.add_argument(
-        "--bend",
-        type=sizes.bend,
-        metavar="HOW",
-        help="how two cylinders meet at a bend: blend, torus, or the radius of the torus' "
-        "centerline, mm (default: blend)",
-    )
-    parser.add_argument(
-        "--nodes",
-        choices=get_args(Nodes),
-        help="what is at nodes: a blend, a ball on which each strut ends in a circle, or sharp "
-        "edges in which the struts meet (default: blend)",
-    )
-    parser.add_argument(
-        "--wall", type=float, metavar="T", help="thickness of hollow round struts, mm"
-    )
-    parser.add_argument(
-        "--sides",
-        type=int,
-        metavar="N",
-        help=f"sides of the polygons that stand for circles, a multiple of 4 (default: {SIDES})",
-    )
-
-
-def add_overlaps_argument(parser: argparse.ArgumentParser) -> None:
-    """Add the argument that says what becomes of struts that overlap."""
-    parser.add_argument(
-        "--overlaps",
-        choices=get_args(Overlaps),
-        help="what becomes of struts that overlap (default: unite in meshes, refuse in STEP and "
-        "BREP files)",
-    )
-
-
-def add_scaffold_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments that `scaffold_from` and `frame_radius` read."""
-    parser.add_argument(
-        "--strut-radius",
-        type=float,
-        metavar="R",
-        help=f"radius of a frame's struts, mm (default: {FRAME_RADIUS} of the median radius)",
-    )
-    parser.add_argument(
-        "--fit",
-        choices=get_args(Fit),
-        help="how large branch points are: so that no strut is cut thin (default: enclose), or as "
-        "in the paper",
-    )
-    parser.add_argument(
-        "--section",
-        choices=get_args(Section),
-        help="which square section stands for a circle of the radius (default: circumscribed)",
-    )
-    parser.add_argument(
-        "--collars",
-        action="store_true",
-        help="straight struts of constant section, as an engineer's: without it they widen from "
-        "their middles to their nodes (an octet lattice of radius 0.4 mm in cells of 8 mm has "
-        "1.25 times the volume of its cylinders, with it 1.11)",
-    )
 
 
 def run(options: argparse.Namespace) -> None:
@@ -187,34 +63,18 @@ def run(options: argparse.Namespace) -> None:
     progress = Progress()
     if _build_assembly(options, progress):
         return
-    skeleton = source.skeleton_from(options)
-    if options.product != "frame":
-        _check_process(options, skeleton)
-    if options.product == "frame" or not options.round:
-        with progress.stage("scaffold", len(skeleton.edges), "struts"):
-            scaffold = scaffold_from(options, skeleton)
-        if options.product == "frame":
-            skeleton = frame_skeleton(scaffold, frame_radius(options, skeleton))
-            processes.check_struts(options, skeleton)
-            if not options.round:
-                with progress.stage("frame", len(skeleton.edges), "struts"):
-                    scaffold = build_scaffold(skeleton, collars=True)
-    struts = len(skeleton.edges)
-    if options.round:
-        with progress.stage("struts", struts, "struts"):
-            given = round_options(options) | {"sockets": _sockets(options)}
-            product: Any = round_struts(skeleton, **given)
-    elif options.product == "shell":
+    skeleton = shapes.frame(options, source.skeleton_from(options), progress)
+    _check_process(options, skeleton)
+    product: Any = shapes.struts(options, skeleton, progress)
+    if options.product == "shell":
         cad = options.output.suffix.lower() in BREP_SUFFIXES
         overlaps: Overlaps = options.overlaps or "allow"
-        product = to_brep(scaffold, "shell", overlaps=overlaps) if cad else scaffold.mesh
-    else:
-        product = scaffold
+        product = to_brep(product, "shell", overlaps=overlaps) if cad else product.mesh
     if options.product == "hexahedra":
         hexahedra.write(product, options, progress)
         return
-    keywords = {} if options.product == "shell" else written_with(options)
-    with progress.stage("file", struts, "struts"):
+    keywords = {} if options.product == "shell" else shapes.written_with(options)
+    with progress.stage("file", len(skeleton.edges), "struts"):
         write(product, options.output, **keywords)
     _log.info("%s written", options.output)
 
@@ -222,115 +82,36 @@ def run(options: argparse.Namespace) -> None:
 def _build_tiles(options: argparse.Namespace) -> None:
     """Write the solid tile by tile."""
     tiled.check_stl(options)
+    source.check_beams_alone(options, "--tiles")
     skeleton = source.skeleton_from(options)
     _check_process(options, skeleton)
-    scaffold = _scaffold_options(options)
-    work = tiled.surface_work(options, round_options(options), scaffold, options.sides or SIDES)
+    given = shapes.round_options(options), shapes.scaffold_options(options)
+    work = tiled.surface_work(options, *given, options.sides or SIDES)
     tiled.make(tiled.cut(skeleton, options), work, options)
 
 
 def _check_process(options: argparse.Namespace, skeleton: Skeleton) -> None:
     """Raise if struts of the section that is asked for cannot be printed."""
-    apothem = 1.0 if options.round else APOTHEM[options.section or "circumscribed"]
+    square = not options.round and options.product != "frame"
+    apothem = APOTHEM[options.section or "circumscribed"] if square else 1.0
     processes.check_struts(options, skeleton, apothem)
 
 
-def round_options(options: argparse.Namespace) -> dict[str, Any]:
-    """Return the arguments for `round_struts` that are given."""
-    given = {name: getattr(options, name) for name in ROUND_OPTIONS}
-    return {name: value for name, value in given.items() if value is not None}
-
-
-def _sockets(options: argparse.Namespace) -> dict[int, tuple[float, float]]:
-    """Return the radius and the depth of sockets by their nodes."""
-    found: dict[int, tuple[float, float]] = {}
-    for node, radius, depth in options.socket or []:
-        if node in found:
-            raise OptionError(f"--socket has node {node} twice; need each node once")
-        found[node] = radius, depth
-    return found
-
-
-def written_with(options: argparse.Namespace) -> dict[str, Any]:
-    """Return the arguments for `write` that are given."""
-    given = {name: getattr(options, name) for name in ("overlaps", "sides")}
-    return {name: value for name, value in given.items() if value is not None}
-
-
 def _build_assembly(options: argparse.Namespace, progress: Progress) -> bool:
-    """Write beams with what is beside them in the file, if there is anything; return whether.
-
-    Flat ends alone need nothing beside struts, whose ends are those asked for.
-    """
-    if options.product != "scaffold" or options.socket:
+    """Write beams with what is beside them in the file, if there is anything; return whether."""
+    cad = options.output.suffix.lower() in BREP_SUFFIXES
+    made = cad or shapes.is_given(options) or options.overlaps is not None
+    assembly = source.assembly_from(options, ends=not made and options.product == "scaffold")
+    if assembly is None:
         return False
-    assembly, make = source.assembly_from(options), _maker(options)
-    if assembly is None or (make is not None and not assembly.beside_beams()):
-        return False
+    if options.product != "scaffold":
+        source.refuse_beside(options.input, assembly.beside_beams(), f"--as {options.product}")
+    if options.socket and len(assembly.lattices) > 1:  # whose nodes are meant?
+        source.refuse_beside(options.input, assembly.beside_beams(), "--socket")
     for lattice in assembly.lattices:
         _check_process(options, lattice.skeleton)
-    assemblies.build(assembly, options, make, progress)
+    assemblies.build(assembly, options, shapes.maker(options) if made else None, progress)
     return True
-
-
-def _maker(options: argparse.Namespace) -> Make | None:
-    """Return what makes the struts that stand for beams; None for the beams as they are."""
-    if options.round:
-        return partial(round_struts, **round_options(options))
-    cad = options.output.suffix.lower() in BREP_SUFFIXES
-    given = [getattr(options, name) for name in (*SCAFFOLD_OPTIONS, "overlaps")]
-    return partial(scaffold_from, options) if cad or any(given) else None
-
-
-def scaffold_from(options: argparse.Namespace, skeleton: Skeleton) -> Scaffold:
-    """Return the scaffold that the arguments ask for."""
-    scaffold = build_scaffold(skeleton, **_scaffold_options(options))
-    _report_widened(skeleton, scaffold.refinement.collared)
-    return scaffold
-
-
-def _report_widened(skeleton: Skeleton, collared: Bools) -> None:
-    """Log which struts are thicker in the scaffold than they are: at ends without a collar.
-
-    Parameters
-    ----------
-    collared : (m, 2), which ends of each edge have a collar
-    """
-    own, at_nodes = skeleton.edge_radii, skeleton.radii[skeleton.edges]
-    wide = (at_nodes > WIDENED * own) & ~collared
-    edges = np.flatnonzero(wide.any(axis=1))
-    if len(edges) == 0:
-        return
-    edge = edges[0]
-    end = int(np.argmax(wide[edge]))
-    node = skeleton.edges[edge, end]
-    _log.warning(
-        "%d of %s widen to the radius of a node (edge %d: %.4g mm, node %d at %s: %.4g mm); "
-        "--round keeps each strut's own radius, and so does --collars where there is room",
-        len(edges),
-        counted(len(skeleton.edges), "strut"),
-        edge,
-        own[edge, end],
-        node,
-        place_text(skeleton.nodes[node]),
-        skeleton.radii[node],
-    )
-
-
-def _scaffold_options(options: argparse.Namespace) -> dict[str, Any]:
-    """Return the arguments for `build_scaffold` that are given."""
-    given = {name: getattr(options, name) for name in ("fit", "section")}
-    chosen = {name: value for name, value in given.items() if value is not None}
-    return {"collars": options.collars, **chosen}
-
-
-def frame_radius(options: argparse.Namespace, skeleton: Skeleton) -> float:
-    """Return the radius of a frame's struts, mm."""
-    if options.strut_radius is not None:
-        return as_number(options.strut_radius, "--strut-radius")
-    radius = FRAME_RADIUS * float(np.median(skeleton.radii))
-    _log.info("the frame's struts have radius %.4g mm; --strut-radius sets another", radius)
-    return radius
 
 
 def _check_combination(options: argparse.Namespace) -> None:
@@ -340,30 +121,10 @@ def _check_combination(options: argparse.Namespace) -> None:
         raise OptionError("--as shell is for the coarse quads; need it without --round")
     if options.process is not None and options.product == "shell":
         raise OptionError("--process looks at struts; need it without --as shell")
-    check_round_options(options)
-    if options.round and options.product != "frame":
-        source.refuse(options, SQUARE_OPTIONS, "is for square struts; need it without --round")
-    if options.socket and not options.round:
-        raise OptionError("--socket is for --round")
-    if options.socket and (options.ends != "open" or options.wall is None):
-        raise OptionError("--socket bores open ends of hollow struts; need --wall T --ends open")
+    shapes.check(options)
     if options.sides is not None and cad:
         raise OptionError("--sides is for meshes, not for CAD formats")
     if options.tiles is None:
         tiled.refuse(options)
     elif options.socket or options.product != "scaffold":
         raise OptionError("--tiles is for solids of struts; need it without --as and --socket")
-    check_frame_options(options)
-
-
-def check_round_options(options: argparse.Namespace) -> None:
-    """Raise where an option of round struts is given without them."""
-    if not options.round:
-        source.refuse(options, [*ROUND_OPTIONS, "sides"], "is for --round")
-
-
-def check_frame_options(options: argparse.Namespace) -> None:
-    """Raise where an option of frames is given for something else."""
-    if options.product != "frame":
-        why = "is for --as frame; --radius is that of the nodes"
-        source.refuse(options, ["strut_radius"], why)

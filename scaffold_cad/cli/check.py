@@ -12,16 +12,23 @@ from typing import Any
 
 from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.files import check_page
-from scaffold_cad.cli import sizes, source, tiled
+from scaffold_cad.cli import shapes, sizes, source, tiled
+from scaffold_cad.cli.progress import Progress
+from scaffold_cad.cli.source import flag_of
 from scaffold_cad.errors import OptionError
 from scaffold_cad.io import read_triangles
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.printability import MATERIALS, PROCESSES, check_printability
 from scaffold_cad.printability.page import write_page
 from scaffold_cad.printability.processes import Process
+from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.solid.rounds import SIDES
+from scaffold_cad.struts import RoundStruts
 
 NOT_PRINTABLE = 1
+
+PRODUCTS = ("scaffold", "frame")
 
 REPORT = "report.json"
 """File of the report beside the tiles'."""
@@ -83,6 +90,14 @@ def add_parser(
     parser.add_argument(
         "--html", type=Path, metavar="PAGE", help="write a page that shows the failing places"
     )
+    parser.add_argument(
+        "--as",
+        dest="product",
+        choices=PRODUCTS,
+        help="which solid of a skeleton, as `build` makes it: the one inside its scaffold "
+        "(default), or the scaffold's edges as struts",
+    )
+    shapes.add_arguments(parser)
     tiled.add_arguments(parser, of="a report of the struts alone")
     parser.set_defaults(run=run)
 
@@ -92,13 +107,15 @@ def run(options: argparse.Namespace) -> int:
     if options.tiles is not None:
         return _check_tiles(options)
     tiled.refuse(options)
+    shapes.check(options)
     if options.html is not None:
         check_page(options.html)
-    triangles, skeleton = _part(options)
+    part, skeleton = _part(options)
     report = check_printability(
-        source.skeleton_from(options) if triangles is None else triangles,
+        part,
         _process(options),
         skeleton=skeleton,
+        sides=options.sides if isinstance(part, RoundStruts) else None,
         direction=options.direction,
         material=options.material,
         supports=not options.no_supports,
@@ -111,28 +128,43 @@ def run(options: argparse.Namespace) -> int:
     return 0 if report.printable else NOT_PRINTABLE
 
 
-def _part(options: argparse.Namespace) -> tuple[TriangleMesh | None, Skeleton | None]:
-    """Return the mesh that is looked at, None for a skeleton, and the struts that are in it."""
+def _part(
+    options: argparse.Namespace,
+) -> tuple[TriangleMesh | Scaffold | RoundStruts, Skeleton | None]:
+    """Return what is looked at, and the struts that are in it where it does not know them."""
+    given, why = (*shapes.OPTIONS, "product"), "is for skeletons; a mesh is looked at as it is"
     if options.skeleton is not None:
+        source.refuse(options, given, why)
         mesh = read_triangles(options.input, units=options.units, scale=options.scale)
         if mesh is None:
             raise OptionError("--skeleton is for mesh files; the input is a skeleton itself")
         return mesh, source.skeleton_from(options, options.skeleton)
-    assembly = source.assembly_from(options)
+    made = shapes.is_given(options)
+    assembly = source.assembly_from(options, ends=not made and options.product != "frame")
     if assembly is not None:
-        return source.united(assembly, options), assembly.whole_beams()
-    why = "is for skeletons; need --skeleton beside a mesh"
-    return source.triangles_from(options, (), why), None
+        if options.product == "frame":
+            source.refuse_beside(options.input, assembly.beside_beams(), "--as frame")
+        make = shapes.maker(options) if made else None
+        solid = source.united(assembly, options, make, options.sides or SIDES)
+        return solid, assembly.whole_beams()
+    mesh = source.triangles_from(options, (), "is for skeletons; need --skeleton beside a mesh")
+    if mesh is not None:
+        source.refuse(options, given, why)
+        return mesh, None
+    progress = Progress()
+    skeleton = shapes.frame(options, source.skeleton_from(options), progress)
+    return shapes.struts(options, skeleton, progress), None
 
 
 def _check_tiles(options: argparse.Namespace) -> int:
     """Print what a process asks of the struts as JSON, looked at tile by tile."""
-    names = [*LIMITS, "build_volume", "overhang", "skeleton", "material", "no_supports", "html"]
+    others = ("build_volume", "overhang", "skeleton", "material", "no_supports", "html", "product")
+    names = [*LIMITS, *others, *shapes.OPTIONS]
     flags = {name: option for name, (option, _, _) in LIMITS.items()}
     for name in names:
         if getattr(options, name) not in (None, False):
-            flag = flags.get(name, "--" + name.replace("_", "-"))
-            raise OptionError(f"{flag} is not for a report by --tiles")
+            raise OptionError(f"{flags.get(name, flag_of(name))} is not for a report by --tiles")
+    source.check_beams_alone(options, "--tiles")
     skeleton = source.skeleton_from(options)
     parts = tiled.cut(skeleton, options)
     from scaffold_cad.tiles import Check

@@ -6,6 +6,7 @@ import argparse
 import logging
 
 from scaffold_cad.cli import source, streams
+from scaffold_cad.cli.flags import told_as
 from scaffold_cad.io.write import check_writable, write
 
 _log = logging.getLogger(__name__)
@@ -34,6 +35,7 @@ def run(options: argparse.Namespace) -> None:
     """Read, change and write."""
     check_writable(options.output, skeleton=True)
     assembly = source.assembly_from(options) if options.output.suffix.lower() == ".3mf" else None
-    found = source.skeleton_from(options) if assembly is None else assembly
-    write(found, options.output, units=options.to_units)
+    found = source.skeleton_from(options, converted=True) if assembly is None else assembly
+    with told_as(units="--to-units"):
+        write(found, options.output, units=options.to_units)
     _log.info("%s written", options.output)

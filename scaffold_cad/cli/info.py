@@ -63,8 +63,8 @@ def _skeleton_rows(options: argparse.Namespace) -> dict[str, str]:
     if cleaning.skeleton.has_member_radii:
         rows["strut radius"] = range_text(cleaning.skeleton.edge_radii)
     rows["repairs"] = str(cleaning.repairs)
-    if raw.left_out:
-        rows["beside it"] = ", ".join(raw.left_out)
+    if raw.beyond_skeleton:
+        rows["beside it"] = ", ".join(raw.beyond_skeleton)
     return rows
 
 

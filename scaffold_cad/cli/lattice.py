@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from scaffold_cad.brep import BREP_SUFFIXES, read_brep
 from scaffold_cad.cli import (
-    build,
     fields,
     foams,
     latticelayers,
@@ -17,6 +16,7 @@ from scaffold_cad.cli import (
     latticestruts,
     latticetiles,
     processes,
+    shapes,
     sizes,
     slicing,
     source,
@@ -100,8 +100,8 @@ def add_parser(
         metavar="D",
         help="diameter of holes through the skin, mm, two for each void: powder or resin gets out",
     )
-    build.add_round_arguments(parser)
-    build.add_overlaps_argument(parser)
+    shapes.add_round_arguments(parser)
+    shapes.add_overlaps_argument(parser)
     processes.add_process(parser)
     parser.add_argument(
         "--beams",
@@ -160,7 +160,7 @@ def _write_layers(options: argparse.Namespace) -> None:
 
 def _written_with(options: argparse.Namespace) -> dict[str, Any]:
     """Return the arguments for `write`."""
-    given = build.written_with(options)
+    given = shapes.written_with(options)
     if options.round and options.output.suffix.lower() not in BREP_SUFFIXES:
         given.setdefault("sides", LATTICE_SIDES)
     return given
@@ -168,7 +168,7 @@ def _written_with(options: argparse.Namespace) -> dict[str, Any]:
 
 def _check_combination(options: argparse.Namespace) -> None:
     """Raise where an option would do nothing, or the format cannot hold what is asked."""
-    build.check_round_options(options)
+    shapes.check_round_options(options)
     suffix = options.output.suffix.lower()
     _check_bodies(options)
     if options.trim and (options.skin is not None or options.beams):
@@ -227,7 +227,7 @@ def _product(options: argparse.Namespace, progress: Progress) -> Any:
 def _bodied(part: TriangleMesh | None, options: argparse.Namespace) -> Any:
     """Return struts that are cut flush with a box, or are in a part or a box with a skin."""
     lattice = options.cell, options.size, options.radius
-    given = build.round_options(options)
+    given = shapes.round_options(options)
     if _is_filled_solid(options):
         source.refuse(options, ["drain"], "is for mesh files; cut a hole into the STEP solid")
         section: Section = "round" if options.round else "square"
@@ -250,6 +250,6 @@ def _struts(
     struts = len(skeleton.edges)
     if options.round:
         with progress.stage("struts", struts, "struts"):
-            return round_struts(skeleton, **build.round_options(options))
+            return round_struts(skeleton, **shapes.round_options(options))
     with progress.stage("scaffold", struts, "struts"):
         return build_scaffold(skeleton, collars=True)

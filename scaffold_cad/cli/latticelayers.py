@@ -10,7 +10,8 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.base.summaries import counted
-from scaffold_cad.cli import build, processes, slicing, source
+from scaffold_cad.cli import processes, shapes, slicing, source
+from scaffold_cad.cli.flags import told_as
 from scaffold_cad.cli.progress import Progress
 from scaffold_cad.filling.fill import lattice_around
 from scaffold_cad.io.stacks import write_layers
@@ -62,24 +63,25 @@ def write(
     if region is not None:
         given["region"] = region
     if isinstance(where, Skeleton):
-        what: Any = round_struts(where, **build.round_options(options))
+        what: Any = round_struts(where, **shapes.round_options(options))
         struts = len(where.edges)
     else:
         cell = unit_cell(options.cell)
         corners = where.vertices if isinstance(where, TriangleMesh) else where
         bounds = np.stack([corners.min(axis=0), corners.max(axis=0)])
-        given_struts = build.round_options(options)
+        given_struts = shapes.round_options(options)
         size = cell_size(cell, options.size)
         what = lattice_around(bounds, cell, size, options.radius, **given_struts)
         processes.check_lattice(options, what)
         struts = what.strut_count
         if isinstance(where, TriangleMesh):
             given["region"] = where
-    layers = slices(what, thickness=options.layer, **given)
+    with told_as(thickness="--layer"):
+        layers = slices(what, thickness=options.layer, **given)
     _log.info(
         "%s, %s of %g mm", counted(struts, "strut"), counted(len(layers), "layer"), options.layer
     )
-    with Progress().stage("layers", struts * len(layers), "sections"):
+    with Progress().stage("layers", struts * len(layers), "sections"), told_as(pixel="--pixel"):
         write_layers(layers, options.output, text=options.text, pixel=options.pixel)
     _log.info("%s written", options.output)
 

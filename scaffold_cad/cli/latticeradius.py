@@ -7,7 +7,7 @@ import logging
 
 import numpy as np
 
-from scaffold_cad.cli import build
+from scaffold_cad.cli import shapes
 from scaffold_cad.cli.maps import map_of
 from scaffold_cad.errors import OptionError
 from scaffold_cad.filling import solve_radius
@@ -31,7 +31,7 @@ def radius(options: argparse.Namespace) -> float:
         raise OptionError("--density is of equal cells in a box or a part; need --radius here")
     if not 0 < options.density < 1:
         raise OptionError(f"--density is {options.density:g}; need > 0 and < 1")
-    given = build.round_options(options)
+    given = shapes.round_options(options)
     square = not options.round and options.layer is None
 
     def volume(skeleton: Skeleton) -> float:

@@ -8,7 +8,7 @@ import logging
 from scaffold_cad.base.arguments import as_count
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.summaries import counted
-from scaffold_cad.cli import build, latticelayers, processes, source, tiled
+from scaffold_cad.cli import latticelayers, processes, shapes, source, tiled
 from scaffold_cad.errors import OptionError
 from scaffold_cad.filling.fill import lattice_around
 from scaffold_cad.lattice.registry import unit_cell
@@ -47,7 +47,7 @@ def run(options: argparse.Namespace, sides: int) -> None:
 
     cell = unit_cell(options.cell)
     size = cell_size(cell, options.size)
-    given = build.round_options(options)
+    given = shapes.round_options(options)
     lattice = lattice_around(options.box, cell, size, options.radius, **given)
     processes.check_lattice(options, lattice)
     if options.layer is None:
@@ -80,6 +80,6 @@ def _check(options: argparse.Namespace) -> None:
     if options.layer is not None:
         latticelayers.check(options)
         return
-    build.check_round_options(options)
+    shapes.check_round_options(options)
     source.refuse(options, ["pixel", "text"], "is for layers; need --layer")
     tiled.check_stl(options)

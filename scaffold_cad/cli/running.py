@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import logging
 import os
-import re
 import sys
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
@@ -15,18 +14,9 @@ from typing import TextIO
 
 from scaffold_cad.base.arguments import as_count
 from scaffold_cad.cli.fields import with_fields
+from scaffold_cad.cli.flags import with_flags
 from scaffold_cad.cli.streams import each_file, streamed
 from scaffold_cad.errors import ScaffoldCadError
-
-PARAMETER = re.compile(
-    r"\b(overlaps|radius|blend|ends|joints|bend|nodes|wall|sides|collars|section|fit|max_nodes|units"
-    r"|scale|block)=('?)([\w.]*)\2"
-)
-"""Parameters of the library that are flags here, as messages give them with a value."""
-SUBJECT = re.compile(
-    r"^(radius|blend|wall|sides|skin|drain|thickness|socket(?=s))s? (?=is |of node |has )"
-)
-"""The same, where they are what a message is about."""
 
 BAD_INPUT = 2
 INTERRUPTED = 130
@@ -107,22 +97,6 @@ def unprinted(error: OSError) -> int:
         return 0
     print(f"{_prefix(sys.stderr, RED)}cannot print: {error.strerror or error}", file=sys.stderr)
     return BAD_INPUT
-
-
-def with_flags(message: str) -> str:
-    """Return a message of the library with its parameters as the command's flags.
-
-    Examples
-    --------
-    >>> with_flags("need overlaps='unite', or radius= for all")
-    'need --overlaps unite, or --radius for all'
-    >>> with_flags("wall is 1 mm; need less")
-    '--wall is 1 mm; need less'
-    >>> with_flags("drain is 0 mm; need > 0")
-    '--drain is 0 mm; need > 0'
-    """
-    named = SUBJECT.sub(r"--\1 ", message)
-    return PARAMETER.sub(lambda found: f"--{found[1].replace('_', '-')} {found[3]}".strip(), named)
 
 
 def log_to_stderr(options: argparse.Namespace, folder: str = "") -> None:

@@ -13,7 +13,8 @@ import numpy as np
 from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.files import check_target
 from scaffold_cad.base.summaries import counted
-from scaffold_cad.cli import build, source, streams, tiled
+from scaffold_cad.cli import shapes, source, streams, tiled
+from scaffold_cad.cli.flags import told_as
 from scaffold_cad.cli.progress import Progress
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.io import read_triangles
@@ -40,7 +41,7 @@ def add_parser(
     source.add_arguments(parser, several=True)
     streams.add_output(parser, "file to write: .cli .3mf .svg, or .zip with PNG images")
     add_layer_arguments(parser, required=True)
-    build.add_strut_arguments(parser)
+    shapes.add_strut_arguments(parser)
     parser.add_argument(
         "--inside", type=Path, metavar="PART", help="closed part that the struts are cut to"
     )
@@ -70,11 +71,11 @@ def run(options: argparse.Namespace) -> None:
         _slice_tiles(options)
         return
     progress = Progress()
-    given = build.round_options(options)
-    others = (*build.ROUND_OPTIONS, "sides")
-    assembly = source.assembly_from(options)
+    given = shapes.round_options(options)
+    others = (*shapes.ROUND_OPTIONS, "sides")
+    asked = any(getattr(options, name) is not None for name in others)
+    assembly = source.assembly_from(options, ends=not asked)
     if assembly is not None:
-        asked = any(getattr(options, name) is not None for name in others)
         make = partial(round_struts, **given) if asked else None
         mesh: TriangleMesh | None = source.united(assembly, options, make, options.sides or SIDES)
     else:
@@ -90,7 +91,8 @@ def run(options: argparse.Namespace) -> None:
         sections = int(np.ptp(heights, axis=1).sum() / options.layer) + len(heights)
     with progress.stage("layers", sections, "sections"):
         layers = _layers(what, options)
-        write_layers(layers, options.output, text=options.text, pixel=options.pixel)
+        with told_as(pixel="--pixel"):
+            write_layers(layers, options.output, text=options.text, pixel=options.pixel)
     _log.info(
         "%s written: %s of %g mm",
         options.output,
@@ -101,9 +103,10 @@ def run(options: argparse.Namespace) -> None:
 
 def _slice_tiles(options: argparse.Namespace) -> None:
     """Cut and write tile by tile, from the lowest node less its radius up."""
+    source.check_beams_alone(options, "--tiles")
     skeleton = source.skeleton_from(options)
     bottom = float((skeleton.nodes[:, 2] - skeleton.radii).min())
-    given = build.round_options(options)
+    given = shapes.round_options(options)
     work = tiled.layer_work(options, bottom, given, options.sides or SIDES, _region(options))
     tiled.make(tiled.cut(skeleton, options), work, options)
 
@@ -112,7 +115,8 @@ def _layers(what: TriangleMesh | RoundStruts, options: argparse.Namespace) -> La
     """Return the layers that are asked for."""
     sides = options.sides if isinstance(what, RoundStruts) else None
     given: dict[str, Any] = {"skin": options.skin, "sides": sides}
-    return slices(what, thickness=options.layer, region=_region(options), **given)
+    with told_as(thickness="--layer"):
+        return slices(what, thickness=options.layer, region=_region(options), **given)
 
 
 def _region(options: argparse.Namespace) -> TriangleMesh | None:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import argparse
 import logging
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 
@@ -16,9 +18,10 @@ from scaffold_cad.base.vectors import mirror, rotate
 from scaffold_cad.cli import fields, sizes
 from scaffold_cad.cli.sizes import AXES
 from scaffold_cad.errors import FormatError, OptionError
-from scaffold_cad.io import BYTES_PER_EDGE, read_assembly, read_skeleton, read_triangles
+from scaffold_cad.io import BYTES_PER_EDGE, read_assembly, read_raw, read_triangles
+from scaffold_cad.io.reading import in_millimeters, repairing, strictly
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.products.assembly import Assembly, assembly_solid
+from scaffold_cad.products.assembly import Assembly, assembly_solid, log_united
 from scaffold_cad.products.models import Make
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 from scaffold_cad.solid.manifolds import manifold_triangles
@@ -133,20 +136,28 @@ def refuse(options: argparse.Namespace, names: Iterable[str], why: str) -> None:
     for name in names:
         value = getattr(options, name)
         if value is not None and value is not False:  # 0 is given
-            flag = "as" if name == "product" else name.replace("_", "-")
-            raise OptionError(f"--{flag} {why}")
+            raise OptionError(f"{flag_of(name)} {why}")
 
 
-def assembly_from(options: argparse.Namespace) -> Assembly | None:
+def flag_of(name: str) -> str:
+    """Return the flag of an option by its name in the code."""
+    return "--as" if name == "product" else "--" + name.replace("_", "-")
+
+
+def assembly_from(options: argparse.Namespace, *, ends: bool = True) -> Assembly | None:
     """Return what the input holds if it is a 3MF file with more than a skeleton keeps, else None.
 
     What the arguments ask for is done to all of it: beams get other radii, nodes and joints, and
     are turned and scaled with what is beside them.
 
+    Parameters
+    ----------
+    ends : whether flat ends are more: not where struts get the ends that are asked for
+
     Raises
     ------
     OptionError
-        If units are given, as the file says in which unit it is.
+        If units are given, and the file says that it is in another.
     FormatError
         If balls or flat ends would go, and nothing may.
     SkeletonError
@@ -156,21 +167,44 @@ def assembly_from(options: argparse.Namespace) -> Assembly | None:
     if path.suffix.lower() != ".3mf":
         return None
     assembly = read_assembly(path)
-    if assembly.is_skeleton or not assembly.lattices:
+    more = assembly.beyond_skeleton() if ends else assembly.beside_beams()
+    if not more or not assembly.lattices:
         return None
     if options.units is not None:
-        raise OptionError(f"{path} says in which unit it is; need no --units (--scale scales it)")
+        in_millimeters(path, read_raw(path), options.units, None)  # refuses another unit
     if options.strict:
         for lattice in assembly.lattices:
             check_skeleton(lattice.skeleton)
     changed = _changed(assembly, options)
-    found, kept = assembly.beyond_skeleton(), changed.beyond_skeleton()
-    if options.strict and kept != found:
+    kept = changed.beyond_skeleton()
+    if options.strict and any(one not in kept for one in more):
         raise FormatError(
-            f"{path} holds {', '.join(one for one in found if one not in kept)}; need nothing that "
+            f"{path} holds {', '.join(one for one in more if one not in kept)}; need nothing that "
             "beams lose where they are changed (or read it without --strict)"
         )
     return changed
+
+
+def check_beams_alone(options: argparse.Namespace, flag: str) -> None:
+    """Raise if the input is a 3MF file with more than beams, of which a flag would lose the rest.
+
+    Raises
+    ------
+    OptionError
+        If there are meshes, clipping or balls beside the beams.
+    """
+    path = Path(options.input)
+    beside = read_assembly(path).beside_beams() if path.suffix.lower() == ".3mf" else []
+    if beside:
+        refuse_beside(path, beside, flag)
+
+
+def refuse_beside(path: Path, beside: Iterable[str], flag: str) -> NoReturn:
+    """Raise, as a flag would lose what is beside the beams of a file."""
+    raise OptionError(
+        f"{flag} is for beams alone, and {path} holds also {', '.join(beside)}; need the beams in "
+        "a file of their own, such as scaffold-cad convert writes as .json"
+    )
 
 
 def _changed(assembly: Assembly, options: argparse.Namespace) -> Assembly:
@@ -188,9 +222,7 @@ def united(
     assembly: Assembly, options: argparse.Namespace, make: Make | None = None, sides: int = SIDES
 ) -> TriangleMesh:
     """Return the surface of beams and what is beside them; make and sides: see `assembly_solid`."""
-    found = ", ".join(assembly.beyond_skeleton() if make is None else assembly.beside_beams())
-    beams = counted(assembly.beam_count, "beam")
-    _log.info("%s: %s united with %s", options.input, beams, found)
+    log_united(assembly, str(options.input))
     return manifold_triangles(assembly_solid(assembly, sides, make=make))
 
 
@@ -209,22 +241,31 @@ def triangles_from(
     OptionError
         If an option is given that would do nothing.
     """
-    mesh = read_triangles(Path(options.input), units=options.units, scale=options.scale)
+    path = Path(options.input)
+    if path.suffix.lower() == ".3mf" and read_assembly(path).lattices:
+        return None  # beams that `assembly_from` has not taken are a skeleton
+    mesh = read_triangles(path, units=options.units, scale=options.scale)
     if mesh is not None:
         refuse(options, [*OPTIONS, *others], why)
     return mesh
 
 
-def skeleton_from(options: argparse.Namespace, path: Path | None = None) -> Skeleton:
-    """Return the skeleton that the arguments ask for, of the input or of another file."""
-    skeleton = read_skeleton(
-        options.input if path is None else path,
-        options.radius,
-        options.strict,
-        max_nodes=max_nodes(options),
-        units=options.units,
-        scale=options.scale,
-    )
+def skeleton_from(
+    options: argparse.Namespace, path: Path | None = None, *, converted: bool = False
+) -> Skeleton:
+    """Return the skeleton that the arguments ask for, of the input or of another file.
+
+    Parameters
+    ----------
+    converted : whether it is written as what it was: then it is told that supports and loads go
+    """
+    path = Path(options.input) if path is None else path
+    # Struts end as they are asked to: that beams of a file are flat is no loss.
+    raw = replace(read_raw(path, max_nodes(options)), flat_ends=0)
+    if converted and raw.loading is not None:
+        raw = replace(raw, left_out=(*raw.left_out, "supports and loads"))
+    read = strictly if options.strict else repairing
+    skeleton = read(path, raw, options.radius, units=options.units, scale=options.scale)
     skeleton = _joined(skeleton, options)
     if options.turn or options.mirror:
         skeleton = skeleton.moved(_turned(skeleton.nodes, options))

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scaffold_cad.base.files import check_page
-from scaffold_cad.cli import build, source
+from scaffold_cad.cli import shapes, source
 from scaffold_cad.products.overlaps import to_unite
 from scaffold_cad.solid import frame_scaffold, solidified
 from scaffold_cad.struts import round_struts
@@ -55,7 +55,7 @@ def add_parser(
         help="which solid: the one inside the scaffold (default), round struts, or the scaffold's "
         "edges as struts",
     )
-    build.add_scaffold_arguments(parser)
+    shapes.add_scaffold_arguments(parser)
     parser.set_defaults(run=run)
 
 
@@ -63,9 +63,10 @@ def run(options: argparse.Namespace) -> None:
     """Write the page, print where it is, and open it."""
     if options.output is not None:
         check_page(options.output)
-    given = (*build.SCAFFOLD_OPTIONS, "product")
+    given = (*shapes.SCAFFOLD_OPTIONS, "product")
+    asked = any(getattr(options, name) not in (None, False) for name in given)
     why = "is for skeletons; a mesh is shown as it is"
-    assembly = source.assembly_from(options)
+    assembly = source.assembly_from(options, ends=not asked)
     if assembly is not None:
         source.refuse(options, given, why)
         mesh: TriangleMesh | None = source.united(assembly, options)
@@ -75,8 +76,8 @@ def run(options: argparse.Namespace) -> None:
         page = _page_path(options)
         write_page(mesh, page)
     else:
-        build.check_frame_options(options)
-        scaffold = build.scaffold_from(options, source.skeleton_from(options))
+        shapes.check_frame_options(options)
+        scaffold = shapes.scaffold_from(options, source.skeleton_from(options))
         solid = _solid(scaffold, options)
         page = _page_path(options)
         write_page(scaffold, page, solid=solid)
@@ -97,7 +98,7 @@ def _solid(scaffold: Scaffold, options: argparse.Namespace) -> Solidified:
     if options.product == "round":
         made = round_struts(scaffold.skeleton)
     elif options.product == "frame":
-        radius = build.frame_radius(options, scaffold.skeleton)
+        radius = shapes.frame_radius(options, scaffold.skeleton)
         made = frame_scaffold(scaffold, radius)
     solid = solidified(made)
     to_unite("unite", solid.united_edges, made.skeleton)

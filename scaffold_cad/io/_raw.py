@@ -18,6 +18,7 @@ from scaffold_cad.base.arrays import (
     check_believable,
 )
 from scaffold_cad.base.positions import equal_positions
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import SkeletonError
 from scaffold_cad.io._loading import RawLoading
 
@@ -41,6 +42,8 @@ class RawSkeleton(Frozen):
     the file holds no radii of edges."""
     left_out: tuple[str, ...]
     """What the file holds beside that a skeleton does not keep, in words."""
+    flat_ends: int
+    """How many ends of beams are flat where others are balls: ends of skeletons have no shape."""
     loading: RawLoading | None
     """What holds and loads the nodes; None if the file holds nothing of it."""
     unit: str | None
@@ -59,6 +62,7 @@ class RawSkeleton(Frozen):
         unit: str | None = None,
         usual_unit: str | None = None,
         loading: RawLoading | None = None,
+        flat_ends: int = 0,
     ) -> None:
         points = as_floats(nodes, "nodes")
         if points.ndim != 2 or points.shape[1] != 3:
@@ -71,6 +75,7 @@ class RawSkeleton(Frozen):
             radii=None if radii is None else _as_raw_radii(radii, count=len(points)),
             edge_radii=None if edge_radii is None else _as_raw_edge_radii(edge_radii, len(pairs)),
             left_out=tuple(left_out),
+            flat_ends=flat_ends,
             unit=unit,
             usual_unit=usual_unit,
             loading=loading,
@@ -95,7 +100,14 @@ class RawSkeleton(Frozen):
             self.unit,
             self.usual_unit,
             None if self.loading is None else self.loading.scaled(factor),
+            self.flat_ends,
         )
+
+    @property
+    def beyond_skeleton(self) -> list[str]:
+        """In words what the file holds that a skeleton does not keep, flat ends too."""
+        flat = f"{counted(self.flat_ends, 'flat end')} of beams"
+        return [*self.left_out, flat] if self.flat_ends else [*self.left_out]
 
     @property
     def has_radii(self) -> bool:

@@ -17,6 +17,8 @@ Row: TypeAlias = tuple[int, list[str]]
 LARGEST_FILE = 2**30
 """Most bytes that are read from a file or an archive's part: 20 million struts and more."""
 
+LONGEST_COUNT = 15
+"""Digits of the largest count that is taken: below `LARGEST_WHOLE`."""
 
 LARGEST_WHOLE = 2.0**53
 """Beyond it float64 has no longer every whole number."""
@@ -128,6 +130,11 @@ def whole_number(path: Path, line: int, word: str, need: str) -> int:
         return int(word)
     except ValueError:
         raise line_error(path, line, f"{word!r} is not a whole number", need) from None
+
+
+def as_count(word: str) -> int | None:
+    """Return a word of digits as a number, or None if it is something else, or longer than any."""
+    return int(word) if word.isdecimal() and len(word) <= LONGEST_COUNT else None
 
 
 def as_indices(path: Path, values: Floats) -> Ints:

@@ -19,7 +19,7 @@ from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.errors import FormatError, OptionError, SkeletonError
 from scaffold_cad.io._raw import RawSkeleton
-from scaffold_cad.io._text import line_error, read_text
+from scaffold_cad.io._text import as_count, line_error, read_text
 from scaffold_cad.io.register import register_reader
 from scaffold_cad.lattice import UnitCell
 
@@ -122,10 +122,11 @@ def _take(path: Path, block: _Block, line: int, keyword: str, words: list[str]) 
         if min(block.cell) < 1 / LARGEST:
             raise line_error(path, line, " ".join(words), f"numbers of at least {1 / LARGEST:g}")
     elif keyword in ("NODE", "ATOM"):
-        if len(words) != 5 or not words[1].isdecimal():
+        valency = as_count(words[1]) if len(words) == 5 else None
+        if valency is None:
             raise line_error(path, line, f"{' '.join(words)!r}", "name, valency, x, y, z")
         place = _numbers(path, line, words[2:], 3, "x, y, z of a node")
-        block.nodes[words[0]] = (int(words[1]), place)
+        block.nodes[words[0]] = (valency, place)
     elif keyword == "EDGE":
         block.edges.append((line, words))
 

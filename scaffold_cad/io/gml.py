@@ -40,7 +40,7 @@ def read_gml(path: Path) -> RawSkeleton:
     for key, value in found[0]:
         if key == "node" and isinstance(value, list):
             values = _values(value)
-            place = position_in(values) or position_in(_values(values.get("graphics") or []))
+            place = position_in(values) or position_in(_nested(values, "graphics"))
             if place is None:
                 raise FormatError(f"{path} has no position of node {values.get('id')!r:.80}")
             graph.add_node(str(values.get("id")), place, radius_in(values))
@@ -61,6 +61,13 @@ def _values(rows: list[tuple[str, Any]]) -> dict[str, Any]:
     for key, several in repeated.items():
         values[key] = several[0] if len(several) == 1 else several
     return values
+
+
+def _nested(values: dict[str, Any], key: str) -> dict[str, Any]:
+    """Return the values of the list of a key; none where it has another value, or several."""
+    rows = values.get(key)
+    single = isinstance(rows, list) and all(isinstance(row, tuple) for row in rows)
+    return _values(rows) if single else {}  # type: ignore[arg-type]  # rows of a list
 
 
 def _parsed(path: Path, text: str) -> list[tuple[str, Any]]:

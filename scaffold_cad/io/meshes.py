@@ -41,7 +41,7 @@ def read_triangles(
         return None
     factor = factor_of(units, scale)
     if units is not None and known.names_unit:
-        raise OptionError(f"{known.name} files say in which unit they are; need no units ({path})")
+        raise OptionError(f"{known.name} files say in which unit they are; need no units= ({path})")
     try:
         with reading(path):
             mesh = known.read(path)

@@ -9,7 +9,7 @@ from pathlib import Path
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._molecules import Molecule
 from scaffold_cad.io._raw import RawSkeleton
-from scaffold_cad.io._text import is_number, line_error, read_text
+from scaffold_cad.io._text import as_count, is_number, line_error, read_text
 from scaffold_cad.io.register import register_reader
 
 _COUNTS = re.compile(rb"^[ \d]{6}.{0,33}V[23]000", re.MULTILINE)
@@ -97,6 +97,7 @@ def _add_bond(path: Path, line: int, molecule: Molecule, start: int, end: int) -
 
 
 def _whole(path: Path, line: int, text: str, need: str) -> int:
-    if not text.strip().isdecimal():
+    number = as_count(text.strip())
+    if number is None:
         raise line_error(path, line, f"{text!r}", need)
-    return int(text)
+    return number

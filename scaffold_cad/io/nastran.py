@@ -12,7 +12,7 @@ from typing import TypeAlias
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._nodes import NamedGraph, radius_of_area
 from scaffold_cad.io._raw import RawSkeleton
-from scaffold_cad.io._text import line_error, read_text
+from scaffold_cad.io._text import as_count, line_error, read_text
 from scaffold_cad.io.register import register_reader
 
 Card: TypeAlias = tuple[int, list[str]]
@@ -116,8 +116,9 @@ def _selected(path: Path, cards: list[Card]) -> tuple[set[int] | None, dict[int,
         if text.strip().upper().startswith("BEGIN"):
             break
         found = _SELECTION.match(text)
-        if found:
-            chosen.setdefault(found[1].upper(), int(found[2]))
+        number = as_count(found[2]) if found else None
+        if found and number is not None:
+            chosen.setdefault(found[1].upper(), number)
     else:  # no case control
         chosen = {}
     supports = {chosen["SPC"]} if "SPC" in chosen else None

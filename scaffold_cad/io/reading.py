@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -79,27 +80,47 @@ def read_skeleton(
     ...     len(read_skeleton(path, radius=1.0).edges)
     1
     """
-    if not strict:
-        cleaning = read_with_repairs(
-            path,
-            radius,
-            weld_distance=weld_distance,
-            split_contacts=split_contacts,
-            max_nodes=max_nodes,
-            units=units,
-            scale=scale,
-        )
-        if cleaning.repairs.total:
-            _log.warning("%s was repaired: %s", path, cleaning.repairs)
-        return cleaning.skeleton
-    if weld_distance is not None or split_contacts:
+    if strict and (weld_distance is not None or split_contacts):
         raise OptionError("strict reading repairs nothing; need no weld_distance, split_contacts")
-    raw = in_millimeters(path, read_raw(path, max_nodes), units, scale)
+    raw = read_raw(path, max_nodes)
+    if strict:
+        return strictly(path, raw, radius, units=units, scale=scale)
+    return repairing(
+        path,
+        raw,
+        radius,
+        weld_distance=weld_distance,
+        split_contacts=split_contacts,
+        units=units,
+        scale=scale,
+    )
+
+
+def repairing(
+    path: str | PathLike[str], raw: RawSkeleton, radius: Radius | None = None, **options: Any
+) -> Skeleton:
+    """Do as `read_skeleton` with the graph that was read from a file."""
+    cleaning = with_repairs(path, raw, radius, **options)
+    if cleaning.repairs.total:
+        _log.warning("%s was repaired: %s", path, cleaning.repairs)
+    return cleaning.skeleton
+
+
+def strictly(
+    path: str | PathLike[str],
+    raw: RawSkeleton,
+    radius: Radius | None = None,
+    *,
+    units: str | None = None,
+    scale: float | None = None,
+) -> Skeleton:
+    """Do as `read_skeleton` with `strict` with the graph that was read from a file."""
+    raw = in_millimeters(path, raw, units, scale)
     _log.info("%s: %s and %s read", path, *_counts(raw))
-    if raw.left_out:
+    if raw.beyond_skeleton:
         raise FormatError(
-            f"{path} holds also {', '.join(raw.left_out)}; need nothing that a skeleton does not "
-            "keep (or read it without strict)"
+            f"{path} holds also {', '.join(raw.beyond_skeleton)}; need nothing that a skeleton "
+            "does not keep (or read it without strict)"
         )
     radii, edge_radii = _radii(Path(path), raw, radius)
     try:
@@ -146,8 +167,8 @@ def with_repairs(
     """Do as `read_with_repairs` with the graph that was read from a file."""
     raw = in_millimeters(path, raw, units, scale)
     _log.info("%s: %s and %s read", path, *_counts(raw))
-    if raw.left_out:
-        _log.warning("%s: left out %s", path, ", ".join(raw.left_out))
+    if raw.beyond_skeleton:
+        _log.warning("%s: left out %s", path, ", ".join(raw.beyond_skeleton))
     radii, edge_radii = _radii(Path(path), raw, radius)
     try:
         graph = repaired(
@@ -212,7 +233,7 @@ def in_millimeters(
         if length_of(raw.unit) == factor_of(units, None):  # what the file says itself
             return in_millimeters(path, raw, None, scale)
         raise OptionError(
-            f"{path} says that its unit is {raw.unit}; need no units (scale changes its size)"
+            f"{path} says that its unit is {raw.unit}; need no units= (scale= changes its size)"
         )
     if units is None and raw.usual_unit is not None:
         _log.info(

@@ -8,7 +8,7 @@ from pathlib import Path
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._nodes import NamedGraph
 from scaffold_cad.io._raw import RawSkeleton
-from scaffold_cad.io._text import is_number, line_error, read_text
+from scaffold_cad.io._text import as_count, is_number, line_error, read_text
 from scaffold_cad.io.register import register_reader
 
 
@@ -47,7 +47,7 @@ def read_tubetk(path: Path) -> RawSkeleton:
         parent = (of_tube.get("ParentID", ""), of_tube.get("ParentPoint", ""))
         if parent in graph:
             graph.add_edge(parent, (name, "0"))
-    if said.isdecimal() and int(said) != len(tubes):
+    if as_count(said) not in (None, len(tubes)):
         raise FormatError(f"{path} has {len(tubes)} tubes; need {said}, as it says")
     if not len(graph):
         raise FormatError(f"{path} has no tubes; need points")
@@ -63,7 +63,7 @@ def _add_tube(
 ) -> None:
     """Add the points of a tube to the graph, each joined to the one before it."""
     count = fields.get("NPoints", "")
-    if count.isdecimal() and int(count) != len(rows):
+    if as_count(count) not in (None, len(rows)):
         raise FormatError(f"{path} has {len(rows)} points in a tube; need {count}, as it says")
     if not rows:
         return

@@ -68,7 +68,7 @@ def write(
     sides : of the polygon that stands for the circle of a round strut in mesh formats, a multiple
         of 4; 16 by default
     units : "um", "mm", "cm", "m", "in", "ft", ...: the unit of the numbers in a file that names
-        none, such as STL; one that names its unit stays in it. By default mm
+        none, such as STL; refused for formats that name theirs. By default mm
     scale : > 0; what lengths are multiplied with besides
 
     Raises
@@ -148,10 +148,14 @@ def check_writable(
 def _factor(known: WrittenFormat, units: str | None, scale: float | None) -> tuple[float, str]:
     """Return what lengths in mm are multiplied with for a file of a format, and its unit."""
     factor = factor_of(None, scale)
-    if units is None or known.names_unit:
-        factor_of(units, None)  # refuses a unit that nobody knows
+    if units is None:
         return factor, "mm"
-    return factor / factor_of(units, None), units
+    unit = factor_of(units, None)
+    if known.names_unit and unit != 1.0:
+        raise OptionError(
+            f"units is {units!r}, and {known.name} files say in which unit they are; need none"
+        )
+    return factor / unit, units
 
 
 def _target(path: str | PathLike[str], what: Any) -> Path:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -11,8 +12,10 @@ import numpy as np
 from scaffold_cad.base.arguments import as_path, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Ints
 from scaffold_cad.base.files import replacing
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import sums_by_row
 from scaffold_cad.errors import FormatError
+from scaffold_cad.io._radii import MEANS
 from scaffold_cad.mechanics.beams import BeamModel, BeamSolution
 from scaffold_cad.mechanics.meshfiles import write_meshio
 from scaffold_cad.mechanics.nastran import card, short
@@ -21,8 +24,13 @@ from scaffold_cad.mechanics.sections import sections_at
 TONNES = 1e-12
 """Density in t/mm³ of one in kg/m³: with N, mm and MPa forces are consistent in tonnes."""
 
+MEANS_ONLY = (".inp", ".tcl")
+"""Endings of formats whose beams do not taper."""
+
 STEEP = 0.9
 """Part of a strut's direction along z above which its section is oriented by x."""
+
+_log = logging.getLogger(__name__)
 
 
 @checks_keywords()
@@ -57,6 +65,7 @@ def write_beams(model: BeamModel | BeamSolution, path: str | Path) -> None:
     place = as_path(path)
     beams = model.model if isinstance(model, BeamSolution) else model
     writers = {".inp": _calculix, ".bdf": _nastran, ".tcl": _opensees}
+    tapers = int((beams.edge_radii[:, 0] != beams.edge_radii[:, 1]).sum())
     ending = place.suffix.lower()
     if ending == ".vtu":
         _vtu(model, place)
@@ -66,6 +75,8 @@ def write_beams(model: BeamModel | BeamSolution, path: str | Path) -> None:
         raise FormatError(f"{place}: cannot write beams as {ending!r}; need one of {known}")
     with replacing(place) as fresh:
         fresh.write_text("\n".join([*writers[ending](beams), ""]), encoding="utf-8")
+    if tapers and ending in MEANS_ONLY:
+        _log.warning("%s holds %s: %s lost", place.name, MEANS, counted(tapers, "taper"))
 
 
 def _mean_radii(model: BeamModel) -> tuple[Floats, Ints]:

@@ -7,7 +7,7 @@ from typing import Any, Literal
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import check_kind, checks_keywords
-from scaffold_cad.errors import MeshError
+from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.mesh.welding import welded
 from scaffold_cad.printability.direction import direction_findings
 from scaffold_cad.printability.drainage import drainage_finding
@@ -30,6 +30,7 @@ from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.scaffold.stars import APOTHEM
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import to_solid
+from scaffold_cad.solid.rounds import SIDES, check_sides
 from scaffold_cad.struts import RoundStruts
 
 
@@ -43,6 +44,7 @@ def check_printability(
     material: str | None = None,
     supports: bool = True,
     name: str = "part",
+    sides: int | None = None,
 ) -> Report:
     """Return what a printing engineer asks of a part before it is printed.
 
@@ -57,14 +59,15 @@ def check_printability(
     material : a name in `MATERIALS`; by default what the process mostly prints
     supports : whether supports may be used
     name : what the report calls the part
+    sides : of the polygons that stand for circles of RoundStruts, a multiple of 4; 16 by default
 
     Raises
     ------
     MeshError
         If there is no triangle.
     OptionError
-        If `what` has no surface, `skeleton` is of another type, or the process, the material or the
-        direction is not known.
+        If `what` has no surface, `skeleton` is of another type, the process, the material or the
+        direction is not known, or `sides` are given for anything but RoundStruts.
 
     Examples
     --------
@@ -74,6 +77,10 @@ def check_printability(
     True
     """
     process = process_named(process)
+    if sides is not None and not isinstance(what, RoundStruts):
+        raise OptionError(f"sides are for RoundStruts only; {name} is a {type(what).__name__}")
+    if sides is not None:
+        check_sides(sides)
     if skeleton is not None:
         check_kind(skeleton, Skeleton)
     if isinstance(what, Skeleton):
@@ -86,7 +93,7 @@ def check_printability(
         what = to_solid(what)
     if isinstance(what, RoundStruts) and skeleton is None:
         skeleton = what.skeleton
-    mesh = welded(triangles_of(what))
+    mesh = welded(triangles_of(what, SIDES if sides is None else sides))
     surface = TriangleTopology(mesh)
     if len(surface.triangles) == 0:
         raise MeshError(f"{name} has no triangle of three vertices; need at least one")

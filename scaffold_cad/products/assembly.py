@@ -111,8 +111,13 @@ class Assembly(Frozen):
 
     def beyond_skeleton(self) -> list[str]:
         """Return in words what a skeleton of the beams does not keep; nothing if it keeps all."""
-        flat = sum(int((one.caps == BUTT).sum()) for one in self.lattices)
+        flat = self.flat_ends
         return [*self.beside_beams(), *([f"{counted(flat, 'flat end')} of beams"] if flat else [])]
+
+    @property
+    def flat_ends(self) -> int:
+        """Number of ends of beams that are flat, where others are balls."""
+        return sum(int((one.caps == BUTT).sum()) for one in self.lattices)
 
     def beside_beams(self) -> list[str]:
         """Return in words what there is beside the beams: meshes, clipping and balls."""
@@ -240,6 +245,13 @@ def assembly_solid(
     if solid is None or solid.is_empty():
         raise MeshError("nothing is left of the beams and meshes; need a solid")
     return solid
+
+
+def log_united(assembly: Assembly, path: str) -> None:
+    """Log what of a file is one solid with the beams, if there is anything."""
+    beside = ", ".join(assembly.beside_beams())
+    if beside:
+        _log.info("%s: %s united with %s", path, counted(assembly.beam_count, "beam"), beside)
 
 
 def models_of(assembly: Assembly, make: Make) -> list[Model]:

@@ -85,15 +85,15 @@ def surface_of(
     return TriangleMesh(vertices, triangles)
 
 
-def triangles_of(what: Any) -> TriangleMesh:
-    """Return the surface of `what` as triangles, see `surface_of`.
+def triangles_of(what: Any, sides: int = SIDES) -> TriangleMesh:
+    """Return the surface of `what` as triangles; sides: see `surface_of`.
 
     Raises
     ------
     OptionError
         If it has none.
     """
-    mesh = surface_of(what)
+    mesh = surface_of(what, sides=sides)
     if mesh is None:
         raise OptionError(
             f"the body is a {type(what).__name__}; need a build123d solid, a manifold3d or trimesh "

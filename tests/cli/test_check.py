@@ -9,8 +9,10 @@ import pytest
 from build123d import Box, Shape
 from OCP.IGESControl import IGESControl_Writer
 
-from scaffold_cad import BeamLattice, build_scaffold, write
+from scaffold_cad import BeamLattice, build_scaffold, check_printability, write
 from scaffold_cad.cli import main
+from scaffold_cad.errors import OptionError
+from scaffold_cad.io import read_triangles
 from tests.meshes import CUBE, OPEN_CUBE
 from tests.skeletons import K4, ZIGZAG
 
@@ -44,6 +46,37 @@ def test_it_prints_json_and_writes_the_page(
     assert told["findings"]["strut_diameter"]["value"]["least_mm"] == 2.0
     assert told["findings"]["strut_overhang"]["value"]["needed_deg"] == pytest.approx(30)
     assert "k4.stl" in (tmp_path / "k4.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    "shape",
+    ["--collars", "--fit paper", "--round --sides 8 --blend 0.4", "--round --wall 0.3 --ends open"],
+)
+def test_it_looks_at_the_very_solid_that_build_makes(
+    shape: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, out = str(tmp_path / "k4.json"), str(tmp_path / "k4.stl")
+    write(K4, path)
+    assert main(["build", path, *shape.split(), "-o", out]) == 0
+    built = read_triangles(out)
+    assert built is not None
+    main(["check", path, *shape.split(), "--json"])
+    told = json.loads(capsys.readouterr().out)["findings"]
+    assert told["volume"]["value"]["volume_mm3"] == pytest.approx(built.signed_volume, rel=1e-5)
+
+
+def test_shapes_are_refused_for_what_has_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, out = str(tmp_path / "k4.json"), str(tmp_path / "k4.stl")
+    write(K4, path)
+    write(build_scaffold(K4), out)
+    for words in (["--round"], ["--as", "frame"], ["--collars", "--skeleton", path]):
+        assert main(["check", out, *words]) == 2
+        message = f"{words[0]} is for skeletons; a mesh is looked at as it is"
+        assert message in capsys.readouterr().err
+    with pytest.raises(OptionError, match="sides are for RoundStruts only; part is a Scaffold"):
+        check_printability(build_scaffold(K4), sides=8)
 
 
 def test_a_skeleton_beside_a_skeleton_is_bad_input(

@@ -348,7 +348,7 @@ def test_interrupted_work_exits_with_130(figure: str, monkeypatch: pytest.Monkey
     def interrupt(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("scaffold_cad.cli.source.read_skeleton", interrupt)
+    monkeypatch.setattr("scaffold_cad.cli.source.read_raw", interrupt)
     assert main(["build", figure, "-o", "x.stl"]) == 130
 
 

@@ -74,6 +74,10 @@ LINES = {
             " --min-opening 0 --layer 0.1 --overhang 10 --build-volume 99x99x99 --json"
         ),
         "tripod.json --tiles report --block 9 --jobs 1",
+        f"tripod.json {SHAPE}",
+        f"tripod.json {ROUND} --socket 1:1.8:5",
+        "tripod.json --round --nodes ball",
+        "tripod.json --as frame --strut-radius 0.9",
     ],
     "strength": [
         f"bare.obj {INPUT} --fix xmin --load xmax:0,0,-1",
@@ -255,3 +259,20 @@ def test_numbers_out_of_range_are_told_by_their_flag(
     write(TRIPOD, "tripod.json")
     assert main(shlex.split(words)) == 2
     assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("slice tripod.json --layer 1e-9 -o a.cli", "--layer is 1e-09 mm for 3"),
+        ("slice tripod.json --layer 1 --pixel 1e-5 -o a.zip", "--pixel is 1e-05 mm, which makes"),
+        ("convert tripod.json --to-units parsec -o a.csv", "--to-units is 'parsec'; need one of"),
+        ("convert tripod.json --to-units in -o a.3mf", "--to-units is 'in', and 3MF files say"),
+    ],
+)
+def test_limits_of_the_library_are_told_by_the_flag(
+    words: str, message: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(shlex.split(words)) == 2
+    assert message in capsys.readouterr().err
+    assert not list(folder.glob("a.*"))

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from scaffold_cad import BeamLattice, Skeleton, TriangleMesh, build_scaffold, round_struts, write
 from scaffold_cad.brep import read_brep
 from scaffold_cad.cli import main
-from scaffold_cad.errors import BrepError, MeshError, OptionError
+from scaffold_cad.errors import BrepError, FormatError, MeshError, OptionError
 from scaffold_cad.io import read_assembly, read_skeleton, read_triangles
 from scaffold_cad.products.assembly import Assembly, assembly_solid, models_of
 from scaffold_cad.products.assemblybreps import assembly_brep
@@ -255,6 +255,12 @@ def test_what_is_beside_the_beams_is_told_and_a_body_of_its_own_in_a_cad_file(
     strict = ["build", path, "--strict", "-o", str(tmp_path / "out.stl")]
     assert main(strict) == 0
     assert main([*strict, "--as", "frame"]) == 2
+    assert "--as frame is for beams alone" in capsys.readouterr().err
+    for loses in (["build", "--tiles", "tiles"], ["check", "--as", "frame"]):
+        words = [*loses, path, *(["-o", str(tmp_path / "out.stl")] if loses[0] == "build" else [])]
+        assert main(words) == 2
+        assert "holds also 1 mesh of 4 triangles; need the beams in" in capsys.readouterr().err
+    assert main(["strength", path, "--weight", "--fix", "0", "--strict"]) == 2
     assert "holds also 1 mesh of 4 triangles; need nothing" in capsys.readouterr().err
     assert len(read_skeleton(path).edges) == 2
 
@@ -301,6 +307,28 @@ def test_an_assembly_is_turned_mirrored_and_scaled_whole() -> None:
         before.transformed(np.diag([1.0, 2.0, 1.0]))
 
 
+def test_flat_ends_are_lost_only_where_a_skeleton_is_all_there_is(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, out = str(tmp_path / "flat.3mf"), str(tmp_path / "out")
+    write(BeamLattice(ELBOW, caps="butt"), path)
+    read_skeleton(path)
+    assert "left out 4 flat ends of beams" in caplog.text
+    for words in (
+        ["build", "--round", "-o", f"{out}.stl"],
+        ["build", "--collars", "--strict", "-o", f"{out}.step"],
+        ["slice", "--layer", "1", "-o", f"{out}.cli"],
+        ["slice", "--layer", "1", "--sides", "8", "-o", f"{out}.cli"],
+        ["check", "--round", "--strict"],
+        ["check"],
+        ["convert", "-o", f"{out}.json"],
+    ):
+        assert main([words[0], path, *words[1:]]) == 0
+        assert "flat end" not in capsys.readouterr().err
+    with pytest.raises(FormatError, match="holds also 4 flat ends of beams; need nothing"):
+        read_skeleton(path, strict=True)
+
+
 def test_balls_and_flat_ends_stay_where_edges_do(caplog: pytest.LogCaptureFixture) -> None:
     assembly = Assembly([BeamLattice(ELBOW, [0, 2, 0], mesh=cube(20.0, 3.0), caps="butt")])
     thin = assembly.with_skeletons(lambda beams: beams.with_radii(0.5))
@@ -323,7 +351,7 @@ def test_options_that_change_beams_keep_what_is_beside_them(
     assert built.signed_volume == pytest.approx(10 * math.pi / 4 + 6**3, rel=1e-6)
     np.testing.assert_allclose(built.vertices.min(axis=0), [-0.5, 0, -0.5], atol=0.01)
     assert main(["build", str(path), "--units", "in", "-o", str(out)]) == 2
-    assert "says in which unit it is; need no --units" in capsys.readouterr().err
+    assert "says that its unit is millimeter; need no --units" in capsys.readouterr().err
     assert main(["convert", str(path), "--scale", "2", "-o", str(tmp_path / "twice.3mf")]) == 0
     twice = read_assembly(tmp_path / "twice.3mf")
     assert twice.meshes[0].signed_volume == pytest.approx(6**3)

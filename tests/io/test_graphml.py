@@ -73,6 +73,12 @@ NODE = '<node id="a"><data key="x">0</data><data key="y">{}</data></node>'
         ("x.gml", "graph [ node [ id 1 x 0 y 0 ] ] ]", "line 1: ']'; need a key and its value"),
         ("x.gml", "graph [ node [ id 1 x 0 y 0 ]", "ends within a list; need the whole file"),
         ("x.gml", "graph [ node [ id 1 ] ]", "has no position of node '1'"),
+        ("x.gml", "graph [ node [ id 1 graphics yes ] ]", "has no position of node '1'"),
+        (
+            "x.gml",
+            "graph [ node [ id 1 graphics [ x 1 ] graphics [ y 1 ] ] ]",
+            "no position of node",
+        ),
         ("x.gml", "graph 3", r"has no graph \[ ... \]; need one"),
         ("x.gml", "graph [ " + 40 * "a [ ", "lists nested 32 deep; need fewer"),
         ("x.json", '{"nodes": [{"id": 1}], "links": []}', "no position of node 0; need x, y and"),

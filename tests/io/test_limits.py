@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import re
 import struct
 import zipfile
 import zlib
@@ -18,6 +19,7 @@ from scaffold_cad.cli import main
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io import read_raw, read_skeleton, read_with_repairs
 from scaffold_cad.io.threemf.archive import SMALL_PART
+from tests.fuzz.members import MEMBERS
 from tests.fuzz.mutation import mutated
 from tests.fuzz.reading import outcome
 from tests.fuzz.samples import RHINO, SAMPLES
@@ -258,3 +260,12 @@ def test_a_section_that_is_repeated_endlessly_is_refused(
 ) -> None:
     found = outcome(written(tmp_path, name, head + repeated * 10_000))
     assert name in found.message
+
+
+@pytest.mark.parametrize("name", MEMBERS)
+def test_whole_numbers_that_are_none_are_refused_or_text(tmp_path: Path, name: str) -> None:
+    content = MEMBERS[name]
+    for found in re.finditer(rb"(?<![\w.])\d+(?![\w.])", content):
+        for word in (b"9" * 5000, "²".encode(), b"\x1e" + found[0]):
+            changed = content[: found.start()] + word + content[found.end() :]
+            assert outcome(written(tmp_path, name, changed)).fault == ""

@@ -13,7 +13,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.io._nodes import radius_of_area
-from scaffold_cad.io._text import line_error, read_text
+from scaffold_cad.io._text import as_count, line_error, read_text
 
 BEAMS = ("B2", "B3", "PIPE", "T2D", "T3D", "FRAME", "U1")
 """Beginnings of the types of elements that are struts; U1 is CalculiX's own beam."""
@@ -112,8 +112,11 @@ def _take_assembly_set(path: Path, block: Block, model: Model) -> None:
         found = []
         for line, words in block.rows:
             for word in filter(None, words):
-                number = [(instance, int(word))] if word.isdigit() else None
-                found += number or nodes_named(path, line, word, model)
+                number = as_count(word)
+                if number is None:
+                    found += nodes_named(path, line, word, model)
+                else:
+                    found.append((instance, number))
     model.sets[name] = [*dict.fromkeys([*model.sets.get(name, []), *found])]
 
 

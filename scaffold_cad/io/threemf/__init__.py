@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
@@ -10,7 +9,6 @@ from typing import overload
 
 from scaffold_cad.base.arguments import as_path
 from scaffold_cad.base.files import reading
-from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import FormatError, MeshError, SkeletonError
 from scaffold_cad.io._mesh import joined_meshes
 from scaffold_cad.io._raw import RawSkeleton
@@ -23,12 +21,10 @@ from scaffold_cad.io.threemf.surfaces import write_3mf
 from scaffold_cad.io.threemf.writing import write_3mf_assembly
 from scaffold_cad.lattice.periodic import PeriodicLattice
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.products.assembly import Assembly, assembly_solid
+from scaffold_cad.products.assembly import Assembly, assembly_solid, log_united
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.skeleton.beams import BeamLattice
 from scaffold_cad.solid.manifolds import manifold_triangles
-
-_log = logging.getLogger(__name__)
 
 
 def _recognizes(head: bytes) -> bool:
@@ -40,11 +36,11 @@ def read_3mf(path: Path) -> RawSkeleton:
     """Read the beam lattices that a 3MF file builds, each where it is placed, in mm.
 
     Each beam keeps the radii of its ends; a transform scales them by the cube root of its
-    determinant. What a skeleton does not keep, such as meshes beside the beams, clipping, balls and
-    flat ends, is named in `left_out`; `read_assembly` reads it.
+    determinant. What a skeleton does not keep, such as meshes beside the beams, clipping and balls,
+    is named in `left_out`; `read_assembly` reads it.
     """
     pieces = read_package(path)
-    skeleton = skeleton_of(pieces, assembly_of(pieces).beyond_skeleton())
+    skeleton = skeleton_of(pieces)
     if len(skeleton.edges) == 0:
         raise FormatError(f"{path} builds no beam lattice; need at least one beam")
     return skeleton
@@ -78,8 +74,7 @@ def read_3mf_triangles(path: Path) -> TriangleMesh:
     assembly = assembly_of(pieces)
     if assembly.is_skeleton:
         return joined_meshes([])
-    found = ", ".join(assembly.beyond_skeleton())
-    _log.info("%s: %s united with %s", path, counted(assembly.beam_count, "beam"), found)
+    log_united(assembly, str(path))
     return manifold_triangles(assembly_solid(assembly))
 
 

@@ -66,6 +66,8 @@ class Body:
     """The object of the same part that the beams are clipped to."""
     representation_mesh: str | None
     """The object of the same part that stands for the beams in programs that cannot show them."""
+    unit: str
+    """Name of the unit that the file is in."""
 
     @property
     def size(self) -> int:
@@ -186,6 +188,7 @@ class _ModelReader(_Reader):
         super().__init__()
         self.model = Model()
         self._name = name
+        self._unit_name = "millimeter"
         self._unit = 1.0  # mm
         self._object_id = ""
         self._begin_object()
@@ -239,13 +242,14 @@ class _ModelReader(_Reader):
             self._clipping,
             self._clipping_mesh or None,
             self._representation or None,
+            self._unit_name,
         )
 
     def _start_model(self, attributes: Attributes) -> None:
         unit = attributes.get("unit", "millimeter").strip()
         if unit not in UNITS:
             raise self._error(f"unit is {unit!r}", f"one of {', '.join(UNITS)}")
-        self._unit = UNITS[unit]
+        self._unit_name, self._unit = unit, UNITS[unit]
 
     def _start_object(self, attributes: Attributes) -> None:
         self._object_id = self._text(attributes, "id")

@@ -17,8 +17,10 @@ from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.skeleton.beams import BeamLattice
 
 
-def skeleton_of(pieces: Sequence[Piece], left_out: Sequence[str] = ()) -> RawSkeleton:
+def skeleton_of(pieces: Sequence[Piece]) -> RawSkeleton:
     """Return the beams of all pieces, nothing welded, without vertices that no beam uses.
+
+    What a skeleton does not keep is named in `left_out` and `flat_ends`.
 
     Each beam keeps the radii of its ends; a transform scales them by the cube root of its
     determinant.
@@ -38,7 +40,16 @@ def skeleton_of(pieces: Sequence[Piece], left_out: Sequence[str] = ()) -> RawSke
     ends_of_all = np.concatenate(edges)
     of_ends = np.concatenate([np.zeros((0, 2)), *radii])
     points = as_points(np.concatenate(nodes), "nodes")
-    return RawSkeleton(points, ends_of_all, edge_radii=of_ends, left_out=left_out, unit="mm")
+    assembly = assembly_of(pieces)
+    units = dict.fromkeys(piece.body.unit for piece in pieces if len(piece.body.beams))
+    return RawSkeleton(
+        points,
+        ends_of_all,
+        edge_radii=of_ends,
+        left_out=assembly.beside_beams(),
+        flat_ends=assembly.flat_ends,
+        unit=" and ".join(units),
+    )
 
 
 def triangles_of(pieces: Sequence[Piece]) -> TriangleMesh:

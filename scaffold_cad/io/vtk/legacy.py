@@ -12,7 +12,7 @@ from scaffold_cad.base.arrays import Floats, Ints
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._binary import as_doubles
 from scaffold_cad.io._raw import RawSkeleton
-from scaffold_cad.io._text import LARGEST_FILE, as_indices, check_size
+from scaffold_cad.io._text import LARGEST_FILE, as_count, as_indices, check_size
 from scaffold_cad.io.register import register_reader
 from scaffold_cad.io.vtk.lines import Lines, checked, is_radii, line_cells, skeleton_of
 
@@ -214,10 +214,10 @@ class _LegacyFile:
         return values
 
     def _count(self, words: list[str], at: int) -> int:
-        word = self._word(words, at)
-        if not word.isdecimal() or len(word) > 18:
+        count = as_count(self._word(words, at))
+        if count is None:
             raise self._error(words, f"a count, 0 or more, as word {at + 1}")
-        return int(word)
+        return count
 
     def _word(self, words: list[str], at: int) -> str:
         if len(words) <= at:

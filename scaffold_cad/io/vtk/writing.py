@@ -14,7 +14,7 @@ LINE = 3
 """VTK's number of a straight line."""
 
 
-@register_writer(".vtu", name="VTK XML", solids=False, radii="means")
+@register_writer(".vtu", name="VTK XML", solids=False, radii="nodes and means")
 def write_vtu(content: Content, path: Path) -> None:
     """Write a Skeleton as lines, mm; nodes exact to the last bit.
 

@@ -14,7 +14,7 @@ from scaffold_cad.base.arrays import Bools, Floats, Ints
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._binary import as_doubles
 from scaffold_cad.io._raw import RawSkeleton
-from scaffold_cad.io._text import LARGEST_FILE, as_indices, check_size
+from scaffold_cad.io._text import LARGEST_FILE, as_count, as_indices, check_size
 from scaffold_cad.io._xml import xml_root
 from scaffold_cad.io.register import register_reader
 from scaffold_cad.io.vtk.lines import (
@@ -235,8 +235,7 @@ class XmlFile:
 
 
 def _count(text: str | None) -> int:
-    plain = (text or "").strip()
-    return int(plain) if plain.isdecimal() and len(plain) < 16 else 0
+    return as_count((text or "").strip()) or 0
 
 
 class _Source:
