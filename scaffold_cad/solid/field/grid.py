@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from scaffold_cad.base.arrays import Floats, Frozen, Ints
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
 from scaffold_cad.solid.field.cells import CHILDREN, Level, joined_lists, packed, unpacked
 from scaffold_cad.solid.field.lattice import Lattice
 from scaffold_cad.solid.field.union import FilletedUnion, Lists, values
@@ -76,6 +76,18 @@ class Grid(Frozen):
     def cells(self) -> int:
         """Number of cells of all groups."""
         return 8 * int(self.first[-1])
+
+    def groups_at(self, points: Points) -> Ints:
+        """Return the finest group at local points (k, 3), or -1, shape (k,)."""
+        found = np.full(len(points), -1)
+        for k, (level, register) in enumerate(zip(self.levels, self.registers, strict=True)):
+            if len(level.groups) == 0:
+                continue
+            rows = np.flatnonzero(found < 0)
+            size = self.lattice.cell * 2.0 ** (k + 1)
+            group = register.find(np.floor(points[rows] / size).astype(np.intp))
+            found[rows] = np.where(group >= 0, group + self.first[k], -1)
+        return found
 
 
 def grid_of(union: FilletedUnion, lattice: Lattice, levels: list[Level]) -> Grid:

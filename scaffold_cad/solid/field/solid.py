@@ -12,6 +12,7 @@ from scaffold_cad.base.arrays import Floats, Frozen, Ints
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.field.cells import check_size, levels_of, memory_of
+from scaffold_cad.solid.field.creases import with_creases
 from scaffold_cad.solid.field.estimates import Estimate, estimated
 from scaffold_cad.solid.field.grid import grid_of
 from scaffold_cad.solid.field.lattice import (
@@ -23,7 +24,6 @@ from scaffold_cad.solid.field.lattice import (
     spacing_exponents,
 )
 from scaffold_cad.solid.field.pieces import Pieces, pieces_of, without_small_cavities
-from scaffold_cad.solid.field.rims import rim_fractions
 from scaffold_cad.solid.field.struts import FieldStruts
 from scaffold_cad.solid.field.surface import surface_of
 from scaffold_cad.solid.field.union import filleted_union
@@ -146,10 +146,11 @@ def field_solid(
     _foretell(estimated(union, struts, lattice, wanted))
     levels = levels_of(union, lattice, lambda radii, of: wanted_cells(radii, cell, sags[of]))
     grid = grid_of(union, lattice, levels)
-    vertices, triangles = surface_of(union, grid, rounds)
+    vertices, triangles, groups = surface_of(union, grid, rounds)
+    mesh = with_creases(union, grid, TriangleMesh(vertices + lattice.origin, triangles), groups)
     used = np.flatnonzero([len(level.groups) > 0 for level in levels])
     return FieldSolid(
-        mesh=TriangleMesh(vertices + lattice.origin, triangles),
+        mesh=mesh,
         cells=np.array([lattice.cell * 2.0**k for k in used[[0, -1]].tolist()]),
         cell_count=grid.cells,
         blend=struts.blend,
@@ -195,7 +196,7 @@ def held_by_grids(struts: FieldStruts) -> tuple[FieldStruts, Ints]:
 
 
 def _lattice(struts: FieldStruts, wanted: Floats) -> Lattice:
-    sizes = rim_fractions(struts).min(axis=1, keepdims=True) * wanted
+    sizes = struts.fineness.min(axis=1, keepdims=True) * wanted
     steps = np.ldexp(1.0, spacing_exponents(struts.ends))
     few = bool((sizes < FEW_STEPS * steps).any())
     room = np.maximum(struts.blend, MOST_SWELL * struts.radii.max(axis=1))

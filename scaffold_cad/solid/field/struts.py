@@ -17,6 +17,9 @@ DEFAULT_BLEND = 0.3
 LEAST_BLEND = 1e-3
 """Least fillet radius, as a part of the strut's smaller radius: 0 is sharp but for this."""
 
+RIM = 0.5
+"""Size of cells at the rim of a flat end, as a part of that elsewhere."""
+
 
 @dataclass(frozen=True, eq=False)
 class FieldStruts(Frozen):
@@ -35,6 +38,11 @@ class FieldStruts(Frozen):
     def lengths(self) -> Floats:
         """Length of each axis, shape (m,), mm."""
         return length(self.ends[:, 1] - self.ends[:, 0])
+
+    @property
+    def fineness(self) -> Floats:
+        """Size of cells at each end, as a part of that elsewhere, shape (m, 2)."""
+        return np.where(self.flat, RIM, 1.0)
 
     def scaled(self, factor: float) -> FieldStruts:
         """Return the struts with all lengths multiplied."""

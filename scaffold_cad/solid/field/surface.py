@@ -22,8 +22,10 @@ EDGE_BYTES = 256
 """What a grid edge takes where it is looked at."""
 
 
-def surface_of(union: FilletedUnion, grid: Grid, rounds: int) -> tuple[Floats, Ints]:
+def surface_of(union: FilletedUnion, grid: Grid, rounds: int) -> tuple[Floats, Ints, Ints]:
     """Return the vertices, local (v, 3) mm, and the triangles (t, 3) of the zero set.
+
+    What comes last are groups at the vertices, (v,).
 
     Parameters
     ----------
@@ -42,7 +44,7 @@ def surface_of(union: FilletedUnion, grid: Grid, rounds: int) -> tuple[Floats, I
         part = parts.pop()
         quads = rank.of(part.quads)
         triangles += [rank.of(part.triangles), _halves(vertices, quads)]
-    return vertices, np.concatenate(triangles)
+    return vertices, np.concatenate(triangles), slots.ends(used)[2]
 
 
 def _used(parts: list[Polygons], slots: Slots) -> Ints:

@@ -9,9 +9,10 @@ grow in directions with the cosine c, taken as 0 if it is negative, of
 which is the distance to the line where a ball of radius ρ touches both surfaces, taken as planes:
 a rolling-ball fillet, that of ρ - |max(ρ - d_j, 0)|₂ for two struts at right angles. Surfaces that
 go the same way, such as those of struts that run on straight, of balls at the end of several
-struts, or of struts in the same place, have no fillet and no bulge. F is continuous, independent
-of the struts' order, at most d_i / ρ_i, and d_i / ρ_i where no other strut is within its ρ. Where
-ρ differ the fillet is a quarter of an ellipse, and a strut swells by its own ρ at most.
+struts, or of struts in the same place, have no fillet and no bulge. Where a strut ends flat, its
+fillets end in the plane of that end. F is continuous, independent of the struts' order, at most
+d_i / ρ_i, and d_i / ρ_i where no other strut is within its ρ. Where ρ differ the fillet is a
+quarter of an ellipse, and a strut swells by its own ρ at most.
 """
 
 from __future__ import annotations
@@ -25,7 +26,6 @@ from scaffold_cad.base.blocks import CACHE, blocks
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.solid.field.chains import EndPlanes, end_planes
-from scaffold_cad.solid.field.rims import rim_fractions
 from scaffold_cad.solid.field.struts import FieldStruts
 
 NO_LENGTH = 1e-12
@@ -58,7 +58,7 @@ class FilletedUnion(Frozen):
     section: Floats
     """Section radius at the start, its slope, length, least radius; shape (4, m)."""
     rims: Floats
-    """How small cells are at the rims of both ends, see `rim_fractions`, shape (2, m)."""
+    """How small cells are at the rims of both ends, see `FieldStruts.fineness`, shape (2, m)."""
     planes: EndPlanes
     """Those that other links of chains end at, relative to the origin."""
     tapered: bool
@@ -100,6 +100,17 @@ class FilletedUnion(Frozen):
         before, behind = (np.maximum(row[struts], -NO_PLANE) for row in self.caps)
         sine = self.rows[9, struts]
         return [(before - along, sine), (behind + along, -sine)]
+
+    def beyond(self, x: Points, struts: Ints) -> Floats:
+        """Return how far points (k, 3) are beyond the plane of a flat end of their struts, (k,).
+
+        It is -inf for struts without such ends.
+        """
+        found = np.full(len(x), -np.inf)
+        if self.capped:
+            along = dot(x - self.rows[:3, struts].T, self.rows[3:6, struts].T)
+            found = np.maximum(self.caps[0, struts] - along, self.caps[1, struts] + along)
+        return self.planes.cut(found, x, struts)
 
     def gradients(self, x: Points, struts: Ints) -> UnitVectors:
         """Return the direction in which each distance grows, shape (k, 3).
@@ -180,7 +191,7 @@ def filleted_union(struts: FieldStruts, origin: Floats, swell: Floats) -> Fillet
         blend=struts.blend,
         section=np.array([radii[:, 0], slope, extent, radii.min(axis=1)]),
         planes=end_planes(struts, origin),
-        rims=np.where(flat, rim_fractions(struts), 1.0).T,
+        rims=np.where(ball[:, None], 1.0, struts.fineness).T,
         tapered=bool((slope != 0).any()),
         capped=bool(flat.any()),
     )
@@ -221,8 +232,10 @@ def values(union: FilletedUnion, points: Points, owners: Ints, lists: Lists) -> 
         near &= (np.add.reduceat(near.astype(np.intp), starts) > 1)[which]
         rows = np.flatnonzero(near)
         if len(rows):
-            ways = union.gradients(x[rows], struts[rows])
-            filleted, height = _heights(which[rows], 1.0 - ratio[rows], ways)
+            at, of = x[rows], struts[rows]
+            most = 1.0 - union.beyond(at, of) / union.blend[of]
+            ways = union.gradients(at, of)
+            filleted, height = _heights(which[rows], 1.0 - ratio[rows], ways, most)
             least[filleted] = np.minimum(least[filleted], 1.0 - height)
         result[block] = least
 
@@ -231,12 +244,13 @@ def values(union: FilletedUnion, points: Points, owners: Ints, lists: Lists) -> 
     return result
 
 
-def _heights(which: Ints, heights: Floats, ways: UnitVectors) -> tuple[Ints, Floats]:
+def _heights(which: Ints, heights: Floats, ways: UnitVectors, most: Floats) -> tuple[Ints, Floats]:
     """Return the points that have several entries, and the largest h of two of their entries.
 
     Parameters
     ----------
     which : (p,) point of each entry, ascending, each at least twice
+    most : (p,) largest h of a fillet of each entry
     """
     first = np.flatnonzero(np.append(True, which[1:] != which[:-1]))
     counts = np.diff(np.append(first, len(which)))
@@ -248,7 +262,8 @@ def _heights(which: Ints, heights: Floats, ways: UnitVectors) -> tuple[Ints, Flo
     cosine = np.clip(dot(ways[one], ways[other]), 0.0, ALONG)
     meet = np.minimum(a, b) > cosine * np.maximum(a, b)
     square = (a * a + b * b - 2.0 * cosine * a * b) / (1.0 - cosine * cosine)
-    height = np.where(meet, np.sqrt(np.maximum(square, 0.0)), np.maximum(a, b))
+    fillet = np.minimum(np.sqrt(np.maximum(square, 0.0)), np.minimum(most[one], most[other]))
+    height = np.where(meet, np.maximum(fillet, np.maximum(a, b)), np.maximum(a, b))
     return which[first], np.maximum.reduceat(height, begin[first])
 
 
