@@ -59,7 +59,9 @@ FIRST_OF_FOUR = Effort(PERFECT, 1, search=0, trusts=(1.0,), flow=())
 EFFORTS = (
     Effort(PERFECT, 8, search=8, trusts=(1.0,), flow=((10, 4), (20, 2), (20, 1))),
     Effort(0.9, 24, search=40, trusts=(0.6, 0.3), flow=((12, 12), (20, 4), (20, 2))),
-    Effort(0.7, 40, search=100, trusts=(0.6, 0.4, 0.25, 0.15), flow=((12, 40), (20, 12), (20, 4))),
+    Effort(
+        0.9, 80, search=100, trusts=(1.0, 0.6, 0.4, 0.25, 0.15), flow=((12, 80), (20, 12), (20, 4))
+    ),
 )
 LUNES = ((50, 1),)
 """The flow of lunes, which join the contest for the stars that stay poorest."""

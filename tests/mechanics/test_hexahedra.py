@@ -75,8 +75,7 @@ def test_no_hexahedron_of_a_named_cell_is_below_a_fifth(
 ) -> None:
     scaffold = build_scaffold(lattice(name), collars=collars)
     mesh = hexahedra(scaffold, layers=layers)
-    # Struts of fbcc meet at 35 degrees, 20 at a node.
-    assert mesh.quality.min() > (0.15 if name == "fbcc" else 0.2)
+    assert mesh.quality.min() > 0.2
     assert len(mesh.hexahedra) == (4 + 8 * layers) * len(scaffold.refined.edges)
     counts = face_counts(mesh.hexahedra)
     assert counts.max() == 2  # they meet face to face

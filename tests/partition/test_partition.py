@@ -101,6 +101,12 @@ def test_a_hull_full_of_degenerate_facets_gets_a_good_partition() -> None:
     assert partition_sphere(HALF_SPACE).relative_clearance > 0.9
 
 
+def test_twenty_even_directions_get_a_good_partition() -> None:
+    grid = np.stack(np.meshgrid(*[[-1, 0, 1]] * 3), axis=-1).reshape(-1, 3)
+    star = grid[np.isin(np.abs(grid).sum(axis=1), (2, 3))]  # those of fbcc
+    assert partition_sphere(star).relative_clearance > 0.95
+
+
 def test_a_hundred_directions_are_partitioned() -> None:
     partition = partition_sphere(random_star(100))
     assert is_certified(partition)
