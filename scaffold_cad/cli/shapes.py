@@ -42,7 +42,7 @@ FRAME_RADIUS = 0.15
 """Radius of a frame's struts when none is given, as a fraction of the median node radius."""
 
 WIDENED = 1.1
-"""Radius of a node, in that of a strut that ends there, above which it is told."""
+"""Radius of a node, in that of a strut that ends there, above which it is reported."""
 
 _log = logging.getLogger(__name__)
 

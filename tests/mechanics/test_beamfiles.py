@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import shutil
-import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,7 @@ from scaffold_cad import Skeleton
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.lattice import tile
 from scaffold_cad.mechanics import BeamModel, Load, Material, Support, beam_model, write_beams
+from tests.mechanics.peers import calculix_displacements, opensees_displacements
 
 STEEL = Material(210e3, 0.3, 7850.0, 235.0)
 
@@ -26,40 +26,6 @@ def block(count: int = 1, radius: float = 0.4) -> BeamModel:
         Support(lambda nodes: nodes[:, 2] < 0.1),
         Load(lambda nodes: nodes[:, 2] > top - 0.1, (5, 0, -10), each=True),
     )
-
-
-def opensees_displacements(path: Path, count: int) -> np.ndarray:
-    """Return the displacements that OpenSees finds of a file's own commands."""
-    ops = pytest.importorskip("openseespy.opensees", exc_type=(ImportError, RuntimeError))
-    ops.wipe()
-    ops.model("basic", "-ndm", 3, "-ndf", 6)
-    for line in path.read_text().splitlines():
-        name, *words = line.split()
-        numbers = [w for w in words if re.fullmatch(r"-?[\d.]+(e[-+]?\d+)?", w)]
-        values = [float(w) if re.search(r"[.e]", w) else int(w) for w in numbers]
-        if name == "node":
-            ops.node(values[0], *map(float, values[1:]))
-        elif name == "fix":
-            ops.fix(*values)
-        elif name == "geomTransf":
-            ops.geomTransf("Linear", values[0], *map(float, values[1:]))
-        elif name == "element":
-            tag, i, j, *sizes, turn = values
-            ops.element(words[0], tag, i, j, *map(float, sizes), turn)
-        elif name == "timeSeries":
-            ops.timeSeries("Linear", 1)
-        elif name == "pattern":
-            ops.pattern("Plain", 1, 1)
-        elif name == "load":
-            ops.load(values[0], *map(float, values[1:]))
-    ops.constraints("Transformation")
-    ops.numberer("RCM")
-    ops.system("SparseSYM")
-    ops.algorithm("Linear")
-    ops.integrator("LoadControl", 1.0)
-    ops.analysis("Static")
-    assert ops.analyze(1) == 0
-    return np.array([ops.nodeDisp(k + 1) for k in range(count)])
 
 
 @pytest.mark.parametrize("count", [1, 3])
@@ -101,15 +67,32 @@ def test_calculix_finds_the_cantilever(hollow: float, tmp_path: Path) -> None:
         arm, STEEL, Support([0]), Load([10], (20, 0, -100)), gravity=(0, 0, -9810), hollow=hollow
     )
     write_beams(model, tmp_path / "arm.inp")
-    done = subprocess.run(
-        ["ccx", "arm"], cwd=tmp_path, capture_output=True, text=True, timeout=100, check=False
-    )
-    table = (tmp_path / "arm.dat").read_text().split(" forces")[0]
-    rows = [line.split() for line in table.splitlines() if re.match(r"\s+\d+\s", line)]
-    found = {int(row[0]): [float(x) for x in row[1:4]] for row in rows}
+    found = calculix_displacements(tmp_path / "arm.inp")
     expected = model.solved().displacements[10]
     # CalculiX turns beams into bricks whose round section is not quite one.
-    assert found[11][2] == pytest.approx(expected[2], rel=0.04), done.stdout[-2000:]
+    assert found[11][2] == pytest.approx(expected[2], rel=0.04)
+
+
+@pytest.mark.skipif(shutil.which("ccx") is None, reason="needs CalculiX")
+def test_calculix_finds_the_cell_of_one_beam_a_strut(tmp_path: Path) -> None:
+    model = block()
+    write_beams(model, tmp_path / "cell.inp")
+    found = calculix_displacements(tmp_path / "cell.inp")
+    ours = model.solved()
+    theirs = np.array([found[k + 1] for k in range(len(ours.displacements))])
+    np.testing.assert_allclose(
+        theirs, ours.displacements, rtol=0, atol=0.05 * ours.largest_displacement
+    )
+
+
+def test_cones_of_calculix_have_four_radii(tmp_path: Path) -> None:
+    cone = Skeleton([[0, 0, 0], [40, 0, 0]], [[0, 1]], edge_radii=[[2.0, 1.0]])
+    write_beams(beam_model(cone, STEEL, Support([0])), tmp_path / "cone.inp")
+    deck = (tmp_path / "cone.inp").read_text()
+    sizes = re.findall(r"SECTION=CIRC.*\n([\d.]+),", deck)
+    assert sorted(map(float, sizes)) == [2.25, 2.75, 3.25, 3.75]
+    assert "1, 1, 3, 4\n" in deck
+    assert "4, 8, 9, 2\n" in deck
 
 
 def test_nastran_cards_hold_the_model(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from scaffold_cad import Skeleton
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import tile
 from scaffold_cad.mechanics import BeamSolution, Load, Material, Support, beam_model
+from tests.mechanics.peers import pynite_displacements
 
 STEEL = Material(210e3, 0.3, 7850.0, 235.0)
 ARM = Skeleton([[0, 0, 0], [100, 0, 0]], [[0, 1]], 5.0)
@@ -236,33 +237,14 @@ def test_deformed_skeleton_is_moved_by_the_scaled_displacements() -> None:
 
 @pytest.mark.parametrize("count", [2, 5])
 def test_pynite_finds_the_same_displacements(count: int) -> None:
-    pynite = pytest.importorskip("Pynite")
-    lattice = tile("bcc", 10.0, (count, count, count), radius=0.2)
     top = 10.0 * count - 0.1
-    ours = beam_model(
-        lattice,
+    model = beam_model(
+        tile("bcc", 10.0, (count, count, count), radius=0.2),
         Material(210e3, 0.3),
         Support(lambda nodes: nodes[:, 2] < 0.1),
         Load(lambda nodes: nodes[:, 2] > top, (1, 0, -4), each=True),
-    ).solved()
-    model = pynite.FEModel3D()
-    model.add_material("m", 210e3, 210e3 / 2.6, 0.3, 0)
-    area, inertia = np.pi * 0.2**2, np.pi / 4 * 0.2**4
-    model.add_section("s", area, inertia, inertia, 2 * inertia)
-    for k, place in enumerate(lattice.nodes.tolist()):
-        model.add_node(f"n{k}", *place)
-        if place[2] < 0.1:
-            model.def_support(f"n{k}", *[True] * 6)
-        if place[2] > top:
-            model.add_node_load(f"n{k}", "FX", 1)
-            model.add_node_load(f"n{k}", "FZ", -4)
-    for k, (i, j) in enumerate(lattice.edges.tolist()):
-        model.add_member(f"m{k}", f"n{i}", f"n{j}", "m", "s")
-    model.analyze_linear(sparse=True)
-    theirs = [
-        [getattr(model.nodes[f"n{k}"], f"D{axis}")["Combo 1"] for axis in "XYZ"]
-        for k in range(len(lattice.nodes))
-    ]
+    )
+    ours, theirs = model.solved(), pynite_displacements(model)
     # PyNite's members are Euler's: they do not shear.
     np.testing.assert_allclose(
         ours.displacements, theirs, atol=0.005 * ours.largest_displacement, rtol=0
