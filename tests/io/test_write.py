@@ -102,8 +102,10 @@ UNEVEN = Skeleton(
         (".csv", "holds the radii of members: 1 ball at nodes lost"),
         (
             ".inp",
-            "holds a radius for each member, the mean of both ends: 1 taper and 1 ball at nodes "
-            "lost",
+            (
+                "holds a radius for each member, the mean of both ends: 1 taper and 1 ball at nodes "
+                "lost"
+            ),
         ),
         (".vtu", "holds a radius for each member, the mean of both ends: 1 taper lost"),
         (".swc", "holds a radius for each node: 2 struts become up to 3 times as thick"),
