@@ -24,6 +24,7 @@ from scaffold_cad.partition.multigraph import Quadrangulations, quadrangulations
 from scaffold_cad.partition.relax import relaxed
 from scaffold_cad.partition.star import nearest_angles, unique_rows
 
+# How clearances change with the gains: `python -m tests.benchmarks.tuning`.
 PERFECT = 0.9999
 """A lowest ratio that need not be improved."""
 MANY_ARCS, MOST_BURDEN = 0.003, 0.05

@@ -15,6 +15,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Ints
 from scaffold_cad.partition.multigraph import EDGES_EACH
 
+# How clearances change with these constants: `python -m tests.benchmarks.tuning`.
 PENALTIES, PHASE = (1.0, 2.0, 4.0, 6.0), 40
 """Gain lost by the square of the edges missing at, or too many for, a direction: in turn, for
 so many steps each. A low one lets the search wander, a high one brings it to an end."""

@@ -17,6 +17,7 @@ from scaffold_cad.brep.bernstein import bernstein
 DEGREE = 5
 """Degree of the arcs and of all patches in both directions."""
 
+# `python -m tests.benchmarks.quarter` makes these numbers.
 _A, _B, _C = 0.31893447147525056, 0.8728511772889636, 0.6304232836547656
 
 ARC: Floats = read_only(

@@ -14,7 +14,7 @@ from types import ModuleType
 
 import numpy as np
 
-from scaffold_cad.partition import dual, partition_spheres, relax
+from scaffold_cad.partition import dual, matching, partition_spheres, relax
 from tests.validation.star_families import drawn
 
 CONSTANTS = (
@@ -22,11 +22,15 @@ CONSTANTS = (
     (relax, "SHORT_ARC_RATIO"),
     (relax, "FLOW_SHARPNESS"),
     (relax, "FLOW_STEP"),
+    (relax, "NEWTON_SHARPNESS"),
     (relax, "NEWTON_STEP"),
     (relax, "DAMPING"),
     (dual, "LONG_ARC"),
     (dual, "TINY_ARC"),
     (dual, "WIDE_GAP"),
+    (dual, "MANY_ARCS"),
+    (dual, "MOST_BURDEN"),
+    (matching, "PENALTIES"),
 )
 FACTORS = (0.8, 1.25)
 VALENCIES = (5, 8, 12, 16)

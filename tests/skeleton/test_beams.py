@@ -21,8 +21,6 @@ from scaffold_cad.skeleton.beams import BeamLattice
 from scaffold_cad.solid import to_solid
 from tests.strategies import skeletons
 
-DATA = Path(__file__).parents[2] / ".." / "shared" / "data"
-
 SIX_DECIMALS = 1e-6
 """How far a coordinate or a radius may be off, mm: lib3mf writes no more."""
 
@@ -66,10 +64,10 @@ def test_radii_differ_along_a_graded_lattice(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["pyramid.3mf", "Box_Simple.3mf"])
-def test_beam_lattices_of_other_programs_go_round(name: str, tmp_path: Path) -> None:
-    if not (DATA / name).exists():
-        pytest.skip(f"no {DATA / name}")
-    skeleton = read_skeleton(DATA / name)
+def test_beam_lattices_of_other_programs_go_round(
+    name: str, shared_data: Path, tmp_path: Path
+) -> None:
+    skeleton = read_skeleton(shared_data / name)
     found = written_and_read(skeleton, tmp_path)
     np.testing.assert_array_equal(found.edges, skeleton.edges)
     np.testing.assert_allclose(found.nodes, skeleton.nodes, rtol=1e-6, atol=1e-5)
