@@ -26,13 +26,13 @@ def size_text(points: Points) -> str:
     return " x ".join(f"{extent:.6g}" for extent in size) + " mm"
 
 
-def range_text(values: Floats) -> str:
-    """Return the least and the greatest of `values` (n,), mm, with n ≥ 1.
+def range_text(values: Floats, unit: str = "mm") -> str:
+    """Return the least and the greatest of `values` (n,), with n ≥ 1.
 
     >>> range_text(np.array([2.0, 0.5, 1.0]))
     '0.5 to 2 mm'
     """
-    return f"{values.min():.6g} to {values.max():.6g} mm"
+    return f"{values.min():.6g} to {values.max():.6g} {unit}"
 
 
 def radii_text(radii: Floats) -> str:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_real, check_choice, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, UnitVectors, as_points
+from scaffold_cad.base.summaries import counted, range_text
 from scaffold_cad.base.vectors import dot
 from scaffold_cad.convolution.kernels import Cauchy, CompactCubic, Kernel, Pairs, tip_reach
 from scaffold_cad.convolution.nearby import all_pairs, nearby_pairs
@@ -40,6 +41,10 @@ class FieldSamples(Frozen):
     """Value at each point, shape (n,), without unit."""
     gradients: Floats
     """Gradient at each point, shape (n, 3), 1/mm."""
+
+    def __str__(self) -> str:
+        values = range_text(self.values, "") if len(self.values) else "none"
+        return f"FieldSamples: at {counted(len(self.values), 'point')}, values {values}".rstrip()
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +114,9 @@ class ConvolutionField:
     width: float | None = None
     """Width of the kernel, in radii; by default 2 for "compact-cubic" and 0.5 for "cauchy". Wider
     ones blend more. For "compact-cubic" > 1 and at most 100, for "cauchy" > 0 and at most 50."""
+
+    def __str__(self) -> str:
+        return f"ConvolutionField: {self.kernel}, of {self.skeleton}"
 
     def __post_init__(self) -> None:
         check_skeleton(self.skeleton)

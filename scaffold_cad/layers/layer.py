@@ -36,6 +36,10 @@ class Layer(Frozen):
     offsets: Ints
     """Where each polygon begins in `points`, and their number at the end, shape (l + 1,)."""
 
+    def __str__(self) -> str:
+        loops = f"{self.offsets.size - 1} polygons, {self.area:.6g} mm²"
+        return f"Layer: at {self.height:.6g} mm, {self.thickness:.6g} mm thick, {loops}"
+
     @property
     def top(self) -> float:
         """Upper side of the layer, mm."""

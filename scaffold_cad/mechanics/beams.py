@@ -12,6 +12,8 @@ from scipy import sparse
 
 from scaffold_cad.base.arguments import as_number, as_real, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Points, as_edge_radii, as_floats
+from scaffold_cad.base.summaries import counted, radii_text, size_text
+from scaffold_cad.base.vectors import sums_by_row
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mechanics.elements import (
     assembled,
@@ -67,6 +69,14 @@ class BeamModel(Frozen):
     """Acceleration that gives the struts their weight, shape (3,), m/s²."""
     effective_length: float
     """Length that buckles over the strut's: 1 hinged, 0.5 clamped."""
+
+    def __str__(self) -> str:
+        held, loaded = self.fixed.any(axis=1).sum(), self.forces.any(axis=1).sum()
+        counts = f"{counted(len(self.edge_radii), 'strut')} of {self.material.name or 'material'}"
+        return (
+            f"BeamModel: {counts}, {size_text(self.skeleton.nodes)}, "
+            f"{radii_text(self.edge_radii)}, {counted(held, 'node')} held, {loaded} loaded"
+        )
 
     @cached_property
     def spans(self) -> Points:
@@ -203,6 +213,13 @@ class BeamSolution(Frozen):
     """Force and moment of the supports on each node, shape (n, 6), N and N mm."""
     end_forces: Floats
     """Force and moment on each strut at its two ends, in space, shape (m, 2, 6), N and N mm."""
+
+    def __str__(self) -> str:
+        return (
+            f"BeamSolution: {counted(len(self.end_forces), 'strut')}, moved by up to "
+            f"{self.largest_displacement:.4g} mm, stress up to {self.stresses.max():.4g} MPa, "
+            f"utilization up to {self.utilization.max():.3g}"
+        )
 
     @cached_property
     def axial(self) -> Floats:
@@ -349,6 +366,4 @@ def _rigid_ends(skeleton: Skeleton, values: ArrayLike) -> Floats:
 
 def _summed_at_nodes(skeleton: Skeleton, at_ends: Floats) -> Floats:
     """Return the sum of `at_ends` (m, 2, 6) at each node, (n, 6)."""
-    count, ends = len(skeleton.nodes), skeleton.edges.reshape(-1)
-    flat = at_ends.reshape(-1, 6)
-    return np.stack([np.bincount(ends, column, minlength=count) for column in flat.T], axis=1)
+    return sums_by_row(at_ends, skeleton.edges, len(skeleton.nodes))

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_number, checks_keywords
 from scaffold_cad.base.arrays import Edges, Floats, Frozen, as_floats
+from scaffold_cad.base.summaries import range_text
 from scaffold_cad.base.vectors import sums_by_row
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import UnitCell, cells, unit_cell
@@ -46,6 +47,14 @@ class Homogenized(Frozen):
     """Stiffness in the order of STRAINS, shape (6, 6), MPa."""
     relative_density: float
     """Volume of the struts over that of the cell; beams are counted from node to node."""
+
+    def __str__(self) -> str:
+        young = range_text(self.young(np.eye(3)), "MPa")
+        size = " x ".join(f"{side:.6g}" for side in self.size)
+        return (
+            f"Homogenized: {self.cell.name} of {self.material.name or 'material'}, {size} mm, "
+            f"radius {self.radius:.6g} mm, density {self.relative_density:.4g}, E {young}"
+        )
 
     @cached_property
     def compliance(self) -> Floats:

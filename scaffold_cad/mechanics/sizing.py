@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_count, as_flag, as_number, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, as_indices
+from scaffold_cad.base.summaries import counted, radii_text
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mechanics.beams import BeamModel, BeamSolution
 from scaffold_cad.mechanics.leastmass import less_mass
@@ -48,6 +49,13 @@ class Sized(Frozen):
     """Steps of the first kind; those of the second follow."""
     overloaded: Ints
     """Struts that stay overloaded at the largest radius, shape (k,)."""
+
+    def __str__(self) -> str:
+        over = counted(len(self.overloaded), "strut")
+        return (
+            f"Sized: {counted(len(self.radii), 'strut')}, {radii_text(self.radii)}, "
+            f"{self.mass:.4g} kg, {over} overloaded"
+        )
 
     @property
     def mass(self) -> float:

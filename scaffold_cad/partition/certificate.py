@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.vectors import dot, length, triple
 from scaffold_cad.partition.arcs import is_closed
@@ -29,7 +29,7 @@ QUAD_BYTES = 320
 
 
 @dataclass(frozen=True, eq=False)
-class Certificate:
+class Certificate(Frozen):
     """What was proved about each of M partitions of valency N."""
 
     clearance: Floats
@@ -39,6 +39,9 @@ class Certificate:
     """
     valid: Bools
     """Whether the quads tile the sphere, each star-shaped around its direction, shape (M,)."""
+
+    def __str__(self) -> str:
+        return f"Certificate: {self.valid.sum()} of {len(self.valid)} partitions are valid"
 
 
 def certify(directions: UnitVectors, vertices: UnitVectors, quads: Ints) -> Certificate:

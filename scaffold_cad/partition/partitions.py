@@ -37,6 +37,10 @@ class Partition(Frozen):
     method: str
     """What made it: "dual", "insertion", "lune" or "like"."""
 
+    def __str__(self) -> str:
+        quads = f"{len(self.quads)} quads by {self.method}"
+        return f"Partition: {quads}, relative clearance {self.relative_clearance:.4g}"
+
     @property
     def relative_clearance(self) -> float:
         """Smallest clearance over half the angle to the nearest direction: at most 1."""
@@ -57,6 +61,12 @@ class Partitions(Frozen):
     """Angle from each direction to the nearest great circle of its quad, rad, shape (M, N)."""
     methods: NDArray[np.str_]
     """What made each: "dual", "insertion", "lune" or "like", shape (M,)."""
+
+    def __str__(self) -> str:
+        counts = f"Partitions: {len(self)} of {self.directions.shape[1]} quads"
+        if len(self) == 0:
+            return counts
+        return f"{counts}, relative clearance {self.relative_clearance.min():.4g} or more"
 
     def __len__(self) -> int:
         return len(self.directions)

@@ -21,6 +21,7 @@ from threadpoolctl import threadpool_limits
 from scaffold_cad.base.arguments import as_path, checks_keywords
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.files import make_folder, replacing
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import FormatError
 from scaffold_cad.tiles.tiling import LatticeTiles, SkeletonTiles, Source
 from scaffold_cad.tiles.works import Work
@@ -51,6 +52,10 @@ class Manifest:
     key: str
     """Hash of the tiles and of the work."""
     files: tuple[TileFile, ...]
+
+    def __str__(self) -> str:
+        size = sum(file.bytes for file in self.files) / 1e6
+        return f"Manifest: {counted(len(self.files), 'file')} in {self.folder}, {size:.3g} MB"
 
     def joined(self, work: Work, path: str | PathLike[str]) -> None:
         """Put the files of all tiles together in one, written whole or not at all.

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Frozen, Ints
+from scaffold_cad.base.summaries import size_text
 from scaffold_cad.skeleton import Skeleton
 
 
@@ -28,6 +29,10 @@ class Tile(Frozen):
     """Which struts are its own, shape (m,)."""
     strut_options: Mapping[str, Any] = field(default_factory=dict)
     """What the whole asks `round_struts` for."""
+
+    def __str__(self) -> str:
+        own = f"{self.own.sum()} struts of its own and {(~self.own).sum()} around them"
+        return f"Tile: {self.number}, {own}, {size_text(self.skeleton.nodes)}"
 
     @cached_property
     def first_strut(self) -> Ints:

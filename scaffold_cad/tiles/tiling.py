@@ -127,6 +127,9 @@ class SkeletonTiles(Frozen):
     block: Floats
     """Size of a block, shape (3,), mm."""
 
+    def __str__(self) -> str:
+        return f"SkeletonTiles: {len(self)}, of {self.skeleton}"
+
     def __len__(self) -> int:
         return int(self._tile_of_edge.max()) + 1
 
@@ -169,6 +172,9 @@ class LatticeTiles(Frozen):
     """The whole."""
     block: tuple[int, int, int]
     """Cells along the sides of a block."""
+
+    def __str__(self) -> str:
+        return f"LatticeTiles: {len(self)}, of {self.lattice}"
 
     def __len__(self) -> int:
         x, y, z = (len(starts) for starts in self._starts)

@@ -31,6 +31,11 @@ class CellMap(ABC):
     """Closed polygons (k, 2) in the unit square of u and v, an even-odd rule between them, that
     the cells are trimmed to; none if the whole square is used."""
 
+    def __str__(self) -> str:
+        size = " x ".join(f"{side:.4g}" for side in extents(self))
+        patches = "" if self.patches == 1 else f"{self.patches} patches, each "
+        return f"{type(self).__name__}: {patches}about {size} mm along u, v and w"
+
     @abstractmethod
     def positions(self, places: Points, patch: Ints) -> Points:
         """Return where places are in space.

@@ -12,6 +12,7 @@ from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, as_floats
 from scaffold_cad.base.radii import Radius, radii_at
 from scaffold_cad.base.regions import BoxRegion
+from scaffold_cad.base.summaries import counted, size_text
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice.clipping import clipped
@@ -57,6 +58,13 @@ class MappedLattice(Frozen):
     """Length of each strut over that in a cell of the mean size, about 1, shape (s,)."""
     counts: tuple[int, int, int]
     """Cells along u, v and w, in each patch."""
+
+    def __str__(self) -> str:
+        cells = " x ".join(map(str, self.counts))
+        stretch = f"{self.least_stretch:.3g} to {self.largest_stretch:.3g}"
+        counts = counted(len(self.skeleton.edges), "strut")
+        size = size_text(self.skeleton.nodes)
+        return f"MappedLattice: {cells} cells, {counts}, {size}, stretch {stretch}"
 
     @property
     def largest_stretch(self) -> float:
