@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_real, check_choice, checks_keywords
-from scaffold_cad.base.arrays import as_floats, place_text
+from scaffold_cad.base.arrays import Ints, as_floats, place_text
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import BoxRegion, Region
 from scaffold_cad.base.summaries import counted
@@ -138,24 +140,20 @@ def lattice_part(
     surface, outer = _sound(triangles_of(body))
     region = as_region(surface)
     inner = outer if skin is None else inside_of(surface, outer, skin)
-    extent, fault = float(np.abs(surface.vertices).max()), ""
-    for nudge in NUDGES:
+    extent = float(np.abs(surface.vertices).max())
+
+    def made(nudge: float) -> _Attempt:
         struts = _struts_touching(region, cell, size, radius, nudge, skin is not None)
         solid = solidified(make(struts), sides=None if sides == 4 else sides)
         lattice = solid.manifold
         part = lattice ^ outer if skin is None else outer - (inner - lattice)
         if skin is not None and drain is not None:
             part = drained(part, surface, skin, drain, drain_places)
-        try:
-            whole = manifolds.to_manifold(clean_surface(_without_slivers(part, extent)))
-        except MeshError as error:
-            fault = _with_place(error)
-        else:
-            to_unite("unite", solid.united_edges, struts)
-            _report_full(whole, outer, radius)
-            return whole if skin is not None else _without_crumbs(whole)
-        _log.debug("with the lattice moved by %g cells the part %s", nudge, fault)
-    raise MeshError(f"the part {fault}, however the lattice is moved; need a clean surface there")
+        return _Attempt(part, struts, solid.united_edges)
+
+    whole = _first_clean("part", made, NUDGES, extent)
+    _report_full(whole, outer, radius)
+    return whole if skin is not None else _without_crumbs(whole)
 
 
 def flush_box(
@@ -207,8 +205,8 @@ def flush_box(
         raise OptionError("the cell size is a function without a map; need one (on=BoxMap(...))")
     else:
         margin = float(cell_size(known, size).max())
-    fault = ""
-    for nudge in NUDGES:
+
+    def made(nudge: float) -> _Attempt:
         origin = None if on is not None else low + nudge * margin * NUDGE_DIRECTION
         around = [low - margin, high + margin]
         whole = fill(around, known, size, radius, origin=origin, axes=axes, on=on)
@@ -217,18 +215,53 @@ def flush_box(
         struts = whole.with_edges(touching)
         solid = solidified(make(struts), sides=None if sides == 4 else sides)
         cutter = manifold3d.Manifold.cube((high - low).tolist()).translate(low.tolist())
-        part = solid.manifold ^ cutter
+        return _Attempt(solid.manifold ^ cutter, struts, solid.united_edges)
+
+    nudges = NUDGES if on is None else NUDGES[:1]
+    return _without_crumbs(_first_clean("box", made, nudges, float(np.abs(region.bounds).max())))
+
+
+@dataclass(frozen=True, eq=False)
+class _Attempt:
+    """A part that may cross itself, as struts cut by a body can."""
+
+    part: Manifold
+    """The part."""
+    struts: Skeleton
+    """The struts in it."""
+    united_edges: Ints
+    """Those that went through the union, ascending."""
+
+
+def _first_clean(
+    what: str, made: Callable[[float], _Attempt], nudges: Sequence[float], extent: float
+) -> Manifold:
+    """Return the first part that does not cross itself.
+
+    Parameters
+    ----------
+    what : what messages call it
+    made : makes it with the lattice moved so far, in cell sizes
+    nudges : the ways to move it, in turn
+    extent : greatest coordinate of the part, mm
+
+    Raises
+    ------
+    MeshError
+        If all of them cross themselves; the last fault is named.
+    """
+    fault = ""
+    for nudge in nudges:
+        attempt = made(nudge)
         try:
-            clean = _without_slivers(part, float(np.abs(region.bounds).max()))
-            flush = manifolds.to_manifold(clean_surface(clean))
+            whole = manifolds.to_manifold(clean_surface(_without_slivers(attempt.part, extent)))
         except MeshError as error:
             fault = _with_place(error)
-            if on is not None:
-                break
         else:
-            to_unite("unite", solid.united_edges, struts)
-            return _without_crumbs(flush)
-    raise MeshError(f"the box {fault}, however the lattice is moved; need a clean surface there")
+            to_unite("unite", attempt.united_edges, attempt.struts)
+            return whole
+        _log.debug("with the lattice moved by %g cells the %s %s", nudge, what, fault)
+    raise MeshError(f"the {what} {fault}, however the lattice is moved; need a clean surface there")
 
 
 def _sound(mesh: TriangleMesh) -> tuple[TriangleMesh, Manifold]:

@@ -17,6 +17,7 @@ from scaffold_cad.base.backends import need
 from scaffold_cad.base.files import reading
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.topology import component_labels
+from scaffold_cad.base.vectors import sums_by_row
 from scaffold_cad.errors import FormatError, OptionError, SkeletonError
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import as_count, line_error, read_text
@@ -216,9 +217,8 @@ def _distinct(places: Points) -> tuple[Points, Ints]:
     label = component_labels(tree.query_pairs(SAME_SITE, output_type="ndarray"), len(wrapped))
     _, first, site = np.unique(label, return_index=True, return_inverse=True)
     near = wrapped - np.rint(wrapped - wrapped[first][site])  # beside the first of each
-    count = np.bincount(site)
-    means = [np.bincount(site, weights=column) / count for column in near.T]
-    return np.stack(means, axis=1) % 1.0 % 1.0, site
+    means = sums_by_row(near, site, len(first)) / np.bincount(site)[:, None]
+    return means % 1.0 % 1.0, site
 
 
 def _edges(where: str, sites: Points, ends: Points) -> tuple[Edges, Ints]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints
+from scaffold_cad.base.blocks import cut
 from scaffold_cad.layers.fillets import FilletSections
 from scaffold_cad.layers.loops import Loops, MeshSections
 from scaffold_cad.layers.nodes import NODES_AT_ONCE, EqualNodeSections, NodeSections
@@ -144,9 +145,8 @@ class StrutSections:
             low, high = min(low, mesh.bounds[0]), max(high, mesh.bounds[1])
         # What is known of the bodies is only a box around each.
         for bodies in (self._bodies.low[:, 2] < low, self._bodies.high[:, 2] > high):
-            some = np.flatnonzero(bodies)
-            for at in range(0, len(some), NODES_AT_ONCE):
-                z = self._bodies.mesh(some[at : at + NODES_AT_ONCE]).vertices[:, 2]
+            for some in cut(np.flatnonzero(bodies), row=1, within=NODES_AT_ONCE):
+                z = self._bodies.mesh(some).vertices[:, 2]
                 low, high = min(low, float(z.min())), max(high, float(z.max()))
         return low, high
 

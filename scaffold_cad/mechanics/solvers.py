@@ -19,6 +19,7 @@ from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, cg, splu
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
+from scaffold_cad.base.vectors import sums_by_row
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mechanics.loading import rigid_motions
 
@@ -184,7 +185,7 @@ def _coarsened(matrix: sparse.bsr_array, nodes: Points, fixed: Bools) -> tuple[_
     group = groups(nodes, GROUP)
     count = int(group.max()) + 1
     size = np.bincount(group, minlength=count)
-    center = np.stack([np.bincount(group, column) / size for column in nodes.T], axis=1)
+    center = sums_by_row(nodes, group, count) / size[:, None]
     motions = rigid_motions(nodes - center[group]) * ~fixed[:, :, None]  # (n, 6, 6)
     rows = np.arange(len(nodes) + 1)
     rigid = sparse.bsr_array((motions, group, rows), shape=(6 * len(nodes), 6 * count))

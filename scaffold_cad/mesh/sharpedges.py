@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Points, UnitVectors
-from scaffold_cad.base.vectors import dot, length, normalize
+from scaffold_cad.base.vectors import dot, length, normalize, sums_by_row
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 SHARP = 0.5
@@ -95,7 +95,7 @@ def _corners(mesh: TriangleMesh, edges: Edges) -> Bools:
     ends = np.concatenate([edges, edges[:, ::-1]])
     span = normalize(mesh.vertices[ends[:, 1]] - mesh.vertices[ends[:, 0]])
     count = np.bincount(ends[:, 0], minlength=len(mesh.vertices))
-    total: Floats = np.stack([np.bincount(ends[:, 0], row, len(count)) for row in span.T], axis=1)
+    total = sums_by_row(span, ends[:, 0], len(count))
     # Of two unit vectors that leave a vertex the sum is 0 where the edge goes straight on.
     turns = dot(total, total) > 2 - 2 * SHARP
     found: Bools = (count > 0) & ((count != 2) | turns)

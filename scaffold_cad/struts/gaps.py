@@ -11,6 +11,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors
+from scaffold_cad.base.blocks import cut
 from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.struts.blend import Solved
 
@@ -105,8 +106,7 @@ class Gaps:
         seems = dot(self._points[row, place] - points, self._normals[row, place])
         order = np.argsort(seems, kind="stable")
         least = np.inf
-        for start in range(0, len(order), AT_ONCE):
-            some = order[start : start + AT_ONCE]
+        for some in cut(order, row=1, within=AT_ONCE):
             if seems[some[0]] > least + MARGIN * abs(least):
                 break
             least = min(least, float(self._distances(row, points[some], place[some]).min()))

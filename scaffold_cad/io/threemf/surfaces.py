@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from scaffold_cad.base.arrays import Triangles
+from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.positions import in_single_precision
 from scaffold_cad.io._rows import rows_of, whole
 from scaffold_cad.io.threemf.model import CORE
@@ -24,8 +25,8 @@ for coordinates that are smaller."""
 MOST_DECIMALS = 16
 """Of a number with fewer than 64 bits in units of the last place."""
 
-AT_ONCE = 500_000
-"""Rows made at once."""
+ROW_BYTES = 280
+"""Bytes taken per vertex or triangle while its row is made."""
 
 _HEAD = (
     '<?xml version="1.0" encoding="UTF-8"?>\n'
@@ -39,11 +40,11 @@ def write_3mf(mesh: TriangleMesh, path: Path) -> None:
     decimals = _decimals(float(np.abs(vertices).max(initial=0.0)))
     with model_part(path, _HEAD) as file:
         file.write(b'<object id="1" type="model"><mesh>\n<vertices>\n')
-        for first in range(0, len(vertices), AT_ONCE):
-            file.write(vertex_rows(vertices[first : first + AT_ONCE], decimals))
+        for part in blocks(len(vertices), ROW_BYTES):
+            file.write(vertex_rows(vertices[part], decimals))
         file.write(b"</vertices>\n<triangles>\n")
-        for first in range(0, len(mesh.triangles), AT_ONCE):
-            file.write(_triangles(mesh.triangles[first : first + AT_ONCE]))
+        for part in blocks(len(mesh.triangles), ROW_BYTES):
+            file.write(_triangles(mesh.triangles[part]))
         file.write(b"</triangles></mesh></object>\n</resources>\n")
         file.write(b'<build><item objectid="1"/></build>\n')
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, Quads, UnitVectors
-from scaffold_cad.base.vectors import normalize
+from scaffold_cad.base.vectors import normalize, sums_by_row
 from scaffold_cad.errors import MeshError
 from scaffold_cad.lattice.maps.surfaces import Height, SurfaceMap
 from scaffold_cad.mesh.quadmesh import QuadMesh
@@ -86,8 +86,7 @@ def vertex_normals(mesh: QuadMesh) -> UnitVectors:
     areas = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     total = np.zeros_like(mesh.vertices)
     for column in mesh.quads.T:
-        for axis in range(3):
-            total[:, axis] += np.bincount(column, weights=areas[:, axis], minlength=len(total))
+        total += sums_by_row(areas, column, len(total))
     flat = ~total.any(axis=1)
     total[flat] = (0.0, 0.0, 1.0)  # of vertices that no quad has
     return normalize(total)
