@@ -8,6 +8,7 @@ from html import escape
 from pathlib import Path
 
 from scaffold_cad.base.files import check_page, replacing
+from scaffold_cad.cli.flags import told_as
 from scaffold_cad.lattice import UnitCell, cell_picture, cells
 
 PAGE = """\
@@ -60,7 +61,8 @@ def run(options: argparse.Namespace) -> None:
     """Print a line a cell, or write the page."""
     known = cells()
     if options.stiffness is not None:
-        _print_stiffness(options.stiffness)
+        with told_as(**{"relative density": "--stiffness"}):
+            _print_stiffness(options.stiffness)
         return
     if options.output is not None:
         check_page(options.output)

@@ -14,9 +14,16 @@ PARAMETER = re.compile(
 )
 """Parameters of the library that are flags here, as messages give them with a value."""
 SUBJECT = re.compile(
-    r"^(radius|blend|wall|sides|skin|drain|thickness|socket(?=s))s? (?=is |of node |has )"
+    r"^(radius|blend|wall|sides|skin|drain|thickness|units|scale|bend|max_nodes|material|strength"
+    r"|hollow|count|seed|regularity|socket(?=s))s? (?=is |of node |has )"
 )
 """The same, where they are what a message is about."""
+PHRASES = {
+    "unit cell is ": "--cell is ",
+    "Young's modulus is ": "--young is ",
+    "relative density is ": "--density is ",
+}
+"""What messages are about in other words than the flag's."""
 
 
 def with_flags(message: str) -> str:
@@ -30,9 +37,18 @@ def with_flags(message: str) -> str:
     '--wall is 1 mm; need less'
     >>> with_flags("drain is 0 mm; need > 0")
     '--drain is 0 mm; need > 0'
+    >>> with_flags("unit cell is 'x'; need one of sc, bcc")
+    "--cell is 'x'; need one of sc, bcc"
     """
-    named = SUBJECT.sub(r"--\1 ", message)
-    return PARAMETER.sub(lambda found: f"--{found[1].replace('_', '-')} {found[3]}".strip(), named)
+    for phrase, flag in PHRASES.items():
+        if message.startswith(phrase):
+            return flag + message.removeprefix(phrase)
+    named = SUBJECT.sub(lambda found: f"{_flag(found[1])} ", message)
+    return PARAMETER.sub(lambda found: f"{_flag(found[1])} {found[3]}".strip(), named)
+
+
+def _flag(name: str) -> str:
+    return "--" + name.replace("_", "-")
 
 
 @contextmanager

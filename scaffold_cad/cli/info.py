@@ -16,6 +16,9 @@ from scaffold_cad.mesh.welding import welded
 from scaffold_cad.printability.triangletopology import TriangleTopology
 from scaffold_cad.skeleton import Skeleton
 
+THIN = 1e-6
+"""Radius in place of those that a file does not have, mm."""
+
 
 def add_parser(
     commands: argparse._SubParsersAction[argparse.ArgumentParser], common: argparse.ArgumentParser
@@ -46,11 +49,11 @@ def _skeleton_rows(options: argparse.Namespace) -> dict[str, str]:
     """Return what is printed of a file with a skeleton, in order."""
     raw = read_raw(options.input, source.max_nodes(options))
     has_radii = raw.has_radii
-    # Any radius will do for the counts of a file without radii; it is not shown.
+    # A radius that nothing is thick beside: it is not shown.
     cleaning = with_repairs(
         options.input,
         raw,
-        None if has_radii else 1.0,
+        None if has_radii else THIN,
         units=options.units,
         scale=options.scale,
     )

@@ -28,6 +28,8 @@ def run(options: argparse.Namespace) -> int:
     """Run a command over all of its inputs and return its exit code."""
 
     def work() -> int:
+        if getattr(options, "jobs", None) is not None:
+            as_count(options.jobs, "--jobs", 1)
         with streamed(options) as folder:
             log_to_stderr(options, folder)
             files = each_file(options)

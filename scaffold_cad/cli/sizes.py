@@ -15,7 +15,7 @@ AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 def size(text: str) -> Floats:
     """Return one number, or three: 8, 8x8x12 or 8,8,12."""
-    numbers = _numbers(text)
+    numbers = _lengths(text)
     if numbers.shape not in {(1,), (3,)}:
         raise argparse.ArgumentTypeError(f"{text!r} is not a size; need 8 or 8x8x12")
     return numbers if len(numbers) == 3 else numbers[0]
@@ -23,7 +23,7 @@ def size(text: str) -> Floats:
 
 def three_sizes(text: str) -> tuple[float, float, float]:
     """Return the sides of a box: 40x40x20 or 40,40,20, or 40 for a cube."""
-    numbers = _numbers(text)
+    numbers = _lengths(text)
     if numbers.shape not in {(1,), (3,)}:
         raise argparse.ArgumentTypeError(f"{text!r} is not a box; need 40x40x20, or 40 for a cube")
     x, y, z = np.broadcast_to(numbers, 3).tolist()
@@ -32,7 +32,7 @@ def three_sizes(text: str) -> tuple[float, float, float]:
 
 def two_sizes(text: str) -> tuple[float, float]:
     """Return two numbers: 30x5 or 30,5."""
-    numbers = _numbers(text)
+    numbers = _lengths(text)
     if numbers.shape != (2,):
         raise argparse.ArgumentTypeError(f"{text!r}; need two numbers, as in 30x5")
     first, second = numbers.tolist()
@@ -57,12 +57,12 @@ def bend(text: str) -> float | str:
     """Return how bends are made: blend, torus, or a radius."""
     if text in ("blend", "torus"):
         return text
-    try:
-        return float(text)
-    except ValueError:
+    radius = _lengths(text)
+    if radius.shape != (1,):
         raise argparse.ArgumentTypeError(
-            f"{text!r} is not a bend; need blend, torus or a radius, mm"
-        ) from None
+            f"{text!r} is not a bend; need blend, torus or a radius > 0, mm"
+        )
+    return float(radius[0])
 
 
 def socket(text: str) -> tuple[int, float, float]:
@@ -86,6 +86,12 @@ def turn(text: str) -> tuple[str, float]:
     if axis not in AXES or not np.isfinite(angle):
         raise argparse.ArgumentTypeError(f"{text!r} is not a turn; need AXIS:DEGREES, as in z:90")
     return axis, angle
+
+
+def _lengths(text: str) -> Floats:
+    """Return the numbers > 0 of a text, shape (n,); none if a word is not such a number."""
+    numbers = _numbers(text)
+    return numbers if (np.isfinite(numbers) & (numbers > 0)).all() else np.zeros(0)
 
 
 def _numbers(text: str) -> Floats:

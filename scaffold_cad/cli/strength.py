@@ -169,12 +169,15 @@ def _asked(options: argparse.Namespace, skeleton: Skeleton) -> Loading:
         supports = []
         for text in options.fix or ["zmin"]:
             where, _, freedoms = text.partition(":")
-            supports.append(Support(_where(skeleton, where), freedoms.replace(",", " ") or "all"))
+            supports.append(
+                Support(_where(skeleton, where, "--fix"), freedoms.replace(",", " ") or "all")
+            )
     if options.load:
         loads = []
         for text in options.load:
             where, _, force = text.rpartition(":")
-            loads.append(Load(_where(skeleton, where), _force(text, force)))
+            newtons = _force(text, force)
+            loads.append(Load(_where(skeleton, where, "--load"), newtons))
     if not loads and not options.weight:
         raise OptionError("nothing loads the struts; need --load WHERE:FX,FY,FZ or --weight")
     return Loading(tuple(supports), tuple(loads))
@@ -206,8 +209,8 @@ def _material(options: argparse.Namespace) -> Material:
     return replace(material, **{k: v for k, v in changes.items() if v is not None})
 
 
-def _where(skeleton: Skeleton, text: str) -> Any:
-    """Return the nodes that a text names, by mark or by number."""
+def _where(skeleton: Skeleton, text: str, flag: str) -> Any:
+    """Return the nodes that the text of a flag names, by mark or by number."""
     from scaffold_cad.mechanics import Between
 
     word = text.strip().lower()
@@ -224,11 +227,16 @@ def _where(skeleton: Skeleton, text: str) -> Any:
             if word[1] == "<":
                 return Between(word[0], high=float(np.nextafter(bound, -np.inf)))
             return Between(word[0], low=float(np.nextafter(bound, np.inf)))
-        return [int(number) for number in word.split(",")]
+        numbers = [int(number) for number in word.split(",")]
     except ValueError:
         raise OptionError(
-            f"nodes are {text!r}; need xmin .. zmax, numbers such as 4,7,9 or a bound such as z<5"
+            f"{flag} has nodes {text!r}; need xmin .. zmax, numbers such as 4,7,9 or a bound such "
+            "as z<5"
         ) from None
+    for number in numbers:
+        if not 0 <= number < len(nodes):
+            raise OptionError(f"{flag} names node {number}; need 0 to {len(nodes) - 1}")
+    return numbers
 
 
 def _force(text: str, force: str) -> list[float]:

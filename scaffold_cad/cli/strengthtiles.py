@@ -12,7 +12,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Points
 from scaffold_cad.base.files import check_target
 from scaffold_cad.cli import source, tiled
-from scaffold_cad.errors import FormatError, OptionError
+from scaffold_cad.errors import FormatError
 
 if TYPE_CHECKING:
     from scaffold_cad.mechanics import Loading, Material
@@ -74,11 +74,8 @@ def _placed(item: Any, skeleton: Skeleton) -> Any:
     """Return a support or a load by the places of its nodes, where it has their numbers."""
     if callable(item.where):
         return item
-    numbers = np.asarray(item.where)
-    count = len(skeleton.nodes)
-    if numbers.dtype != np.bool_ and (numbers.min() < 0 or numbers.max() >= count):
-        raise OptionError(f"{item} names a node that is not there; need 0 to {count - 1}")
-    return replace(item, where=At(tuple(map(tuple, skeleton.nodes[numbers].tolist()))))
+    places = skeleton.nodes[np.asarray(item.where)].tolist()
+    return replace(item, where=At(tuple(map(tuple, places))))
 
 
 def print_table(report: dict[str, Any]) -> None:

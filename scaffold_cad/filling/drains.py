@@ -115,7 +115,8 @@ def _chosen(void: TriangleMesh, outside: NearestPlace, skin: float, diameter: fl
     share = height / max(float(height.max()), 1e-12)
     chosen = []
     for low, high in BANDS:
-        band = np.flatnonzero((share >= low) & (share <= high))
+        off_band = np.maximum(np.maximum(low - share, share - high), 0.0)
+        band = np.flatnonzero(off_band == off_band.min())  # the nearest ones where it has none
         chosen.append(int(band[np.argmax(room[band])]))
     places: Points = candidates[sorted(set(chosen))]
     return places

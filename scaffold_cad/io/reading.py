@@ -17,7 +17,7 @@ from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import FormatError, OptionError, SkeletonError
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._units import factor_of, length_of
-from scaffold_cad.io.register import HEAD_SIZE, known_suffixes, reader_of
+from scaffold_cad.io.register import HEAD_SIZE, reader_of
 from scaffold_cad.skeleton import Cleaning, Skeleton, check_skeleton
 from scaffold_cad.skeleton.proportions import thicker_than_long
 from scaffold_cad.skeleton.repair import repaired
@@ -262,7 +262,7 @@ def _head(path: Path) -> bytes:
     with path.open("rb") as stream:
         head = stream.read(HEAD_SIZE)
     if not head:
-        raise FormatError(f"{path} is empty; need {', '.join(known_suffixes())}")
+        raise FormatError(f"{path} is empty; need nodes and edges")
     return head
 
 

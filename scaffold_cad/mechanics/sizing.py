@@ -20,6 +20,9 @@ from scaffold_cad.skeleton.proportions import thicker_than_long
 CLOSE = 2e-3
 """How far above 1 the largest utilization of a result may be."""
 
+RUNAWAY = 1e3
+"""Radius in lengths of the longest strut beyond which sizing is given up."""
+
 SETTLED = 1e-3
 """Relative change of the radii at which they count as settled."""
 
@@ -96,8 +99,8 @@ def sized(
     Raises
     ------
     OptionError
-        If an argument is of another kind or out of its range, the material has no strength or no
-        density, or the model cannot be solved.
+        If an argument is of another kind or out of its range, radii grow without end, the material
+        has no strength or no density, or the model cannot be solved.
 
     References
     ----------
@@ -133,6 +136,7 @@ def sized(
         change = float(np.abs(following / radii - 1.0).max())
         # After a while halfway only: otherwise some struts swap their loads for ever.
         radii = following if step < FULL_STEPS else np.sqrt(radii * following)
+        _check_growth(radii, model)
         solution = model.with_edge_radii(radii).solved()
         masses.append(solution.mass)
         if change < SETTLED:
@@ -155,6 +159,17 @@ def sized(
     if thick:
         _log.warning("radii sized: %s: check the loads?", thick)
     return result
+
+
+def _check_growth(radii: Floats, model: BeamModel) -> None:
+    """Raise where struts get thicker without end, as under their own weight."""
+    edge = int(np.argmax(radii))
+    most = RUNAWAY * float(model.skeleton.lengths.max())
+    if radii[edge] > most:
+        raise OptionError(
+            f"edge {edge} would need a radius of {radii[edge]:.3g} mm, {RUNAWAY:g} times the "
+            "longest strut and more; need a higher strength, or lower loads"
+        )
 
 
 def needed_radii(solution: BeamSolution, low: float, high: float) -> Floats:

@@ -39,7 +39,8 @@ class Process:
         for field in fields(self)[1:]:
             values = getattr(self, field.name)
             for value in values if isinstance(values, tuple) else (values,):
-                as_number(value, f"{field.name} of a process", unit="", or_zero=True)
+                name = f"{field.name} of a process"
+                as_number(value, name, unit="", or_zero=field.name != "build_volume")
 
     @property
     def encloses(self) -> bool:

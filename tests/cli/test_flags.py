@@ -267,6 +267,21 @@ def test_numbers_out_of_range_are_told_by_their_flag(
         ("slice tripod.json --layer 1e-9 -o a.cli", "--layer is 1e-09 mm for 3"),
         ("slice tripod.json --layer 1 --pixel 1e-5 -o a.zip", "--pixel is 1e-05 mm, which makes"),
         ("convert tripod.json --to-units parsec -o a.csv", "--to-units is 'parsec'; need one of"),
+        ("convert tripod.json --jobs 0 -o a.csv", "--jobs is 0; need 1 or more"),
+        ("build tripod.json --scale 0 -o a.stl", "--scale is 0; need > 0"),
+        ("build tripod.json --units xx -o a.stl", "--units is 'xx'; need one of"),
+        ("build tripod.json --max-nodes -1 -o a.stl", "--max-nodes is -1; need 0 or more"),
+        ("lattice --cell xx --size 8 --radius 1 --box 8 -o a.stl", "--cell is 'xx'; need one of"),
+        ("cells --stiffness 2", "--stiffness is 2; need more than 0, less than 1"),
+        ("strength tripod.json --weight --material xx", "--material is 'xx'; need one of"),
+        ("strength tripod.json --weight --young 0", "--young is 0 MPa; need > 0"),
+        ("strength tripod.json --weight --hollow 2", "--hollow is 2; need 0 or more, less than 1"),
+        ("strength tripod.json --weight --fix 9", "--fix names node 9; need 0 to 3"),
+        ("strength tripod.json --load top:0,0,1", "--load has nodes 'top'; need xmin .. zmax"),
+        (
+            "strength tripod.json --weight --strength 1e-9 --size 0.5",
+            "times the longest strut and more; need a higher strength",
+        ),
         ("convert tripod.json --to-units in -o a.3mf", "--to-units is 'in', and 3MF files say"),
     ],
 )
@@ -276,3 +291,33 @@ def test_limits_of_the_library_are_told_by_the_flag(
     assert main(shlex.split(words)) == 2
     assert message in capsys.readouterr().err
     assert not list(folder.glob("a.*"))
+
+
+@pytest.mark.parametrize(
+    ("words", "flag"),
+    [
+        ("build tripod.json --round --bend 0 -o a.stl", "--bend"),
+        ("check tripod.json --build-volume 0", "--build-volume"),
+        ("lattice --cell bcc --size 0 --radius 1 --box 8 -o a.stl", "--size"),
+        ("lattice --foam voronoi --size=-1 --radius 1 --box 8 -o a.stl", "--size"),
+        ("lattice --cell bcc --size 8 --radius 1 --box 8x-1x8 -o a.stl", "--box"),
+        ("lattice --cell bcc --size 8 --radius 1 --sphere infx1 -o a.stl", "--sphere"),
+    ],
+)
+def test_sizes_that_are_none_are_told_by_the_flag(
+    words: str, flag: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit):
+        main(shlex.split(words))
+    assert f"error: argument {flag}: '" in capsys.readouterr().err
+    assert not list(folder.glob("a.*"))
+
+
+def test_info_asks_for_no_units_where_it_knows_no_radii(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("small.obj").write_text("v 0 0 0\nv 0.1 0 0\nl 1 2\n")
+    assert main(["info", "small.obj"]) == 0
+    told = capsys.readouterr()
+    assert "none in the file" in told.out
+    assert "check the units" not in told.err

@@ -276,7 +276,7 @@ def test_a_density_that_cannot_be_is_told_alone(capsys: pytest.CaptureFixture[st
     assert main(["cells", "--stiffness", "-1"]) == 2
     told = capsys.readouterr()
     assert told.out == ""
-    assert told.err == "scaffold-cad: relative density is -1; need > 0\n"
+    assert told.err == "scaffold-cad: --stiffness is -1; need > 0\n"
 
 
 def test_cells_are_drawn_on_a_page(tmp_path: Path) -> None:

@@ -64,7 +64,7 @@ def test_page_tells_how_many_struts_are_overloaded(arm: str, tmp_path: Path) -> 
     ("words", "message"),
     [
         ([], "nothing loads the struts; need --load"),
-        (["--load", "top:1,2,3"], "nodes are 'top'; need xmin"),
+        (["--load", "top:1,2,3"], "--load has nodes 'top'; need xmin"),
         (["--load", "xmax:1,2"], "need WHERE:FX,FY,FZ"),
         (["--weight", "--fix", "xmin:x"], "supports hold"),
         (["--weight", "--material", "cheese"], "material is 'cheese'"),
@@ -128,7 +128,7 @@ def test_strength_by_tiles_is_that_of_one_process(
     [
         (["--size", "1"], "--size is not for --tiles"),
         (["-o", "sized.json"], "--tiles write a row a strut, as .npy"),
-        (["--fix", "7"], "names a node that is not there; need 0 to 1"),
+        (["--fix", "7"], "--fix names node 7; need 0 to 1"),
     ],
 )
 def test_tiles_refuse_what_they_do_not_make(

@@ -36,6 +36,11 @@ def test_the_check_of_printability_finds_no_pocket() -> None:
     assert finding.verdict == "ok"
 
 
+def test_a_skin_too_thin_for_holes_is_refused_with_the_place() -> None:
+    with pytest.raises(OptionError, match=r"a drain hole of 3 mm at \[.* mm goes .* past"):
+        lattice_part(Box(16, 16, 16), "bcc", 8.0, 0.50763, skin=1e-9, drain=3)
+
+
 def test_holes_are_where_they_are_asked_for() -> None:
     place = np.array([3.9, -3.7, 8.0])
     part = lattice_part(BOX, "bcc", 8.0, 0.7, skin=1.2, drain=3.0, drain_places=[place])

@@ -103,8 +103,8 @@ UNEVEN = Skeleton(
         (
             ".inp",
             (
-                "holds a radius for each member, the mean of both ends: 1 taper and 1 ball at nodes "
-                "lost"
+                "holds a radius for each member, the mean of both ends: 1 taper and 1 ball at "
+                "nodes lost"
             ),
         ),
         (".vtu", "holds a radius for each member, the mean of both ends: 1 taper lost"),
