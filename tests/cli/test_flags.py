@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import io
 import json
 import shlex
 from pathlib import Path
@@ -26,7 +27,21 @@ INPUT = (
 """Flags of all commands that read a skeleton."""
 
 COMMON = {"--help", "--verbose", "--config", "--from", "--format"}
-"""Flags of all commands that `test_streams` tries."""
+"""Flags of all commands, or of all that read and write."""
+
+STREAMED = {
+    "build": "- --from json -o - --format stl",
+    "lattice": "--cell bcc --size 8 --radius 0.6 --box 8 -o - --format stl",
+    "slice": "- --from json --layer 2 -o - --format cli",
+    "convert": "- --from json -o - --format csv",
+    "check": "- --from json",
+    "strength": "- --from json --weight",
+    "view": "- --from json --no-open -o a.html",
+    "info": "- --from json",
+    "cells": "",
+    "formats": "",
+}
+"""A line of each command with those of these flags that it has."""
 
 SHAPE = "--fit paper --section area --collars"
 ROUND = "--round --joints blend --bend torus --blend 0.5 --ends open --wall 0.5 --sides 8"
@@ -141,6 +156,26 @@ def test_command_lines_with_each_flag_work(line: str, folder: Path) -> None:
     for flag in ("-o", "--output", "--html"):
         if flag in words:
             assert (folder / words[words.index(flag) + 1]).stat().st_size > 0
+
+
+@pytest.mark.parametrize("command", commands())
+def test_flags_of_all_commands_are_tried_on_each(
+    command: str,
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsysbinary: pytest.CaptureFixture[bytes],
+) -> None:
+    stdin = io.TextIOWrapper(io.BytesIO(Path("tripod.json").read_bytes()))
+    monkeypatch.setattr("sys.stdin", stdin)
+    Path("options.toml").write_text(f"[{command}]\nquiet = true\n")
+    words = [*STREAMED[command].split(), "--verbose", "--config", "options.toml"]
+    flags = {flag for action in commands()[command]._actions for flag in action.option_strings}
+    assert COMMON & flags - set(words) == {"--help"}
+    assert main([command, *words]) == 0
+    assert capsysbinary.readouterr().out
+    with pytest.raises(SystemExit, match="0"):
+        main([command, "--help"])
+    assert f"scaffold-cad {command}".encode() in capsysbinary.readouterr().out
 
 
 def verdicts(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
