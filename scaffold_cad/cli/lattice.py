@@ -180,6 +180,9 @@ def _check_combination(options: argparse.Namespace) -> None:
             "--skin, --trim or --beams, and parts of STEP and BREP files with --skin; need one of "
             "these, or a mesh format"
         )
+    if options.beams or options.trim or options.skin is not None:
+        why = "is for struts alone; need it without --beams, --trim and --skin"
+        source.refuse(options, ["overlaps"], why)
     if not options.beams:
         return
     if options.round or options.skin is not None:

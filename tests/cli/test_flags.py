@@ -302,6 +302,14 @@ def test_numbers_out_of_range_are_told_by_their_flag(
         ("slice tripod.json --layer 1e-9 -o a.cli", "--layer is 1e-09 mm for 3"),
         ("slice tripod.json --layer 1 --pixel 1e-5 -o a.zip", "--pixel is 1e-05 mm, which makes"),
         ("convert tripod.json --to-units parsec -o a.csv", "--to-units is 'parsec'; need one of"),
+        (
+            "lattice --cell bcc --size 8 --radius 1 --box 8 --beams --overlaps unite -o a.3mf",
+            "--overlaps is for struts alone; need it without --beams, --trim and --skin",
+        ),
+        (
+            "lattice --cell bcc --size 8 --radius 1 --box 8 --trim --overlaps refuse -o a.stl",
+            "--overlaps is for struts alone; need it without --beams, --trim and --skin",
+        ),
         ("convert tripod.json --jobs 0 -o a.csv", "--jobs is 0; need 1 or more"),
         ("build tripod.json --scale 0 -o a.stl", "--scale is 0; need > 0"),
         ("build tripod.json --units xx -o a.stl", "--units is 'xx'; need one of"),
