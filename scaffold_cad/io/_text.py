@@ -17,8 +17,8 @@ Row: TypeAlias = tuple[int, list[str]]
 LARGEST_FILE = 2**30
 """Most bytes that are read from a file or an archive's part: 20 million struts and more."""
 
-LONGEST_COUNT = 15
-"""Digits of the largest count that is taken: below `LARGEST_WHOLE`."""
+LONGEST_COUNT = 18
+"""Digits of the largest count that is taken: those of 64 bits."""
 
 LARGEST_WHOLE = 2.0**53
 """Beyond it float64 has no longer every whole number."""
