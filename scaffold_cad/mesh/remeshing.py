@@ -157,10 +157,7 @@ def split_to(mesh: TriangleMesh, longest: Lengths, sharp: SharpEdges | None = No
         if not long.any():
             return mesh
         middle = len(mesh.vertices) + np.cumsum(long) - 1
-        middles = ends[long].mean(axis=1)
-        if sharp is not None:
-            along = sharp.along(mesh, edges[long])
-            middles[along] = sharp.nearest(middles[along])
+        middles = ends[long].mean(axis=1) if sharp is None else sharp.middles(mesh, edges[long])
         vertices = np.concatenate([mesh.vertices, middles])
         new = np.where(long, middle, -1)[of_side]  # (t, 3)
         mesh = TriangleMesh(vertices, _halved(mesh.triangles, new))

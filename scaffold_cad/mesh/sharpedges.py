@@ -20,6 +20,11 @@ ON_EDGE = 1e-6
 """How near to a sharp edge a point is on it, in the largest extent of the shape."""
 
 
+SHORTER = 0.9
+"""Most length of a half of an edge along sharp ones, in whole ones: a half of a half circle's chord
+has 0.71. An edge without such halves runs across, and both halves would not get shorter."""
+
+
 class SharpEdges:
     """The sharp edges of a mesh whose triangles are of about one size, and their corners."""
 
@@ -58,6 +63,17 @@ class SharpEdges:
         sharp = sharp_edges(mesh)
         found: Bools = np.isin(edges.min(axis=1) * count + edges.max(axis=1), sharp @ [count, 1])
         return found & self.on(mesh.vertices)[edges].all(axis=1)
+
+    def middles(self, mesh: TriangleMesh, edges: Edges) -> Points:
+        """Return the middles of edges (k, 2), those along sharp edges moved onto them, (k, 3)."""
+        ends = mesh.vertices[edges]  # (k, 2, 3)
+        middles: Points = ends.mean(axis=1)
+        along = np.flatnonzero(self.along(mesh, edges))
+        places = self.nearest(middles[along])
+        halves = length(places[:, None] - ends[along]).max(axis=1)
+        kept = halves < SHORTER * length(np.diff(ends[along], axis=1)[:, 0])
+        middles[along[kept]] = places[kept]
+        return middles
 
     def ordered(self, mesh: TriangleMesh, edges: Edges) -> Edges:
         """Return edges that may be drawn together, the end first that keeps its place, (k, 2)."""

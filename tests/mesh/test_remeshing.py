@@ -14,7 +14,7 @@ from scaffold_cad.mesh.remeshing import (
     remeshed,
     three_quads_each,
 )
-from scaffold_cad.mesh.sharpedges import sharp_edges
+from scaffold_cad.mesh.sharpedges import SharpEdges, sharp_edges
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.mesh.welding import welded
 
@@ -151,3 +151,22 @@ def test_quads_of_a_cylinder_keep_its_rims() -> None:
     np.testing.assert_allclose(np.abs(ends[:, :, 2]), 15, atol=1e-6)
     # Here and there a chord of the rim stands for some of its edges.
     assert (np.abs(np.hypot(ends[..., 0], ends[..., 1]) - 10) < 0.02).mean() > 0.9
+
+
+def test_edges_across_a_circle_are_not_halved_without_end() -> None:
+    rod = trimesh.creation.cylinder(20, 40, sections=32)
+    quads = quadrangulated(TriangleMesh(rod.vertices, rod.faces), 10.0)
+    assert quads.euler_characteristic == 2
+
+
+def test_middles_of_edges_go_onto_sharp_ones_where_both_halves_are_shorter() -> None:
+    angle = 2 * np.pi / 64 * np.arange(64)
+    rod = trimesh.creation.cylinder(10, 30, sections=64)
+    sharp = SharpEdges(TriangleMesh(rod.vertices, rod.faces))
+    coarse = trimesh.creation.cylinder(10, 30, sections=4)
+    mesh = TriangleMesh(coarse.vertices, coarse.faces)
+    middles = sharp.middles(mesh, sharp_edges(mesh))
+    on_rims = np.abs(np.abs(middles[:, 2]) - 15) < 1e-9
+    assert on_rims.sum() == 8
+    expected = 10 * np.cos(angle[1] / 2)  # chords of the finer circle are within it
+    assert np.hypot(*middles[on_rims, :2].T).min() > expected - 1e-9
