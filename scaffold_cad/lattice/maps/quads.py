@@ -8,10 +8,16 @@ import numpy as np
 
 from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, Quads, UnitVectors
-from scaffold_cad.base.vectors import normalize, sums_by_row
+from scaffold_cad.base.vectors import dot, normalize, sums_by_row
 from scaffold_cad.errors import MeshError
 from scaffold_cad.lattice.maps.surfaces import Height, SurfaceMap
 from scaffold_cad.mesh.quadmesh import QuadMesh
+
+SHARP = 0.6
+"""Cosine of the angle between a vertex's mean normal and a quad's from which it is turned."""
+
+TURNS = 60
+"""Steps by which it is turned."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +95,29 @@ def vertex_normals(mesh: QuadMesh) -> UnitVectors:
         total += sums_by_row(areas, column, len(total))
     flat = ~total.any(axis=1)
     total[flat] = (0.0, 0.0, 1.0)  # of vertices that no quad has
-    return normalize(total)
+    return _seen_by_all(normalize(total), mesh.quads, normalize(areas + np.finfo(float).tiny))
+
+
+def _seen_by_all(normals: UnitVectors, quads: Quads, of_quads: UnitVectors) -> UnitVectors:
+    """Return normals (v, 3), turned toward the quads that they are at large angles to.
+
+    The center of the smallest ball around the unit normals of a vertex's quads is in the direction
+    at the least angle to all of them (Badoiu and Clarkson, Smaller core-sets for balls, 2003).
+    """
+    vertex, quad = quads.reshape(-1), np.repeat(np.arange(len(quads)), 4)
+    seen = dot(normals[vertex], of_quads[quad])
+    sharp = np.zeros(len(normals), dtype=np.bool_)
+    sharp[vertex[seen < SHARP]] = True
+    some = sharp[vertex]
+    vertex, quad = vertex[some], quad[some]
+    center = normals.copy()
+    for step in range(2, TURNS):
+        off = -dot(center[vertex], of_quads[quad])
+        order = np.lexsort([off, vertex])
+        last = np.flatnonzero(np.diff(vertex[order], append=-1))
+        worst = order[last]
+        center[vertex[worst]] += (of_quads[quad[worst]] - center[vertex[worst]]) / step
+    return np.where(sharp[:, None], normalize(center), normals)
 
 
 def _turned_alike(quads: Quads) -> Quads:

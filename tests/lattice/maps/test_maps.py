@@ -22,6 +22,7 @@ from scaffold_cad.lattice import (
     lattice_on,
     tile,
 )
+from scaffold_cad.lattice.maps.quads import vertex_normals
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.skeleton import check_skeleton
 
@@ -264,3 +265,10 @@ def test_tile_takes_a_map() -> None:
 def test_what_cannot_be_is_refused_by_name(make: object, message: str) -> None:
     with pytest.raises((OptionError, SkeletonError), match=message):
         make()  # type: ignore[operator]
+
+
+def test_normals_at_edges_of_the_shape_are_seen_by_all_quads() -> None:
+    # One wide quad, three narrow ones at right angles to it and to each other's plane.
+    vertices = [[0, 0, 0], [9, 0, 0], [9, 9, 0], [0, 9, 0], [9, 0, -1], [0, 0, -1], [0, 9, -1]]
+    mesh = QuadMesh(vertices, [[0, 1, 2, 3], [1, 0, 5, 4], [0, 3, 6, 5]])
+    np.testing.assert_allclose(vertex_normals(mesh)[0], np.array([-1, -1, 1]) / 3**0.5, atol=0.05)
