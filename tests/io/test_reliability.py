@@ -62,7 +62,7 @@ def test_a_killed_program_leaves_no_half_of_a_file(
 @pytest.mark.skipif(os.name != "posix", reason="SIGINT is of POSIX")
 @pytest.mark.parametrize(
     ("module", "function"),
-    [("scaffold_cad.cli.build", "build_scaffold"), ("scaffold_cad.io.stl", "write_stl")],
+    [("scaffold_cad.cli.shapes", "build_scaffold"), ("scaffold_cad.io.stl", "write_stl")],
 )
 def test_ctrl_c_exits_with_130_and_leaves_no_file(
     tmp_path: Path, module: str, function: str
