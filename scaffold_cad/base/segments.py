@@ -1,10 +1,10 @@
-"""Distances between segments in space, many pairs at once."""
+"""Distances between segments in space, and whether they meet a box, many at once."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Points
+from scaffold_cad.base.arrays import Bools, Floats, Points
 from scaffold_cad.base.vectors import dot
 
 
@@ -28,6 +28,24 @@ def nearest_on_segments(
     t = np.clip(_quotient(b * s + f, e), 0.0, 1.0)
     s = np.clip(_quotient(b * t - c, a), 0.0, 1.0)
     return start_a + s[:, None] * along_a, start_b + t[:, None] * along_b
+
+
+def meet_box(start: Points, end: Points, low: Floats, high: Floats) -> Bools:
+    """Return which segments (k, 3) have a point in a box along the axes, or on its faces, (k,).
+
+    Parameters
+    ----------
+    start, end : (k, 3) float64
+    low, high : (3,) float64, corners of the box
+    """
+    span = end - start
+    inverse = _quotient(np.ones_like(span), span)
+    first, last = (low - start) * inverse, (high - start) * inverse
+    beside = (span == 0.0) & ((start < low) | (start > high))
+    enters = np.where(span == 0.0, 0.0, np.minimum(first, last)).max(axis=1)
+    leaves = np.where(span == 0.0, 1.0, np.maximum(first, last)).min(axis=1)
+    meets: Bools = ~beside.any(axis=1) & (np.maximum(enters, 0.0) <= np.minimum(leaves, 1.0))
+    return meets
 
 
 def _quotient(numerator: Floats, denominator: Floats) -> Floats:

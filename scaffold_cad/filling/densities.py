@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import product
+from functools import cache, partial
 from typing import TypeAlias
 
 import numpy as np
@@ -13,36 +13,26 @@ from scipy.interpolate import PchipInterpolator
 from scaffold_cad.base.arguments import as_flag, as_number, as_real, checks_keywords
 from scaffold_cad.base.arrays import Floats, Points, as_floats, place_text
 from scaffold_cad.errors import OptionError
+from scaffold_cad.filling.innercell import Capsules, capsules, solid_density
+from scaffold_cad.filling.radiussearch import found_radius
 from scaffold_cad.lattice import UnitCell
 from scaffold_cad.lattice.density import density_of_unit_radius, measured_density
 from scaffold_cad.lattice.registry import as_cell
-from scaffold_cad.lattice.repetition import further_layers, placed
-from scaffold_cad.lattice.tiling import cell_size, tile
+from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.solid import to_solid
-from scaffold_cad.solid.manifolds import filled_share
-from scaffold_cad.struts import round_struts
 
 Density: TypeAlias = float | Callable[[Points], ArrayLike]
 """One relative density, or a function of positions (n, 3) that returns them (n,)."""
+
+REACH = 2.0
+"""How far from a cell the axes of struts are that have a part in it, in their radii: a strut's own
+reaches 1 far, its fillets 1.5."""
 
 MEASURED = 6
 """Radii at which the density is measured for a field of them."""
 
 RANGE = (0.02, 0.95)
 """Least and greatest radius measured, in that at which the formula gives 1."""
-
-DENSITY_ACCURACY = 1e-3
-"""Relative difference from the wanted density at which a radius is good enough."""
-
-LEAST_RADIUS = 1e-3
-"""Least radius that is tried, as a fraction of the first-order one; the greatest is a cell."""
-
-LARGEST_STEPS = 30
-"""Densities measured before the search for a radius is given up."""
-
-STEEPEST = 4.0
-"""Most that a density grows by, as a power of the radius, but where it jumps, as voids close."""
 
 
 @checks_keywords()
@@ -71,7 +61,8 @@ def solve_radius(
     ------
     OptionError
         If the cell is not known, a size is not > 0, the density is not in (0, 1), or no radius
-        was found that has it.
+        has it, as voids between struts close below it: the largest density that is reached is
+        named, with its radius.
 
     Examples
     --------
@@ -86,16 +77,17 @@ def solve_radius(
         )
     known = as_cell(cell)
     sizes = cell_size(known, size)
-    radius = float(np.sqrt(relative_density / density_of_unit_radius(known, sizes)))
     if volume is None and not measured:
-        return radius
+        return float(np.sqrt(relative_density / density_of_unit_radius(known, sizes)))
+
+    estimate = capsules(known, sizes)
+    if volume is None:
+        return _solid_radius(known, sizes, relative_density, estimate)
 
     def density(tried: float) -> float:
-        if volume is None:
-            return solid_density(known, sizes, tried)
         return measured_density(known, sizes, tried, volume)
 
-    return _measured_radius(density, relative_density, radius, float(sizes.max()))
+    return found_radius(density, relative_density, estimate).radius_or_raise()
 
 
 @checks_keywords()
@@ -147,70 +139,20 @@ def graded_radius(
     return radius_at
 
 
-def _measured_radius(
-    density: Callable[[float], float], wanted: float, radius: float, greatest: float
-) -> float:
-    """Return the radius with the density wanted, looked for from a first one to the greatest."""
-    least = LEAST_RADIUS * radius
-    # Secant steps on log density against log radius, which is almost a line of slope 2.
-    slope, before = 2.0, (np.nan, np.nan)
-    # The largest radius tried that is too thin, the least that is too thick, and their densities.
-    thin, thick = (least, 0.0), (greatest, np.inf)
-    for _ in range(LARGEST_STEPS):
-        ratio = density(radius) / wanted
-        if abs(ratio - 1) <= DENSITY_ACCURACY:
-            return radius
-        if ratio < 1:
-            thin = max(thin, (radius, ratio))
-        else:
-            thick = min(thick, (radius, ratio))
-        if _is_jumped_over(thin, thick):
-            raise OptionError(
-                f"no radius gives relative density {wanted:g}: struts of {thin[0]:.5g} mm give "
-                f"{thin[1] * wanted:.3g}, of {thick[0]:.5g} mm {thick[1] * wanted:.3g}"
-            )
-        here = (np.log(radius), np.log(ratio))
-        secant = (here[1] - before[1]) / (here[0] - before[0])
-        # Where the solid fills up the slope tends to 0: keep the steps short.
-        slope = float(np.clip(secant, 0.5, 4.0)) if np.isfinite(secant) else slope
-        following = float(np.clip(np.exp(here[0] - here[1] / slope), least, greatest))
-        if not thin[0] < following < thick[0]:  # between what was tried, if both sides were
-            halfway = thin[1] > 0 and thick[1] < np.inf
-            following = float(np.sqrt(thin[0] * thick[0])) if halfway else following
-        if following == radius:
-            break
-        radius, before = following, here
-    raise OptionError(
-        f"no radius gives relative density {wanted:g}: "
-        f"the last one tried, {radius:g} mm, is off by {100 * abs(ratio - 1):.2g} %"
-    )
+def _solid_radius(cell: UnitCell, size: Floats, wanted: float, estimate: Capsules) -> float:
+    """Return the radius whose solid has the density wanted, mm.
 
-
-def _is_jumped_over(thin: tuple[float, float], thick: tuple[float, float]) -> bool:
-    """Return whether a ratio of 1 is so far from those of two radii that none between has it.
-
-    The volume of the union of equal balls grows with at most the third power of their radius
-    (Kneser, 1955), but where voids close.
-
-    Parameters
-    ----------
-    thin, thick : radius, and ratio of its density to that wanted, < 1 and > 1
+    It is looked for with the struts near one cell, and seen to be right on a whole block.
     """
-    if thin[1] == 0 or thick[1] == np.inf:  # not tried yet
-        return False
-    growth = (thick[0] / thin[0]) ** STEEPEST
-    return bool(thin[1] * growth < 1 < thick[1] / growth)
+    whole = cache(partial(solid_density, cell, size))
 
+    def nearby(radius: float) -> float:
+        return solid_density(cell, size, radius, REACH * radius)
 
-def solid_density(cell: UnitCell, size: Floats, radius: float) -> float:
-    """Return the relative density of an endless lattice of round struts, measured on its solid.
-
-    It is that of the middle cell of a block, all of whose neighbors are there.
-    """
-    around = further_layers(cell.motif)
-    corners = np.array(list(product((around, around + 1), repeat=3)), dtype=np.float64)
-    block = tile(cell, size, 2 * around + 1, radius=radius)
-    return filled_share(to_solid(round_struts(block)), placed(cell, size, corners))
+    found = found_radius(nearby, wanted, estimate)
+    if abs(whole(found.radius) / found.density - 1) > found.accuracy:
+        found = found_radius(whole, wanted, estimate, found.radius)
+    return found.radius_or_raise()
 
 
 def _densities(relative_density: Density, points: Points) -> Floats:
