@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_real, check_choice, checks_keywords
-from scaffold_cad.base.arrays import Ints, as_floats, place_text
+from scaffold_cad.base.arrays import Floats, Ints, as_floats, place_text
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import BoxRegion, Region
+from scaffold_cad.base.segments import meet_box
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 from scaffold_cad.filling.drains import drained
@@ -49,6 +50,10 @@ Body: TypeAlias = "Shape | QuadMesh | TriangleMesh | HasTriangles"
 NUDGES = (0.0, 1e-3, -1e-3, 3e-3, -3e-3)
 """How far the lattice is moved, in turn, until the part does not cross itself; in cell sizes.
 Faces of struts that lie in faces of the part are hard to unite. The first that works is taken."""
+
+REACH = 1.5
+"""How far from a box the axes of struts are that have a part in it, in their radii: a strut's own
+reaches 1 far, its fillets 1.5."""
 
 SLIVER = 2.0**-20
 """Height below which triangles go, in greatest coordinates: a few roundings to 32 bits.
@@ -210,12 +215,12 @@ def flush_box(
         origin = None if on is not None else low + nudge * margin * NUDGE_DIRECTION
         around = [low - margin, high + margin]
         whole = fill(around, known, size, radius, origin=origin, axes=axes, on=on)
-        touching = np.asarray(region.contains(whole.nodes)[whole.edges].any(axis=1))
-        touching[region.crossings(whole.nodes, whole.edges)[0]] = True
-        struts = whole.with_edges(touching)
+        start, end = whole.nodes[whole.edges].transpose(1, 0, 2)
+        reach = REACH * float(whole.edge_radii.max())
+        struts = whole.with_edges(meet_box(start, end, low - reach, high + reach))
         solid = solidified(make(struts), sides=None if sides == 4 else sides)
         cutter = manifold3d.Manifold.cube((high - low).tolist()).translate(low.tolist())
-        return _Attempt(solid.manifold ^ cutter, struts, solid.united_edges)
+        return _Attempt(solid.manifold ^ cutter, struts, solid.united_edges, region.bounds)
 
     nudges = NUDGES if on is None else NUDGES[:1]
     return _without_crumbs(_first_clean("box", made, nudges, float(np.abs(region.bounds).max())))
@@ -231,6 +236,8 @@ class _Attempt:
     """The struts in it."""
     united_edges: Ints
     """Those that went through the union, ascending."""
+    faces: Floats | None = None
+    """Corners of the box at whose faces it ends, shape (2, 3), if it ends at a box, mm."""
 
 
 def _first_clean(
@@ -254,7 +261,10 @@ def _first_clean(
     for nudge in nudges:
         attempt = made(nudge)
         try:
-            whole = manifolds.to_manifold(clean_surface(_without_slivers(attempt.part, extent)))
+            clean = clean_surface(_without_slivers(attempt.part, extent))
+            if attempt.faces is not None:
+                clean = _on_faces(clean, attempt.faces)
+            whole = manifolds.to_manifold(clean)
         except MeshError as error:
             fault = _with_place(error)
         else:
@@ -262,6 +272,14 @@ def _first_clean(
             return whole
         _log.debug("with the lattice moved by %g cells the %s %s", nudge, what, fault)
     raise MeshError(f"the {what} {fault}, however the lattice is moved; need a clean surface there")
+
+
+def _on_faces(mesh: TriangleMesh, bounds: Floats) -> TriangleMesh:
+    """Return a mesh whose vertices are where a box's faces are, not where 32 bits put these."""
+    vertices = mesh.vertices
+    for bound in bounds:
+        vertices = np.where(vertices == bound.astype(np.float32), bound, vertices)
+    return TriangleMesh(vertices, mesh.triangles)
 
 
 def _sound(mesh: TriangleMesh) -> tuple[TriangleMesh, Manifold]:

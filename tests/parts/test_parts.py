@@ -209,3 +209,24 @@ def test_boxes_of_flush_struts_have_the_section_that_is_asked_for() -> None:
     assert 0.7 < rounded.volume() / square.volume() < 0.85  # π/4, and the nodes
     with pytest.raises(OptionError, match="sides is 8 for section='square'"):
         flush_box(box, "bcc", 10, 1, section="square", sides=8)
+
+
+@pytest.mark.parametrize("side", [19.8, 20.3])
+def test_struts_beside_a_flush_box_have_their_part_in_it(side: float) -> None:
+    box = np.array([[0.0] * 3, [side] * 3])
+    flush = flush_box(box, "sc", 10.0, 0.8, sides=32)
+    read = as_trimesh(manifold_triangles(flush))
+    np.testing.assert_allclose(read.bounds, box, rtol=0, atol=1e-9)
+    assert read.is_watertight
+    assert read.body_count == 1
+    # Cylinders around all lines of the lattice, of which those at 20 mm are outside of the first.
+    steps = (np.arange(200) + 0.5) * side / 200
+    squares = (steps - 10.0 * np.round(steps / 10.0)) ** 2
+    x, y, z = squares[:, None, None], squares[:, None], squares
+    inside = (x + y < 0.64) | (y + z < 0.64) | (z + x < 0.64)
+    plain = float(inside.mean()) * side**3
+    assert 0.98 * plain < read.volume < 1.03 * plain  # the grid is 1 % off; fillets
+
+
+def as_trimesh(mesh: TriangleMesh) -> trimesh.Trimesh:
+    return trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
