@@ -213,7 +213,7 @@ def read_raw(path: str | PathLike[str], max_nodes: int | None = None) -> RawSkel
         found = f"{path} has {' and '.join(_counts(raw))}"
         raise FormatError(
             f"{found}; need at most {max_nodes} nodes: to build it takes about {size:.2g} GB of "
-            "memory, and max_nodes (--max-nodes) allows it"
+            "memory, and max_nodes= allows it"
         )
     return raw
 
