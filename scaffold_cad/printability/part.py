@@ -81,5 +81,5 @@ def _build_volume(size: tuple[float, float, float], extent: Floats, process: Pro
         {"size_mm": list(size), "build_volume_mm": list(process.build_volume)},
         " x ".join(f"{extent:.4g}" for extent in size)
         + f" mm, {'within' if fits else 'larger than'} {needed}",
-        "" if fits else other + "scale it down, cut it, or name a larger --build-volume",
+        "" if fits else other + "scale it down, cut it, or take a larger build volume",
     )

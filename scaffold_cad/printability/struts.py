@@ -69,7 +69,7 @@ def _diameter(
     elif len(thin):
         advice = (
             f"{counted(len(thin), 'strut')} too thin: strut {first} is {thinnest[first]:.4g} mm, "
-            f"{process.name.upper()} needs {needed:g}: raise --radius to "
+            f"{process.name.upper()} needs {needed:g}: raise the radius to "
             f"{radius_for(process, apothem):g} or more"
         )
     return Finding(
@@ -186,7 +186,7 @@ def _gap(skeleton: Skeleton, process: Process) -> Finding:
         text = f"{gaps.widths[row]:.3g} mm, struts {gaps.first[row]} and {gaps.second[row]}"
         advice = (
             f"{counted(len(open_rows), 'pair')} of struts may fuse, {process.name.upper()} needs "
-            f"{needed:g} mm: move them apart, or lower --radius"
+            f"{needed:g} mm: move them apart, or lower the radius"
         )
     if overlapping:
         text += f"; {counted(overlapping, 'pair')} overlap and are one"

@@ -25,7 +25,7 @@ def test_it_gives_0_for_printable_1_for_not_and_2_for_bad_input(
     assert main(["check", str(tmp_path / "k4.json")]) == 0
     assert "printable by sls" in capsys.readouterr().out
     assert main(["check", str(tmp_path / "k4.json"), "--radius", "0.2"]) == 1
-    assert "raise --radius to 0.4" in capsys.readouterr().out
+    assert "raise the radius to 0.4" in capsys.readouterr().out
     assert main(["check", str(tmp_path / "k4.json"), "--min-diameter", "3"]) == 1
     assert main(["check", str(tmp_path / "k4.json"), "--build-volume", "5,5,5"]) == 1
     assert main(["check", str(tmp_path / "open.ply")]) == 1
@@ -146,7 +146,7 @@ def test_the_beams_of_a_3mf_file_are_checked_as_they_are_built(
     captured = capsys.readouterr()
     assert "6 beams united with 1 mesh of 12 triangles" in captured.err
     assert main(["check", str(path), "--radius", "0.1"]) == 1
-    assert "raise --radius to 0.4" in capsys.readouterr().out
+    assert "raise the radius to 0.4" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("suffix", [".step", ".brep"])

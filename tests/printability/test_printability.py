@@ -288,7 +288,7 @@ def test_a_thin_strut_is_named_with_what_the_process_needs() -> None:
     assert finding.value == {
         "least_mm": 0.31, "needed_mm": 0.8, "strut": 2, "thin": 1, "thinned": 0
     }  # fmt: skip
-    assert "strut 2 is 0.31 mm, SLS needs 0.8: raise --radius to 0.4" in finding.advice
+    assert "strut 2 is 0.31 mm, SLS needs 0.8: raise the radius to 0.4" in finding.advice
 
 
 def test_a_strut_of_the_very_limit_is_thick_enough() -> None:
@@ -311,7 +311,7 @@ def test_the_radius_that_is_advised_is_enough(section: Section, radius: float) -
         scaffold = build_scaffold(STRUT.with_radii(radius), section=section)
         return check_printability(scaffold, "sls")["strut_diameter"]
 
-    assert finding(0.39).advice.endswith(f"raise --radius to {radius} or more")
+    assert finding(0.39).advice.endswith(f"raise the radius to {radius} or more")
     assert finding(radius).verdict == "ok"
     assert finding(radius - 0.001).verdict == "failure"
 
