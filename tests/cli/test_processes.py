@@ -28,7 +28,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
             "build strut.json --radius 0.3",
             "sls: 1 strut too thin: strut 0 is 0.6 mm, SLS needs 0.8",
         ),
-        ("build strut.json --round --radius 0.3", "raise --radius to 0.4 or more"),
+        ("build strut.json --round --radius 0.3", "raise the radius to 0.4 or more"),
         # Half the width of a square in a circle is 0.7071 of its radius.
         ("build strut.json --section inscribed", "strut 0 is 0.6364 mm, SLS needs 0.8: raise"),
         ("build strut.json --as frame --strut-radius 0.1", "struts too thin: strut 0 is 0.2 mm"),
