@@ -197,13 +197,17 @@ def _ends(path: Path, block: _Block, line: int, words: list[str]) -> Points:
 
 
 def _operations(where: str, group: str) -> list[tuple[Floats, Floats]]:
-    """Return the operations of a group of symmetry: a matrix (3, 3) and a move (3,) each."""
+    """Return the operations of a group of symmetry: a matrix (3, 3) and a move (3,) each.
+
+    Where tables have two origins the one at a center of symmetry is meant, as in files of RCSR.
+    """
     if group.upper() == "P1":
         return [IDENTITY]
     need("gemmi", f"the group of symmetry {group}")
     import gemmi
 
-    found = gemmi.find_spacegroup_by_name(group)
+    second = None if ":" in group else gemmi.find_spacegroup_by_name(f"{group}:2")
+    found = second or gemmi.find_spacegroup_by_name(group)
     if found is None:
         raise FormatError(f"{where} has the group {group!r}; need one of the 230 space groups")
     unit = gemmi.Op.DEN

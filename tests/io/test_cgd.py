@@ -40,6 +40,11 @@ SRS = DIA.replace("dia", "srs").replace("Fd-3m:2", "I4132").replace("2.30940", "
     "0.12500 0.12500 0.62500   0.37500 0.37500 0.37500", "1 0.12500 -0.12500 0.37500"
 )  # fmt: skip
 
+PLAIN = DIA.replace("Fd-3m:2", "Fd-3m")
+FIRST = DIA.replace("Fd-3m:2", "Fd-3m:1").replace("0.12500 0.12500 0.62500", "0 0 0").replace(
+    "0.37500 0.37500 0.37500", "0.25 0.25 0.25"
+)  # fmt: skip
+
 GRAPHITE = """CRYSTAL
 NAME hcb
 GROUP P1
@@ -66,7 +71,11 @@ def test_a_net_without_symmetry_is_the_cell_it_describes(tmp_path: Path) -> None
     assert len(tile(cell, 5.0, 3, radius=0.3).edges) == 81
 
 
-@pytest.mark.parametrize(("text", "like"), [(DIA, "diamond"), (SRS, "gyroid")], ids=["dia", "srs"])
+@pytest.mark.parametrize(
+    ("text", "like"),
+    [(DIA, "diamond"), (PLAIN, "diamond"), (FIRST, "diamond"), (SRS, "gyroid")],
+    ids=["dia", "plain", "first origin", "srs"],
+)
 def test_nets_with_symmetry_are_the_known_cells(tmp_path: Path, text: str, like: str) -> None:
     pytest.importorskip("gemmi")
     (cell,) = read_nets(write(tmp_path, text))
