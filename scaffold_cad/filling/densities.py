@@ -25,8 +25,8 @@ Density: TypeAlias = float | Callable[[Points], ArrayLike]
 """One relative density, or a function of positions (n, 3) that returns them (n,)."""
 
 REACH = 2.0
-"""How far from a cell the axes of struts are that have a part in it, in their radii: a strut's own
-reaches 1 far, its fillets 1.5."""
+"""How far from a cell struts are made where it alone is measured, in their radii: they have a part
+in it up to 1.5 radii away, fillets included, and change the fillets of others from further."""
 
 MEASURED = 6
 """Radii at which the density is measured for a field of them."""

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_real, check_choice, checks_keywords
-from scaffold_cad.base.arrays import Floats, Ints, as_floats, place_text
+from scaffold_cad.base.arrays import Floats, as_floats, place_text
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import BoxRegion, Region
 from scaffold_cad.base.segments import meet_box
-from scaffold_cad.base.summaries import counted
-from scaffold_cad.errors import MeshError, OptionError, SkeletonError
+from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.filling.cleaning import (
+    NUDGE_DIRECTION,
+    NUDGES,
+    Attempt,
+    first_clean,
+    without_crumbs,
+)
 from scaffold_cad.filling.drains import drained
 from scaffold_cad.filling.fill import HasTriangles, as_region, fill
 from scaffold_cad.filling.models import RoundOptions, Section, maker
@@ -26,15 +30,13 @@ from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.mesh.bodies import body_of, check_uncrossed, shells_of
-from scaffold_cad.mesh.collapse import without_short_edges
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.products.models import Make
-from scaffold_cad.products.overlaps import to_unite
 from scaffold_cad.products.surfaces import triangles_of
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.solid import clean_surface, manifolds, solidified
+from scaffold_cad.solid import manifolds, solidified
 from scaffold_cad.solid.rounds import SIDES, check_sides
 from scaffold_cad.solid.skins import inside_of
 from scaffold_cad.struts import round_struts
@@ -47,29 +49,15 @@ if TYPE_CHECKING:
 Body: TypeAlias = "Shape | QuadMesh | TriangleMesh | HasTriangles"
 """A build123d solid, or a closed triangle mesh of any library."""
 
-NUDGES = (0.0, 1e-3, -1e-3, 3e-3, -3e-3)
-"""How far the lattice is moved, in turn, until the part does not cross itself; in cell sizes.
-Faces of struts that lie in faces of the part are hard to unite. The first that works is taken."""
-
 REACH = 1.5
 """How far from a box the axes of struts are that have a part in it, in their radii: a strut's own
 reaches 1 far, its fillets 1.5."""
-
-SLIVER = 2.0**-20
-"""Height below which triangles go, in greatest coordinates: a few roundings to 32 bits.
-The boolean leaves such slivers where it cuts the triangles of the body, and files lose them."""
 
 TOUCHING = 1e-9
 """Depth down to which parts of a body only touch, mm."""
 
 FULL = 0.97
 """Share of a body beyond which it counts as full."""
-
-CRUMB = 0.01
-"""Volume below which a loose piece is a crumb, in that of the largest piece."""
-
-NUDGE_DIRECTION = np.array([0.6, 0.5, 0.62])
-"""Where the lattice is moved: along no face of a cell."""
 
 _log = logging.getLogger(__name__)
 
@@ -147,18 +135,18 @@ def lattice_part(
     inner = outer if skin is None else inside_of(surface, outer, skin)
     extent = float(np.abs(surface.vertices).max())
 
-    def made(nudge: float) -> _Attempt:
+    def made(nudge: float) -> Attempt:
         struts = _struts_touching(region, cell, size, radius, nudge, skin is not None)
         solid = solidified(make(struts), sides=None if sides == 4 else sides)
         lattice = solid.manifold
         part = lattice ^ outer if skin is None else outer - (inner - lattice)
         if skin is not None and drain is not None:
             part = drained(part, surface, skin, drain, drain_places)
-        return _Attempt(part, struts, solid.united_edges)
+        return Attempt(part, struts, solid.united_edges)
 
-    whole = _first_clean("part", made, NUDGES, extent)
+    whole = first_clean("part", made, NUDGES, extent)
     _report_full(whole, outer, radius)
-    return whole if skin is not None else _without_crumbs(whole)
+    return whole if skin is not None else without_crumbs(whole)
 
 
 def flush_box(
@@ -211,7 +199,7 @@ def flush_box(
     else:
         margin = float(cell_size(known, size).max())
 
-    def made(nudge: float) -> _Attempt:
+    def made(nudge: float) -> Attempt:
         origin = None if on is not None else low + nudge * margin * NUDGE_DIRECTION
         around = [low - margin, high + margin]
         whole = fill(around, known, size, radius, origin=origin, axes=axes, on=on)
@@ -220,66 +208,20 @@ def flush_box(
         struts = whole.with_edges(meet_box(start, end, low - reach, high + reach))
         solid = solidified(make(struts), sides=None if sides == 4 else sides)
         cutter = manifold3d.Manifold.cube((high - low).tolist()).translate(low.tolist())
-        return _Attempt(solid.manifold ^ cutter, struts, solid.united_edges, region.bounds)
+        return Attempt(solid.manifold ^ cutter, struts, solid.united_edges)
 
     nudges = NUDGES if on is None else NUDGES[:1]
-    return _without_crumbs(_first_clean("box", made, nudges, float(np.abs(region.bounds).max())))
+    part = first_clean("box", made, nudges, float(np.abs(region.bounds).max()))
+    return _on_faces(without_crumbs(part), region.bounds)
 
 
-@dataclass(frozen=True, eq=False)
-class _Attempt:
-    """A part that may cross itself, as struts cut by a body can."""
-
-    part: Manifold
-    """The part."""
-    struts: Skeleton
-    """The struts in it."""
-    united_edges: Ints
-    """Those that went through the union, ascending."""
-    faces: Floats | None = None
-    """Corners of the box at whose faces it ends, shape (2, 3), if it ends at a box, mm."""
-
-
-def _first_clean(
-    what: str, made: Callable[[float], _Attempt], nudges: Sequence[float], extent: float
-) -> Manifold:
-    """Return the first part that does not cross itself.
-
-    Parameters
-    ----------
-    what : what messages call it
-    made : makes it with the lattice moved so far, in cell sizes
-    nudges : the ways to move it, in turn
-    extent : greatest coordinate of the part, mm
-
-    Raises
-    ------
-    MeshError
-        If all of them cross themselves; the last fault is named.
-    """
-    fault = ""
-    for nudge in nudges:
-        attempt = made(nudge)
-        try:
-            clean = clean_surface(_without_slivers(attempt.part, extent))
-            if attempt.faces is not None:
-                clean = _on_faces(clean, attempt.faces)
-            whole = manifolds.to_manifold(clean)
-        except MeshError as error:
-            fault = _with_place(error)
-        else:
-            to_unite("unite", attempt.united_edges, attempt.struts)
-            return whole
-        _log.debug("with the lattice moved by %g cells the %s %s", nudge, what, fault)
-    raise MeshError(f"the {what} {fault}, however the lattice is moved; need a clean surface there")
-
-
-def _on_faces(mesh: TriangleMesh, bounds: Floats) -> TriangleMesh:
-    """Return a mesh whose vertices are where a box's faces are, not where 32 bits put these."""
+def _on_faces(part: Manifold, bounds: Floats) -> Manifold:
+    """Return a part whose vertices are where a box's faces are, not where 32 bits put these."""
+    mesh = manifolds.manifold_triangles(part)
     vertices = mesh.vertices
     for bound in bounds:
         vertices = np.where(vertices == bound.astype(np.float32), bound, vertices)
-    return TriangleMesh(vertices, mesh.triangles)
+    return manifolds.to_manifold(TriangleMesh(vertices, mesh.triangles))
 
 
 def _sound(mesh: TriangleMesh) -> tuple[TriangleMesh, Manifold]:
@@ -338,13 +280,6 @@ def _maker(sides: int, options: RoundOptions) -> Make:
     return maker(section="square" if sides == 4 else "round", **options)
 
 
-def _with_place(error: MeshError) -> str:
-    """Return what is wrong, and where if that is known."""
-    places = getattr(error, "places", np.zeros((0, 3)))
-    where = f" near {place_text(places[0])}" if len(places) else ""
-    return f"{error}{where}"
-
-
 def _report_full(part: Manifold, outer: Manifold, radius: Radius) -> None:
     """Log if the struts leave next to nothing of the body free."""
     share = part.volume() / outer.volume()
@@ -355,34 +290,6 @@ def _report_full(part: Manifold, outer: Manifold, radius: Radius) -> None:
             100 * share,
             size,
         )
-
-
-def _without_crumbs(part: Manifold) -> Manifold:
-    """Return the part without pieces that are small beside the largest; the log counts them."""
-    pieces = part.decompose()
-    volumes = np.array([piece.volume() for piece in pieces])
-    crumbs = np.flatnonzero((volumes > 0) & (volumes < CRUMB * volumes.max(initial=0.0)))
-    if len(crumbs) == 0:
-        return part
-    low = place_text(np.array(pieces[int(crumbs[0])].bounding_box()[:3]))
-    _log.info(
-        "%s of %.3g mm³ left out, as at %s: the surface cuts them off",
-        counted(len(crumbs), "loose crumb"),
-        float(volumes[crumbs].sum()),
-        low,
-    )
-    import manifold3d
-
-    kept = [piece for k, piece in enumerate(pieces) if k not in set(crumbs.tolist())]
-    return manifold3d.Manifold.compose(kept)
-
-
-def _without_slivers(part: Manifold, extent: float) -> Manifold:
-    """Return the part without triangles that 32-bit coordinates up to `extent` cannot hold."""
-    height = SLIVER * extent
-    short = without_short_edges(manifolds.manifold_triangles(part), height)
-    # Made anew: of a boolean's result manifold3d keeps the slivers between the operands.
-    return manifolds.to_manifold(short).simplify(height)
 
 
 def _struts_touching(

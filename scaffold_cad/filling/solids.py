@@ -17,9 +17,9 @@ from scaffold_cad.base.builders import built
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import BrepError, OptionError
+from scaffold_cad.filling.cleaning import NUDGE_DIRECTION
 from scaffold_cad.filling.fill import as_region, struts_touching
 from scaffold_cad.filling.models import RoundOptions, Section, maker
-from scaffold_cad.filling.parts import NUDGE_DIRECTION
 from scaffold_cad.lattice import CellMap, UnitCell
 from scaffold_cad.lattice.maps.grading import CellSize
 from scaffold_cad.lattice.meshregion import MeshRegion
