@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from build123d import GeomType, import_step
 
-from scaffold_cad import read_skeleton
+from scaffold_cad import cells, read_skeleton
 from scaffold_cad.cli import main
 
 ROOT = Path(__file__).parents[1]
@@ -72,7 +72,20 @@ def test_json_shown_is_read(tmp_path: Path) -> None:
     (shown,) = blocks("json")
     path = tmp_path / "shown.json"
     path.write_text(shown, encoding="utf-8")
-    assert read_skeleton(path, strict=True).radii.tolist() == [1.0, 1.5]
+    skeleton = read_skeleton(path, strict=True)
+    assert skeleton.radii.tolist() == [1.0, 1.5]
+    assert skeleton.edge_radii.tolist() == [[0.8, 1.2]]
+    path.write_text(shown.replace('"version": 2', '"version": 1'), encoding="utf-8")
+    assert read_skeleton(path, strict=True).edge_radii.tolist() == [[1.0, 1.5]]
+
+
+def test_as_many_cells_and_formats_as_it_says(capsys: pytest.CaptureFixture[str]) -> None:
+    named = int(re.search(r"\| (\d+) named cells", README)[1])  # type: ignore[index]
+    assert len(cells()) == named
+    main(["formats"])
+    lines = capsys.readouterr().out.splitlines()
+    read = {name for line in lines if " read " in line for name in line[23:].split(", ")}
+    assert len(read) > int(re.search(r"more than (\d+) formats read", README)[1])  # type: ignore[index]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.parent.name)

@@ -11,7 +11,7 @@ def make() -> RoundStruts:
     rows = [[bd.Vector(x, y, (2 - x * x - y * y) ** 0.5) for y in steps] for x in steps]
     dome = bd.Face.make_surface_from_array_of_points(rows)
     inner, outer = (bd.scale(dome, by).face() for by in ((100, 80, 60), (118, 95, 75)))
-    return round_struts(tile("bcc", 20.0, radius=1.2, on=between_faces(inner, outer)))
+    return round_struts(tile("octet", 20.0, radius=1.2, on=between_faces(inner, outer)))
 
 
 if __name__ == "__main__":
