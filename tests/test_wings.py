@@ -33,6 +33,10 @@ def test_no_wings_import_one_another_in_a_circle() -> None:
     assert wings.circles(wings.between_wings()) == []
 
 
+def test_no_modules_import_one_another_in_a_circle() -> None:
+    assert wings.circles(wings.between_modules()) == []
+
+
 def test_the_map_has_a_line_for_each_wing_from_the_top_floor_down() -> None:
     page = (wings.ROOT / ".github" / "CONTRIBUTING.md").read_text("utf-8")
     there = page.split("## Where things are")[1].split("Where is")[0]

@@ -15,6 +15,7 @@ from scaffold_cad.base.arrays import Bools, Floats, Frozen, Points, as_edge_radi
 from scaffold_cad.base.summaries import counted, radii_text, size_text
 from scaffold_cad.base.vectors import sums_by_row
 from scaffold_cad.errors import OptionError
+from scaffold_cad.mechanics.beamstruts import Beams
 from scaffold_cad.mechanics.elements import (
     assembled,
     beam_blocks,
@@ -29,13 +30,7 @@ from scaffold_cad.mechanics.loading import (
     nodal_forces,
 )
 from scaffold_cad.mechanics.materials import Material, as_material
-from scaffold_cad.mechanics.sections import (
-    Stiffnesses,
-    as_hollow,
-    end_stiffnesses,
-    euler_loads,
-    volumes,
-)
+from scaffold_cad.mechanics.sections import as_hollow, euler_loads
 from scaffold_cad.mechanics.solvers import solve_sparse
 from scaffold_cad.mechanics.stresses import largest_stresses
 from scaffold_cad.mechanics.weight import clamped_by_weight
@@ -46,19 +41,9 @@ MOST_RIGID = 0.9
 
 
 @dataclass(frozen=True, eq=False)
-class BeamModel(Frozen):
+class BeamModel(Beams):
     """Struts as beams, held and loaded; `solved` tells what becomes of them."""
 
-    skeleton: Skeleton
-    """The struts' axes."""
-    material: Material
-    """What all struts are made of."""
-    edge_radii: Floats
-    """Radius of each strut at its ends, shape (m, 2), mm."""
-    hollow: float
-    """Inner over outer radius of every section, 0 for full ones."""
-    rigid: Floats
-    """Length at each end of a strut that does not deform, shape (m, 2), mm."""
     fixed: Bools
     """Which freedoms are held, shape (n, 6)."""
     displacement: Floats
@@ -77,27 +62,6 @@ class BeamModel(Frozen):
             f"BeamModel: {counts}, {size_text(self.skeleton.nodes)}, "
             f"{radii_text(self.edge_radii)}, {counted(held, 'node')} held, {loaded} loaded"
         )
-
-    @cached_property
-    def spans(self) -> Points:
-        """Second end of each strut seen from the first, shape (m, 3), mm."""
-        ends = self.skeleton.nodes[self.skeleton.edges]
-        spans: Points = ends[:, 1] - ends[:, 0]
-        return spans
-
-    @cached_property
-    def stiffnesses(self) -> Stiffnesses:
-        """Stiffnesses of each strut's second end."""
-        return end_stiffnesses(
-            self.skeleton.lengths, self.edge_radii, self.material, self.hollow, self.rigid
-        )
-
-    @cached_property
-    def masses(self) -> Floats:
-        """Mass of each strut from node to node, shape (m,), kg; nodes count several times."""
-        volume = volumes(self.skeleton.lengths, self.edge_radii, self.hollow)
-        masses: Floats = volume * self.material.density * 1e-9
-        return masses
 
     @property
     def mass(self) -> float:
@@ -183,7 +147,7 @@ class BeamModel(Frozen):
         """Return what the ends of struts that carry their weight push back with, (m, 2, 6)."""
         if not self.gravity.any() or self.material.density == 0:
             return np.zeros((len(self.skeleton.edges), 2, 6))
-        return clamped_by_weight(self)
+        return clamped_by_weight(self, self.gravity)
 
     def end_forces(self, freedoms: Floats) -> Floats:
         """Return the forces on each strut's ends if nodes move by `freedoms` (n, 6), (m, 2, 6)."""
