@@ -2,8 +2,9 @@
 
 `python -m tests.validation.struts --frames 300` makes random frames (trees, foams, trusses, rings,
 with a radius for each member), writes them, reads them by OCCT, and prints how far cylinders are
-from their struts, whether the solid is valid, and the volume against the struts' union by Monte
-Carlo. Where struts or nodes have no room the file has facets there: how many, and the same figures.
+from their struts, whether the solid is valid and smooth, and the volume against the struts' union
+and its rolling-ball fillets by Monte Carlo; and how thick walls are in the same frames, hollow.
+Where struts or nodes have no room the file has facets there: how many, and the same figures.
 """
 
 from __future__ import annotations
@@ -19,8 +20,8 @@ from build123d import GeomType, Shape, import_step
 from scaffold_cad import RoundStruts, Skeleton, delaunay_foam, round_struts, voronoi_foam, write
 from scaffold_cad.base.arrays import Bools, Floats, Points
 from scaffold_cad.errors import SkeletonError
-from scaffold_cad.struts.surface import triangulated
-from scaffold_cad.struts.walls import walls
+from tests.validation.fillets import fillet_volume
+from tests.validation.reread import SAG, axes_outside, least_wall, worst_join
 
 KINDS = ("tree", "foam", "truss", "ring")
 SAMPLES = 200_000
@@ -228,14 +229,6 @@ def _is_in(points: Points, start: Points, end: Points, radii: Floats) -> Bools:
     return found
 
 
-def least_walls(skeleton: Skeleton) -> Floats:
-    """Return the least wall at each node of the hollow frame, over what is asked for."""
-    wall = WALL * float(skeleton.edge_radii.min())
-    found = walls(round_struts(skeleton, wall=wall, ends="open"))
-    nodes = found.nodes[np.isfinite(found.nodes)]
-    return np.concatenate([nodes, found.curves]) / wall
-
-
 def main() -> None:
     """Print the figures."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -244,8 +237,8 @@ def main() -> None:
     options = parser.parse_args()
     generator = np.random.default_rng(options.seed)
     radius, axis, ratios, mixed, facets = [], [], [], [], []
-    invalid, nodes, proved, struts_of, exact = 0, 0, 0, 0, 0
-    thin: list[Floats] = []
+    joins, walls = [], []
+    invalid, nodes, proved, struts_of, exact, outside = 0, 0, 0, 0, 0, 0
     began = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "frame.step"
@@ -260,6 +253,7 @@ def main() -> None:
             errors = cylinder_errors(shape, struts)
             radius.append(errors[:, 0].max(initial=0))
             axis.append(errors[:, 1].max(initial=0))
+            outside += axes_outside(shape, skeleton)
             volume, _ = union_volume(skeleton, generator)
             if len(struts.overlapping):
                 mixed.append(shape.volume / volume)
@@ -268,28 +262,36 @@ def main() -> None:
                 struts_of += len(struts.runs.edges)
                 exact += len(with_cylinder(shape, struts))
                 continue
-            thin.append(least_walls(skeleton))
-            ratios.append(triangulated(struts, 16).mesh.signed_volume / volume)
+            joins.append(worst_join(shape))
+            fillets = fillet_volume(skeleton, np.nan_to_num(struts.fillet), generator)
+            ratios.append(shape.volume / np.array([volume, volume + fillets]))
+            wall = WALL * float(skeleton.edge_radii.min())
+            hollow = round_struts(skeleton, wall=wall, ends="open")
+            if len(hollow.overlapping) == 0:
+                write(hollow, path)
+                walls.append(least_wall(import_step(path), wall))
     print(f"{options.frames} frames in {time.perf_counter() - began:.0f} s")
     print(f"nodes with a proved blend and room: {proved} of {nodes}")
-    print(f"invalid after re-import: {invalid} of {options.frames}")
+    print(f"invalid after re-import: {invalid} of {options.frames}; "
+          f"points of axes that are not inside: {outside}")  # fmt: skip
     print(
         f"largest error of a cylinder's radius {max(radius):.1e}, of its axis {max(axis):.1e} radii"
     )
-    print(
-        f"volume over the union without fillets: {min(ratios):.4f} to {max(ratios):.4f}, "
-        f"median {np.median(ratios):.4f}"
-    )
+    print(f"largest angle between normals at an edge of two curved faces: {max(joins):.1e} degrees")
+    for what, found in zip(("", " with its fillets"), np.transpose(ratios), strict=True):
+        print(
+            f"volume over the struts' union{what}: {found.min():.4f} to {found.max():.4f}, "
+            f"median {np.median(found):.4f}"
+        )
     if mixed:
         print(
             f"{len(mixed)} frames have nodes or struts without room: {min(facets)} to "
             f"{max(facets)} facets there, median {np.median(facets):.0f}; {exact} of {struts_of} "
             f"struts have a cylinder; volume over the union {min(mixed):.4f} to {max(mixed):.4f}"
         )
-    wall = np.concatenate(thin)
     print(
-        f"least wall at nodes of hollow frames, over what is asked: {wall.min():.3f}; at "
-        f"{(wall >= 0.95).mean():.2%} of {len(wall)} nodes 0.95 or more"
+        f"least wall of {len(walls)} hollow frames, over what is asked: {min(walls):.3f}, less "
+        f"{SAG:g} for triangles"
     )
 
 
