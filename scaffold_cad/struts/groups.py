@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Ints
+from scaffold_cad.base.arrays import Bools, Floats, Ints
 from scaffold_cad.struts.blend import Stars
 from scaffold_cad.struts.insides import LEAST
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
@@ -22,8 +22,10 @@ radii of the widest, which leaves a wall where struts meet at right angles. Tigh
 thicker walls."""
 
 SHRUNK = 0.7
-"""What is left of a fillet that is not sound. With less, fillets are tighter than they need be;
-with more, more of them are tried."""
+"""What is left of a fillet that is not sound, until one is."""
+CLOSE = 0.1
+"""How much wider than a sound fillet one may be that is not: the widest is not looked for further.
+Each trial costs as much as all recipes."""
 SAME_FILLET = 1e-6
 """Part of a fillet radius below which two are one: the radius reached is found by bisection."""
 
@@ -47,23 +49,46 @@ def with_blends(group: Group, stars: Stars) -> Iterator[BlendedNodes]:
     """Yield the blends of nodes, those together whose patches are cut alike.
 
     Where a fillet wider than `BLEND` radii of the thinnest strut is not sound, it shrinks until it
-    is. A node none of whose fillets is keeps the one asked for.
+    is, and grows again as far as that is known. A node none of whose fillets is keeps the one
+    asked for.
     """
     made = list(_as_asked(group, stars))
-    reached, sound = stars.blends.copy(), np.ones(len(stars), dtype=np.bool_)
+    least = BLEND * stars.radii.min(axis=1)
+    # The tightest fillet that is not sound and the widest that is, 0 where none is known, (M,).
+    failed, passed = np.zeros(len(stars)), np.zeros(len(stars))
+    _note(made, group, stars.blends, failed, passed)
+    while True:
+        narrowest = np.where(passed > 0, (1 + CLOSE) * passed, (1 + SAME_FILLET) * least)
+        rows = np.flatnonzero(failed > narrowest)
+        if len(rows) == 0:
+            break
+        lower = np.maximum(SHRUNK * failed[rows], least[rows])
+        trial = np.where(passed[rows] > 0, np.sqrt(passed[rows] * failed[rows]), lower)
+        tried = list(_as_asked(group[rows], replace(stars[rows], blends=trial)))
+        now_failed, now_passed = np.zeros(len(rows)), np.zeros(len(rows))
+        _note(tried, group[rows], trial, now_failed, now_passed)
+        failed[rows] = np.where(now_passed > 0, failed[rows], now_failed)
+        passed[rows] = np.where(now_passed > 0, now_passed, passed[rows])
+        sound = [_sound_ones(each) for each in tried]
+        done = np.concatenate([each.nodes for each in sound])
+        made = [each[np.flatnonzero(~np.isin(each.nodes, done))] for each in made] + sound
+    yield from (each for each in made if len(each.nodes))
+
+
+def _note(
+    made: list[BlendedNodes], group: Group, asked: Floats, failed: Floats, passed: Floats
+) -> None:
+    """Note in `failed` and `passed` (M,) which fillets `asked` for (M,) are sound.
+
+    Nodes without room for any are neither: what is crowded stays so.
+    """
     for each in made:
         place = np.searchsorted(group.nodes, each.nodes)
-        reached[place] = np.minimum(reached[place], each.shapes.rho[each.shape_of])
-        has_room = each.shapes.has_room[each.shape_of]
-        sound[place] = each.shapes.sound[each.shape_of] | ~has_room
-    least = BLEND * stars.radii.min(axis=1)
-    rows = np.flatnonzero(~sound & (reached > (1 + SAME_FILLET) * least))
-    if len(rows):
-        tighter = replace(stars[rows], blends=np.maximum(SHRUNK * reached[rows], least[rows]))
-        shrunk = [_sound_ones(each) for each in with_blends(group[rows], tighter)]
-        done = np.concatenate([each.nodes for each in shrunk])
-        made = [each[np.flatnonzero(~np.isin(each.nodes, done))] for each in made] + shrunk
-    yield from (each for each in made if len(each.nodes))
+        reached = np.minimum(asked[place], each.shapes.rho[each.shape_of])
+        sound = each.shapes.sound[each.shape_of]
+        passed[place[sound]] = reached[sound]
+        is_off = ~sound & each.shapes.has_room[each.shape_of]
+        failed[place[is_off]] = reached[is_off]
 
 
 def _sound_ones(blended: BlendedNodes) -> BlendedNodes:
