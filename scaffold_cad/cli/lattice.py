@@ -55,6 +55,30 @@ def add_parser(
         description="Struts are straight and of constant section between their nodes' blends, as "
         "those of `build --collars`.",
     )
+    _add_cells(parser)
+    _add_place(parser)
+    _add_skin(parser)
+    shapes.add_round_arguments(parser)
+    shapes.add_overlaps_argument(parser)
+    processes.add_process(parser)
+    parser.add_argument(
+        "--beams",
+        action="store_true",
+        help="write no solid but the struts: a 3MF beam lattice, or JSON",
+    )
+    streams.add_output(
+        parser,
+        "file to write: .3mf .stl .obj .ply .glb; .step .brep of a box without --skin, or "
+        "with it of a part from such a file",
+    )
+    slicing.add_layer_arguments(parser, required=False)
+    latticetiles.add_arguments(parser)
+    source.add_max_nodes(parser, "lattice")
+    parser.set_defaults(run=run)
+
+
+def _add_cells(parser: argparse.ArgumentParser) -> None:
+    """Add what struts there are: cells or foams, and how thick."""
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("--cell", help="unit cell; `scaffold-cad cells` lists them")
     foams.add_arguments(what, parser)
@@ -77,6 +101,10 @@ def add_parser(
         metavar="P",
         help="relative density of the lattice instead, 0 to 1, measured on its solid",
     )
+
+
+def _add_place(parser: argparse.ArgumentParser) -> None:
+    """Add where the struts are: in a box, in a part, or on a face."""
     where = parser.add_mutually_exclusive_group(required=True)
     where.add_argument(
         "--box",
@@ -91,6 +119,10 @@ def add_parser(
     parser.add_argument(
         "--trim", action="store_true", help="cut struts flush with the box: it measures as asked"
     )
+
+
+def _add_skin(parser: argparse.ArgumentParser) -> None:
+    """Add the wall around the struts and its holes."""
     parser.add_argument(
         "--skin", type=float, metavar="T", help="thickness of a closed wall around it, mm"
     )
@@ -100,23 +132,6 @@ def add_parser(
         metavar="D",
         help="diameter of holes through the skin, mm, two for each void: powder or resin gets out",
     )
-    shapes.add_round_arguments(parser)
-    shapes.add_overlaps_argument(parser)
-    processes.add_process(parser)
-    parser.add_argument(
-        "--beams",
-        action="store_true",
-        help="write no solid but the struts: a 3MF beam lattice, or JSON",
-    )
-    streams.add_output(
-        parser,
-        "file to write: .3mf .stl .obj .ply .glb; .step .brep of a box without --skin, or "
-        "with it of a part from such a file",
-    )
-    slicing.add_layer_arguments(parser, required=False)
-    latticetiles.add_arguments(parser)
-    source.add_max_nodes(parser, "lattice")
-    parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:

@@ -162,6 +162,29 @@ def annuli(outer: Ints, inner: Ints) -> Triangles:
     return np.concatenate(pairs).reshape(-1, 3)
 
 
+class _Parts:
+    """The vertices and triangles of a shell, part after part."""
+
+    def __init__(self, count: int, sides: int) -> None:
+        self.points: list[Points] = []
+        self.faces: list[Triangles] = []
+        self.owners: list[Ints] = []
+        self.rings = np.zeros((count, sides), dtype=np.intp)  # vertices of half-runs' rings
+        self.count = 0
+
+    def placed(self, points: Points) -> Ints:
+        """Add vertices (..., 3), and return their numbers (...)."""
+        numbers = self.count + np.arange(points.size // 3).reshape(points.shape[:-1])
+        self.points.append(points.reshape(-1, 3))
+        self.count += numbers.size
+        return numbers
+
+    def add(self, triangles: Triangles, owner: Ints) -> None:
+        """Add triangles (t, 3) and what they belong to, each owner that of as many of them."""
+        self.faces.append(triangles)
+        self.owners.append(np.repeat(owner, len(triangles) // max(1, len(owner))))
+
+
 def shell_of(struts: RoundStruts, sides: int, open_at: Bools | None = None) -> Shell:
     """Return the outer surface of round struts.
 
@@ -173,72 +196,74 @@ def shell_of(struts: RoundStruts, sides: int, open_at: Bools | None = None) -> S
     open_at : (n,) nodes where struts end without a disc or a ball; none by default
     """
     number = np.flatnonzero(np.repeat(~struts.curves.curved, 2))  # of the half-runs left
+    owner = -1 - (number[::2] >> 1)  # of the triangles of each run left
     struts = struts.straight
     model = None if struts.like is None else shell_of(struts.like, sides).made
     sized = sized_rings(struts, sides, None if model is None else model.shift)
     own = own_rings(struts, np.arange(len(struts.collar)), sized, sides)  # (2 k, sides, 3)
+    parts = _Parts(len(own), sides)
+    swell = _add_blended(parts, struts, own, sized.growth)
+    _add_sharp(parts, struts, own)
+    ends = np.flatnonzero(struts.runs.valency[struts.runs.tails] == 1)
+    parts.rings[ends] = parts.placed(own[ends])
+    passed = _add_curves(parts, struts, own)
+    is_ball = struts.at_balls[ends]
+    is_open = ~is_ball & (struts.options.ends == "open")
+    if open_at is not None:
+        is_open |= open_at[struts.runs.tails[ends]]
+    for make, some in closings(struts, ends[~is_open]):
+        extra, closing = make(struts, some, parts.rings[some], own[some], parts.count)
+        parts.placed(extra)
+        parts.add(closing, owner[some >> 1])
+    bands = band_triangles(parts.rings[0::2], parts.rings[1::2], sized.shift, sized.twist)
+    parts.add(bands, owner)
+    owner, triangles = np.concatenate(parts.owners), np.concatenate(parts.faces)
+    if model is not None:
+        owner, triangles = model.owner, model.mesh.triangles
+    mesh = TriangleMesh(np.concatenate(parts.points), triangles)
+    made = Triangulated(mesh, owner[owner >= 0], passed, sized.shift, owner, swell)
+    return Shell(made, number[ends[~is_ball]], parts.rings[ends[~is_ball]])
+
+
+def _add_blended(parts: _Parts, struts: RoundStruts, own: Points, growth: Floats) -> Floats:
+    """Add the nodes with blends, all vertices of them by `_blocks`; return the swell, (n,)."""
+    sides = own.shape[1]
     starts, count = _blocks(struts, sides)
-    rings = np.zeros((len(struts.collar), sides), dtype=np.intp)
-    at_nodes, swell = np.empty((count, 3)), np.zeros(len(struts.runs.nodes))
-    nodes: list[Ints] = []
-    run_of = number[::2] >> 1  # of the runs left
-    along: list[Ints] = []
-    faces: list[Triangles] = []
+    points, swell = np.empty((count, 3)), np.zeros(len(struts.runs.nodes))
+    parts.placed(points)
     for group in struts.blended:
         half_runs = group.half_runs
-        made = node_surface(struts, group, own[half_runs], sized.growth[half_runs], sides)
+        made = node_surface(struts, group, own[half_runs], growth[half_runs], sides)
         block = len(made.points) // len(group.nodes)
         place = (starts[group.nodes][:, None] + np.arange(block)).reshape(-1)
-        at_nodes[place] = made.points
-        faces.append(place[made.triangles])
-        nodes.append(np.repeat(group.nodes, len(made.triangles) // len(group.nodes)))
-        rings[half_runs] = place[made.rings]
+        points[place] = made.points
+        parts.rings[half_runs] = place[made.rings]
+        parts.add(place[made.triangles], group.nodes)
         swell[group.nodes] = made.swell
-    points = [at_nodes]
-    for part in node_triangles(struts, sides):
-        placed = np.concatenate(
-            [part.points, own[part.half_runs].reshape(len(part.nodes), -1, 3)], 1
-        )
-        vertex = count + np.arange(placed.size // 3).reshape(placed.shape[:2])
-        rings[part.half_runs] = vertex[:, part.points.shape[1] :].reshape(*part.half_runs.shape, -1)
-        faces.append(vertex[:, part.triangles].reshape(-1, 3))
-        nodes.append(np.repeat(part.nodes, len(part.triangles)))
-        points.append(placed.reshape(-1, 3))
-        count += vertex.size
-    ends = np.flatnonzero(struts.runs.valency[struts.runs.tails] == 1)
-    rings[ends] = count + np.arange(len(ends) * sides).reshape(-1, sides)
-    count += len(ends) * sides
-    points.append(own[ends].reshape(-1, 3))
-    at_curves = struts.curves.half_runs[~struts.curves.closed].reshape(-1)
-    rings[at_curves] = count + np.arange(len(at_curves) * sides).reshape(-1, sides)
-    count += len(at_curves) * sides
-    at_ends = own[at_curves].reshape(-1, 2, sides, 3)
-    passed = curve_rings(struts.curves, _turns(struts), rings, at_ends, count)
-    count += len(passed.points)
-    points += [own[at_curves].reshape(-1, 3), passed.points]
-    faces.append(ring_triangles(np.concatenate(points), passed.low, passed.high))
-    curve_runs = struts.curves.run[struts.curves.pieces][passed.piece]
-    along.append(np.repeat(curve_runs, 2 * sides))
-    is_ball = struts.at_balls[ends]
-    closed = is_ball | (struts.options.ends != "open")
-    if open_at is not None:
-        closed &= ~open_at[struts.runs.tails[ends]]
-    for make, some in closings(struts, ends[closed]):
-        extra, closing = make(struts, some, rings[some], own[some], count)
-        count += len(extra)
-        points.append(extra)
-        faces.append(closing)
-        along.append(np.repeat(run_of[some >> 1], len(closing) // len(some)))
-    faces.append(band_triangles(rings[0::2], rings[1::2], sized.shift, sized.twist))
-    along.append(np.repeat(run_of, 2 * sides))
-    around = np.concatenate(nodes) if nodes else np.empty(0, dtype=np.intp)
-    triangles, owner = np.concatenate(faces), np.concatenate([around, -1 - np.concatenate(along)])
-    if model is not None:
-        around, triangles, owner = model.node, model.mesh.triangles, model.owner
-    mesh = TriangleMesh(np.concatenate(points), triangles)
-    found = Triangulated(mesh, around, passed, sized.shift, owner, swell)
-    ends = ends[~is_ball]
-    return Shell(found, number[ends], rings[ends])
+    return swell
+
+
+def _add_sharp(parts: _Parts, struts: RoundStruts, own: Points) -> None:
+    """Add the sharp nodes."""
+    for group in node_triangles(struts, own.shape[1]):
+        rings = own[group.half_runs].reshape(len(group.nodes), -1, 3)
+        vertex = parts.placed(np.concatenate([group.points, rings], axis=1))
+        of_rings = vertex[:, group.points.shape[1] :]
+        parts.rings[group.half_runs] = of_rings.reshape(*group.half_runs.shape, -1)
+        parts.add(vertex[:, group.triangles].reshape(-1, 3), group.nodes)
+
+
+def _add_curves(parts: _Parts, struts: RoundStruts, own: Points) -> CurveRings:
+    """Add the curves; return their rings."""
+    curves, sides = struts.curves, own.shape[1]
+    at_ends = curves.half_runs[~curves.closed].reshape(-1)
+    parts.rings[at_ends] = parts.placed(own[at_ends])
+    rings = own[at_ends].reshape(-1, 2, sides, 3)
+    passed = curve_rings(curves, _turns(struts), parts.rings, rings, parts.count)
+    parts.placed(passed.points)
+    triangles = ring_triangles(np.concatenate(parts.points), passed.low, passed.high)
+    parts.add(triangles, -1 - curves.run[curves.pieces][passed.piece])
+    return passed
 
 
 def _turns(struts: RoundStruts) -> Floats:
