@@ -2,10 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from scaffold_cad.base.arguments import as_number
-from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, Triangles, UnitVectors
+from scaffold_cad.base.arrays import (
+    Bools,
+    Edges,
+    Floats,
+    Frozen,
+    Ints,
+    Points,
+    Triangles,
+    UnitVectors,
+)
 from scaffold_cad.base.vectors import dot, length, normalize, sums_by_row
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.collapse import Lengths, lengths_at, without_short_edges
@@ -40,25 +51,16 @@ MOST_TRIANGLES = 2_000_000
 """Most triangles of a mesh made anew."""
 
 
-def remeshed(mesh: TriangleMesh, size: float) -> TriangleMesh:
-    """Return the surface with triangles whose sides are about `size` mm long.
+@dataclass(frozen=True, eq=False)
+class Remeshed(Frozen):
+    """A surface with triangles of another size, and what they were fitted to."""
 
-    Vertices stay on the old surface; open borders are kept, and so are edges of the shape at 60° or
-    more; others are rounded by a fraction of `size`.
-
-    Parameters
-    ----------
-    mesh : closed or open, each edge in one triangle or two
-    size : wanted length of sides, mm
-
-    Raises
-    ------
-    OptionError
-        If the size is not > 0.
-    MeshError
-        If the mesh has no area, or would have more than two million triangles.
-    """
-    return _remeshed(mesh, as_number(size, "size of triangles"))[0]
+    mesh: TriangleMesh
+    """The new triangles."""
+    surface: NearestPlace
+    """The old surface."""
+    sharp: SharpEdges
+    """Its edges at 60° or more."""
 
 
 def quadrangulated(mesh: TriangleMesh, size: Lengths) -> QuadMesh:
@@ -67,12 +69,12 @@ def quadrangulated(mesh: TriangleMesh, size: Lengths) -> QuadMesh:
     It is made anew with triangles of one size, and each is cut into three quads.
     """
     side = size if callable(size) else as_number(size, "size of quads")
-    even, target, sharp = _remeshed(mesh, _times(QUAD_SIDE, side))
-    quads = three_quads_each(even)
-    places = target.nearest(quads.vertices)
-    edges, _ = _edges(even.triangles)
-    middles = len(even.vertices) + np.flatnonzero(sharp.along(even, edges))
-    places[middles] = sharp.nearest(quads.vertices[middles])
+    even = remeshed(mesh, _times(QUAD_SIDE, side))
+    quads = three_quads_each(even.mesh)
+    places = even.surface.nearest(quads.vertices)
+    edges, _ = _edges(even.mesh.triangles)
+    middles = len(even.mesh.vertices) + np.flatnonzero(even.sharp.along(even.mesh, edges))
+    places[middles] = even.sharp.nearest(quads.vertices[middles])
     return quads.moved(places)
 
 
@@ -104,8 +106,22 @@ def three_quads_each(mesh: TriangleMesh) -> QuadMesh:
     return QuadMesh(vertices, np.stack(quads, axis=1).reshape(-1, 4))
 
 
-def _remeshed(mesh: TriangleMesh, size: Lengths) -> tuple[TriangleMesh, NearestPlace, SharpEdges]:
-    """Return the surface made anew, the old one, and its sharp edges."""
+def remeshed(mesh: TriangleMesh, size: Lengths) -> Remeshed:
+    """Return the surface with triangles whose sides are about `size` long.
+
+    Vertices stay on the old surface; open borders are kept, and so are edges of the shape at 60° or
+    more; others are rounded by a fraction of `size`.
+
+    Parameters
+    ----------
+    mesh : closed or open, each edge in one triangle or two
+    size : wanted length of sides, > 0, mm, or that at places
+
+    Raises
+    ------
+    MeshError
+        If the mesh has no area, or would have more than two million triangles.
+    """
     areas = length(_double_areas(mesh.vertices, mesh.triangles)) / 2
     if not areas.sum() > 0:
         raise MeshError("the mesh has no area; need one to make it anew")
@@ -125,7 +141,7 @@ def _remeshed(mesh: TriangleMesh, size: Lengths) -> tuple[TriangleMesh, NearestP
         mesh = without_short_edges(mesh, least, is_open=is_open, order=sharp.ordered)
         mesh = _turned(_turned(mesh))
         mesh = _relaxed(mesh, target, sharp)
-    return mesh, target, sharp
+    return Remeshed(mesh, target, sharp)
 
 
 def _coarser(mesh: TriangleMesh, size: Lengths, sharp: SharpEdges) -> TriangleMesh:

@@ -30,7 +30,7 @@ COARSE_BOX = trimesh.creation.box((30, 20, 10))
 
 @pytest.mark.parametrize("mesh", [BALL, RING, COARSE_BOX], ids=["ball", "ring", "box"])
 def test_sides_are_even_and_the_surface_stays_closed_and_in_place(mesh: trimesh.Trimesh) -> None:
-    new = remeshed(as_mesh(mesh), 2.5)
+    new = remeshed(as_mesh(mesh), 2.5).mesh
     new.check_closed()
     rows = new.triangles
     sides = np.linalg.norm(new.vertices[rows] - new.vertices[np.roll(rows, 1, axis=1)], axis=2)
@@ -49,7 +49,7 @@ def test_sides_are_even_and_the_surface_stays_closed_and_in_place(mesh: trimesh.
 
 def test_the_border_of_an_open_mesh_is_kept() -> None:
     sheet = trimesh.creation.box((30, 20, 10)).submesh([[0, 1, 2, 3]], append=True)
-    open_mesh = remeshed(as_mesh(sheet), 3.0)
+    open_mesh = remeshed(as_mesh(sheet), 3.0).mesh
     _, before = as_mesh(sheet).faulty_sides()
     _, after = open_mesh.faulty_sides()
     assert len(after) > len(before) > 0
@@ -78,8 +78,8 @@ def test_the_nearest_place_of_a_triangle_is_that_of_another_library() -> None:
 
 
 def test_wrong_sizes_and_meshes_are_refused_by_name() -> None:
-    with pytest.raises(OptionError, match="size of triangles is 0 mm"):
-        remeshed(as_mesh(BALL), 0.0)
+    with pytest.raises(OptionError, match="size of quads is 0 mm"):
+        quadrangulated(as_mesh(BALL), 0.0)
     with pytest.raises(MeshError, match="more than 2000000; need larger ones"):
         remeshed(as_mesh(BALL), 1e-4)
     with pytest.raises(MeshError, match="has no area"):
@@ -109,12 +109,12 @@ def test_few_quads_on_a_sphere_are_even(size: float) -> None:
 def test_a_mesh_of_many_triangles_becomes_one_of_few_on_its_surface() -> None:
     ball = trimesh.creation.icosphere(subdivisions=5, radius=20)
     fine = TriangleMesh(ball.vertices, ball.faces)
-    few = remeshed(fine, 6.0)
+    few = remeshed(fine, 6.0).mesh
     few.check_closed()
     assert len(few.triangles) < len(fine.triangles) / 50
     np.testing.assert_allclose(np.linalg.norm(few.vertices, axis=1), 20, atol=0.02)
     sheet = fine.triangles[fine.vertices[fine.triangles].mean(axis=1)[:, 2] > 0]
-    cap = remeshed(TriangleMesh(ball.vertices, sheet), 6.0)
+    cap = remeshed(TriangleMesh(ball.vertices, sheet), 6.0).mesh
     np.testing.assert_allclose(
         np.linalg.norm(cap.vertices[np.unique(cap.triangles)], axis=1), 20, atol=0.02
     )
