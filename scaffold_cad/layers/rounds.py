@@ -35,6 +35,8 @@ STEEP = 1e-3
 def swell(steps: Floats) -> Floats:
     """Return how much larger than its circle a polygon of its area is, whose sides are `steps`.
 
+    It is the radius compensation of layers.
+
     Parameters
     ----------
     steps : angles of the sides at the center, rad

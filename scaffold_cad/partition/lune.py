@@ -3,7 +3,8 @@
 Around an axis on which no direction lies and which sees all of them at different longitudes,
 the two poles and, between consecutive longitudes, one vertex on the equator make N quads
 (pole, m_{i-1}, antipole, m_i). Each is a lune cut at the middle of its sides, and is star-shaped
-around its direction because both meridians are less than π away in longitude.
+around its direction because both meridians are less than π away in longitude. It is the fallback of
+all methods: every star of distinct directions has one.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Nodes made where struts cross, or end on others."""
+"""Nodes made where struts cross, or end on others, within a tolerance."""
 
 from __future__ import annotations
 

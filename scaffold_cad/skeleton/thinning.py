@@ -1,4 +1,4 @@
-"""Thinning of over-sampled chains: which nodes of a polyline may go."""
+"""Thinning of over-sampled chains: which nodes of a polyline may go within a tolerance."""
 
 from __future__ import annotations
 

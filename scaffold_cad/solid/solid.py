@@ -1,4 +1,7 @@
-"""The solid of a scaffold: its mesh where it is embedded, a union of pieces where it is not."""
+"""The solid of a scaffold: its mesh where it is embedded, a union of pieces where it is not.
+
+The union is the fallback: where struts overlap, manifold3d unites convex pieces of them.
+"""
 
 from __future__ import annotations
 

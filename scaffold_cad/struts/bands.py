@@ -2,8 +2,10 @@
 
 A ring is n points at equal angles around a strut's axis. The rings at the two ends of a strut may
 have another phase: a cylinder has no corners, and a band between two rings needs none. It is turned
-by less than half a side, and the polygons are so much larger than the circles that the band has
-the strut's volume.
+by less than half a side.
+
+Radius compensation: a polygon inscribed in a circle has less area than the circle, so rings are
+larger than their circles by the factor that gives the band the strut's volume (`enlargement`).
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """How far the samples of nodes are moved, so that their triangles have the volume of the blends.
 
 A surface of flat faces through points of a round one is smaller than that, or larger where it is
-hollow. So each sample is moved outward until that adds the gaps around it: on cylinders by as much
-as their rings are larger than circles. What that leaves of the volume of a node is spread over all
-its samples, the less the nearer these are to its collars.
+hollow. As compensation, each sample is moved outward until that adds the gaps around it: on
+cylinders by as much as their rings are larger than circles. What that leaves of the volume of a
+node is spread over all its samples, the less the nearer these are to its collars.
 
 Samples are moved away from the node where they face away from it: then the directions in which they
 are seen from there stay, in narrow crotches too. Others are moved along their normals.

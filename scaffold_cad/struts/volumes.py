@@ -1,4 +1,4 @@
-"""Exact volumes of blends, cell by cell: what their triangles are to have.
+"""Exact volumes of blends, cell by cell, for the compensation of their triangles.
 
 A cell is what lies between two samples each way. Between it and the two triangles that stand for it
 is a gap: its mean thickness tells how far their corners are to be moved, so that the triangles are

@@ -1,4 +1,7 @@
-"""The surface of round struts: as proved where it is, as fields in clusters."""
+"""The surface of round struts: their exact surface where it is proved, fields where it is not.
+
+Fields are the fallback for clusters of struts that overlap or whose nodes are not proved.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Field solids: the zero set of a filleted union of struts as a watertight triangle mesh."""
+"""Field solids: the zero set of a filleted union of struts as a watertight triangle mesh.
+
+They are the fallback for round struts that overlap: closed and free of crossings by construction.
+"""
 
 from __future__ import annotations
 
