@@ -5,14 +5,18 @@ from __future__ import annotations
 import dataclasses
 import inspect
 import pickle
+import re
 import subprocess
 import sys
+from importlib import import_module
+from inspect import isclass
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 import scaffold_cad
-from scaffold_cad import mechanics
+from scaffold_cad import mechanics, tiles
 from scaffold_cad.errors import KeywordError
 
 NAMES_OF_0_1 = """
@@ -60,31 +64,36 @@ def test_an_unknown_name_is_refused() -> None:
         scaffold_cad.StrutFrames  # noqa: B018
 
 
-ABSTRACT = {"CellMap", "Field", "ScaffoldCadError"}
+ABSTRACT = {"CellMap", "ScaffoldCadError", "Work"}
 """Public classes that are made to be derived from or caught, not called."""
 
+REFERENCE = Path(__file__).parents[1] / "docs" / "api"
 
-MADE_BY_THE_PACKAGE = {
-    "BeamModel", "BeamSolution", "CellRow", "Hexahedra", "Homogenized", "Loading", "Sized",
-}  # fmt: skip
-"""Results of `mechanics` that users are given, and do not make."""
+
+def documented() -> list[str]:
+    """Return the dotted names of what the reference documents, without the modules."""
+    text = "\n".join(page.read_text("utf-8") for page in sorted(REFERENCE.glob("*.md")))
+    names = re.findall(r"^::: ([\w.]+)$", text, flags=re.MULTILINE)
+    return [name for name in names if name != "scaffold_cad.errors"]
 
 
 def _callables() -> dict[str, Any]:
-    """Return what users call by name, without build123d: all at the top level, and mechanics."""
-    top = {*dir(scaffold_cad)} - {*scaffold_cad.PART_CLASSES}
-    found = {name: getattr(scaffold_cad, name) for name in top if not name.startswith("_")}
-    found.update((name, getattr(mechanics, name)) for name in mechanics.__all__)
-    return {
-        name: one
-        for name, one in found.items()
-        if callable(one)
-        and str(one.__module__).startswith("scaffold_cad.")
-        and name not in ABSTRACT | MADE_BY_THE_PACKAGE
-    }
+    """Return what users call by its dotted name, but for parts, which load build123d."""
+    found = {}
+    for dotted in documented():
+        module, _, name = dotted.rpartition(".")
+        if name not in ABSTRACT | {*scaffold_cad.PART_CLASSES}:
+            found[dotted] = getattr(import_module(module), name)
+    return found
 
 
 CALLABLES = _callables()
+
+
+def _methods(kind: type) -> dict[str, Any]:
+    """Return the public methods that a class defines, but for properties."""
+    named = {name: getattr(kind, name) for name in vars(kind) if not name.startswith("_")}
+    return {name: one for name, one in named.items() if callable(one) and not isinstance(one, type)}
 
 
 def _check_misspelled(name: str, called: Any) -> None:
@@ -100,13 +109,22 @@ def _check_misspelled(name: str, called: Any) -> None:
         called(**{wrong: None})
 
 
-@pytest.mark.parametrize("name", sorted(CALLABLES))
-def test_a_misspelled_keyword_gets_the_right_one(name: str) -> None:
-    _check_misspelled(name, CALLABLES[name])
+@pytest.mark.parametrize("dotted", CALLABLES)
+def test_a_misspelled_keyword_gets_the_right_one(dotted: str) -> None:
+    _check_misspelled(dotted.rpartition(".")[2], CALLABLES[dotted])
+
+
+@pytest.mark.parametrize("dotted", [name for name, one in CALLABLES.items() if isclass(one)])
+def test_a_misspelled_keyword_of_a_method_gets_the_right_one(dotted: str) -> None:
+    for name, method in _methods(CALLABLES[dotted]).items():
+        _check_misspelled(name, method)
 
 
 def test_misspelled_keywords_are_found_for_all_public_names() -> None:
-    assert set(scaffold_cad.__all__) <= set(CALLABLES)
+    names = {dotted.rpartition(".")[2] for dotted in CALLABLES}
+    assert {*scaffold_cad.__all__} <= names
+    called = {*mechanics.__all__, *tiles.__all__} - ABSTRACT - {"MATERIALS"}
+    assert called <= names
 
 
 @pytest.mark.parametrize("name", scaffold_cad.PART_CLASSES)

@@ -9,6 +9,7 @@ from inspect import Parameter, signature
 from numbers import Integral, Real
 from os import PathLike
 from pathlib import Path
+from types import FunctionType
 from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
@@ -34,13 +35,14 @@ WAYS = {
 """How to get what is needed from what is often given in its place, by the names of both."""
 
 
-def check_kind(what: object, *kinds: type | str) -> None:
-    """Check that `what` is an instance of one of `kinds`.
+def check_kind(what: object, *kinds: type | str, name: str = "") -> None:
+    """Check that `what`, the argument `name`, is an instance of one of `kinds`.
 
     Parameters
     ----------
     kinds : classes; a name stands for a class of a package that need not be loaded, and is used
         in the message only
+    name : of the argument; left out where it is the first one, what the function is for
 
     Raises
     ------
@@ -51,9 +53,10 @@ def check_kind(what: object, *kinds: type | str) -> None:
         return
     found = type(what).__name__
     names = [kind if isinstance(kind, str) else kind.__name__ for kind in kinds]
-    ways = [WAYS[found, name] for name in names if (found, name) in WAYS]
+    ways = [WAYS[found, kind] for kind in names if (found, kind) in WAYS]
     hint = f": {ways[0]}" if ways else ""
-    raise OptionError(f"got {_described(what)}; need a {' or a '.join(names)}{hint}")
+    given = f"{name} is" if name else "got"
+    raise OptionError(f"{given} {_described(what)}; need a {' or a '.join(names)}{hint}")
 
 
 def check_choice(value: object, name: str, known: Iterable[str], *, or_else: str = "") -> None:
@@ -89,8 +92,8 @@ def checks_keywords(
 ) -> Callable[[Callable[_Given, _Result]], Callable[_Given, _Result]]:
     """Return a decorator: a wrong keyword raises a `KeywordError` with the nearest known one.
 
-    It takes functions and classes. Of a class only `__init__` is replaced: the class stays the
-    object that it was, so that pickles, subclasses and annotations know it.
+    It takes functions and classes. Of a class `__init__` and the public methods are replaced: the
+    class stays the object that it was, so that pickles, subclasses and annotations know it.
 
     Parameters
     ----------
@@ -115,6 +118,11 @@ def checks_keywords(
             return _checked(called, name, further)
         whole: Any = called
         whole.__init__ = _checked(whole.__init__, called.__name__, further)
+        for name, member in list(vars(called).items()):
+            if not name.startswith("_") and isinstance(member, FunctionType):
+                setattr(whole, name, _checked(member, name, ()))
+            elif not name.startswith("_") and isinstance(member, classmethod | staticmethod):
+                setattr(whole, name, type(member)(_checked(member.__func__, name, ())))
         return called
 
     return decorated
@@ -135,7 +143,7 @@ def _checked(
         for one in signature(other).parameters.values()
         if one.kind is Parameter.KEYWORD_ONLY
     ]
-    known = dict.fromkeys(name for name in own + passed_on if name != "self")
+    known = dict.fromkeys(name for name in own + passed_on if name not in ("self", "cls"))
     listed = f"one of {', '.join(known)}" if known else "no arguments"
 
     @wraps(function)

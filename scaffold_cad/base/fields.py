@@ -16,6 +16,7 @@ from scaffold_cad.base.summaries import counted, size_text
 from scaffold_cad.errors import OptionError
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class Field(Frozen):
     """Numbers on a regular grid, linear between its places; outside, those of the nearest one.

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import errno
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from secrets import token_hex
 
+from scaffold_cad.base.arguments import did_you_mean
 from scaffold_cad.errors import FormatError
 
 
@@ -19,6 +20,26 @@ def check_name(path: Path, failed: str) -> None:
     except OSError as error:
         if error.errno == errno.ENAMETOOLONG:
             raise FormatError(f"{failed}: its name is too long for a file") from None
+
+
+def unknown_suffix(path: Path, known: Iterable[str], what: str = "") -> FormatError:
+    """Return the error of a file that cannot be written, with the known suffix nearest to its own.
+
+    Parameters
+    ----------
+    what : is to be written, if not all things can be written to all `known` formats
+
+    Examples
+    --------
+    >>> str(unknown_suffix(Path("node.stpe"), [".step", ".stl"]))
+    "cannot write node.stpe: its suffix is '.stpe'; need one of .step, .stl; did you mean '.step'?"
+    """
+    suffix, known = path.suffix.lower(), list(known)
+    need = f"{what} need one of" if what else "need one of"
+    hint = did_you_mean(suffix, known)
+    return FormatError(
+        f"cannot write {path}: its suffix is {suffix!r}; {need} {', '.join(known)}{hint}"
+    )
 
 
 def make_folder(path: Path) -> None:

@@ -89,7 +89,7 @@ def project(mesh: QuadMesh, field: ConvolutionField) -> QuadMesh:
     1.0
     """
     check_kind(mesh, QuadMesh)
-    check_kind(field, ConvolutionField)
+    check_kind(field, ConvolutionField, name="field")
     longest = _shortest_edges(mesh)
     placed = _onto(mesh.vertices, field, longest)
     for least in LEAST_FACINGS:

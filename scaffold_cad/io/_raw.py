@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import (
     Edges,
     Floats,
@@ -23,6 +24,7 @@ from scaffold_cad.errors import SkeletonError
 from scaffold_cad.io._loading import RawLoading
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class RawSkeleton(Frozen):
     """A graph as a file holds it: perhaps with faults, perhaps without radii.

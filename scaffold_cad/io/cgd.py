@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import cKDTree
 
-from scaffold_cad.base.arguments import as_path
+from scaffold_cad.base.arguments import as_path, checks_keywords
 from scaffold_cad.base.arrays import Edges, Floats, Ints, Points
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.files import reading
@@ -49,6 +49,7 @@ class _Block:
     edges: list[tuple[int, list[str]]] = field(default_factory=list)
 
 
+@checks_keywords()
 def read_nets(path: str | Path) -> list[UnitCell]:
     """Return the nets of a Systre file (.cgd) as unit cells, in their order.
 

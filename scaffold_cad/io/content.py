@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from scaffold_cad import brep
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Ints
 from scaffold_cad.base.backends import is_instance
 from scaffold_cad.brep.analytic import AnalyticBrep
@@ -27,6 +28,7 @@ from scaffold_cad.solid.rounds import SIDES
 from scaffold_cad.struts import RoundStruts
 
 
+@checks_keywords()
 @dataclass(frozen=True)
 class Content:
     """What a file shall hold."""

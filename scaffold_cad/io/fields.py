@@ -7,7 +7,7 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from scaffold_cad.base.arguments import as_path
+from scaffold_cad.base.arguments import as_path, checks_keywords, did_you_mean
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.base.fields import Field, PointField
 from scaffold_cad.base.files import reading
@@ -40,6 +40,7 @@ FIELD_SUFFIXES = (".vti", ".vtu", ".vtp", *TABLES)
 """Suffixes of the files that hold fields."""
 
 
+@checks_keywords()
 def read_field(path: str | Path, name: str | None = None) -> Field | PointField:
     """Return the numbers that a file holds, as a function of positions; lengths are taken as mm.
 
@@ -58,7 +59,10 @@ def read_field(path: str | Path, name: str | None = None) -> Field | PointField:
     source = as_path(path)
     suffix = source.suffix.lower()
     if suffix not in FIELD_SUFFIXES:
-        raise FormatError(f"{source} holds no field; need one of {', '.join(FIELD_SUFFIXES)}")
+        hint = did_you_mean(suffix, FIELD_SUFFIXES)
+        raise FormatError(
+            f"{source} is of no format of fields; need one of {', '.join(FIELD_SUFFIXES)}{hint}"
+        )
     with reading(source):
         check_size(source, LARGEST_FILE)
         if suffix in TABLES:

@@ -24,6 +24,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import as_points
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._document import member, read_document
@@ -56,6 +57,7 @@ def write_json(content: Content, path: Path) -> None:
     path.write_text(skeleton_to_json(content.skeleton("a JSON file")), encoding="utf-8")
 
 
+@checks_keywords()
 def skeleton_to_json(skeleton: Skeleton) -> str:
     """Return `skeleton` as text in our JSON format, one node, edge or radius a line.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from os import PathLike
 
-from scaffold_cad.base.arguments import as_path
+from scaffold_cad.base.arguments import as_path, checks_keywords
 from scaffold_cad.base.files import reading
 from scaffold_cad.errors import FormatError, MeshError, OptionError, SkeletonError
 from scaffold_cad.io._units import factor_of
@@ -12,6 +12,7 @@ from scaffold_cad.io.register import mesh_format_of
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 
+@checks_keywords()
 def read_triangles(
     path: str | PathLike[str], *, units: str | None = None, scale: float | None = None
 ) -> TriangleMesh | None:

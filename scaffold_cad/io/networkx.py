@@ -7,15 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.base.arrays import as_floats
 from scaffold_cad.base.backends import need
+from scaffold_cad.base.radii import Radius, radii_at
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.skeleton import Skeleton
 
 
+@checks_keywords()
 def skeleton_from_networkx(
-    graph: Any, radius: float | None = None, *, position: str = "pos", radii: str = "radius"
+    graph: Any, radius: Radius | None = None, *, position: str = "pos", radii: str = "radius"
 ) -> Skeleton:
     """Return a networkx graph as a skeleton, not repaired; nodes and edges keep their order.
 
@@ -25,7 +27,8 @@ def skeleton_from_networkx(
     Parameters
     ----------
     graph : a networkx Graph, DiGraph, MultiGraph or MultiDiGraph
-    radius : mm, > 0; the radius of every node, instead of what the graph holds
+    radius : mm, > 0; one number or a function of positions (n, 3) that returns radii (n,), instead
+        of what the graph holds
     position : name of the nodes' attribute that is (x, y, z), or (x, y) for z = 0, mm
     radii : name of the nodes' attribute that is the radius, mm
 
@@ -47,20 +50,26 @@ def skeleton_from_networkx(
         lost = next((n for n, data in graph.nodes.items() if radii not in data), None)
         if lost is not None:
             raise SkeletonError(f"node {lost!r} has no {radii!r}; need one, or radius= for all")
-    of_nodes = radius if radius is not None else [d[radii] for d in graph.nodes.values()]
+    nodes = np.reshape(np.asarray(points, dtype=np.float64), (-1, 3))
+    of_nodes = (
+        radii_at(nodes, radius)
+        if radius is not None
+        else as_floats([d[radii] for d in graph.nodes.values()], "radii")
+    )
     pairs: dict[tuple[int, int], list[float]] = {}
     for a, b, data in graph.edges(data=True):
         pair = number[a], number[b]
         pairs.setdefault(_ordered(*pair), _edge_radii(a, b, data, pair[0] > pair[1]))
     edges = np.reshape(np.asarray([*pairs], dtype=np.intp), (-1, 2))
-    sizes = np.broadcast_to(as_floats(of_nodes, "radii"), len(points))
+    sizes = np.broadcast_to(of_nodes, len(points))
     struts = np.reshape([*pairs.values()], (-1, 2))
     if radius is not None:
         struts = np.full_like(struts, np.nan)
     struts = np.where(np.isnan(struts), sizes[edges], struts)
-    return Skeleton(np.reshape(points, (-1, 3)), edges, sizes, struts)
+    return Skeleton(nodes, edges, sizes, struts)
 
 
+@checks_keywords()
 def skeleton_to_networkx(
     skeleton: Skeleton, *, position: str = "pos", radii: str = "radius"
 ) -> Any:

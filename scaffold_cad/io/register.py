@@ -11,9 +11,10 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, get_args
 
-from scaffold_cad.base.arguments import checks_keywords
+from scaffold_cad.base.arguments import check_choice, checks_keywords, did_you_mean
+from scaffold_cad.base.files import unknown_suffix
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.io._radii import KeptRadii
 from scaffold_cad.io._raw import RawSkeleton
@@ -141,6 +142,7 @@ def register_writer(
     names_unit : whether files of the format say that they are in mm
     radii : which radii of a skeleton it holds; `write` tells of those that are lost
     """
+    check_choice(radii, "radii", get_args(KeptRadii))
 
     def register(write: Writer) -> Writer:
         shown = name or (suffixes[0].lstrip(".").upper() if suffixes else "")
@@ -151,6 +153,7 @@ def register_writer(
     return register
 
 
+@checks_keywords()
 def unregister(function: Callable[..., Any]) -> None:
     """Take a reader or a writer out of the register, for all of its suffixes.
 
@@ -231,7 +234,9 @@ def reader_of(path: Path, head: bytes) -> Reader:
         return by_content[0].read
     if by_suffix:
         return by_suffix[-1].read  # its error will say what is missing
-    raise FormatError(f"{path} is of no known format; need one of {', '.join(known_suffixes())}")
+    suffixes = known_suffixes()
+    hint = did_you_mean(path.suffix, suffixes)
+    raise FormatError(f"{path} is of no known format; need one of {', '.join(suffixes)}{hint}")
 
 
 def mesh_format_of(path: Path) -> MeshFormat | None:
@@ -251,8 +256,7 @@ def written_format_of(path: Path, solid: bool = False) -> WrittenFormat:
     found = [known for known in written_formats(solid) if path.suffix.lower() in known.suffixes]
     if found:
         return found[-1]
-    known = ", ".join(written_suffixes(solid))
-    raise FormatError(f"cannot write {path}: its suffix is {path.suffix.lower()!r}; need {known}")
+    raise unknown_suffix(path, written_suffixes(solid))
 
 
 def _lowered(suffixes: tuple[str, ...]) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ from itertools import product
 
 import numpy as np
 
-from scaffold_cad.base.arguments import as_real
+from scaffold_cad.base.arguments import as_real, checks_keywords
 from scaffold_cad.base.arrays import Points
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice.nets import (
@@ -47,6 +47,7 @@ def more_cells() -> list[UnitCell]:
     ]
 
 
+@checks_keywords()
 def reentrant_cell(depth: float = 0.25, height: float = 0.75, name: str = "reentrant") -> UnitCell:
     """Return a re-entrant cell: wider in x and y when it is pulled along z.
 
@@ -87,6 +88,7 @@ def reentrant_cell(depth: float = 0.25, height: float = 0.75, name: str = "reent
     )
 
 
+@checks_keywords()
 def reentrant_honeycomb(
     angle: float = np.pi / 6, ratio: float = 2.0, name: str = "reentrant_honeycomb"
 ) -> UnitCell:

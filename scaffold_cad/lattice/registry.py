@@ -91,7 +91,7 @@ def as_cell(cell: str | UnitCell) -> UnitCell:
     """Return `cell`, looked up if it is a name; refuse anything else."""
     if isinstance(cell, str):
         return unit_cell(cell)
-    check_kind(cell, UnitCell, "name of one")
+    check_kind(cell, UnitCell, "name of one", name="cell")
     return cell
 
 

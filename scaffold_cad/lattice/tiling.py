@@ -102,6 +102,8 @@ def mapped(
     20.0
     """
     check_kind(skeleton, Skeleton)
+    if not callable(mapping):
+        check_kind(mapping, "function of positions", name="mapping")
     nodes = np.asarray(mapping(skeleton.nodes))
     if nodes.shape != skeleton.nodes.shape:
         raise OptionError(f"mapping returned shape {nodes.shape}; need {skeleton.nodes.shape}")

@@ -76,6 +76,7 @@ class Layer(Frozen):
         return np.stack([low, self.points.max(axis=0, initial=-np.inf)])
 
 
+@checks_keywords()
 class Layers(Iterator[Layer]):
     """Layers from the lowest up, each made when it is asked for, and how large all of them are."""
 

@@ -11,10 +11,9 @@ import numpy as np
 
 from scaffold_cad.base.arguments import as_path, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Ints, Points
-from scaffold_cad.base.files import replacing
+from scaffold_cad.base.files import replacing, unknown_suffix
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import sums_by_row
-from scaffold_cad.errors import FormatError
 from scaffold_cad.io._radii import MEANS
 from scaffold_cad.mechanics.beams import BeamModel, BeamSolution
 from scaffold_cad.mechanics.meshfiles import write_meshio
@@ -74,8 +73,7 @@ def write_beams(model: BeamModel | BeamSolution, path: str | Path) -> None:
         _vtu(model, place)
         return
     if ending not in writers:
-        known = ", ".join([*writers, ".vtu"])
-        raise FormatError(f"{place}: cannot write beams as {ending!r}; need one of {known}")
+        raise unknown_suffix(place, [*writers, ".vtu"], "beams")
     with replacing(place) as fresh:
         fresh.write_text("\n".join([*writers[ending](beams), ""]), encoding="utf-8")
     if tapers and ending in MEANS_ONLY:

@@ -40,6 +40,7 @@ MOST_RIGID = 0.9
 """Part of a strut that its rigid ends may take."""
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class BeamModel(Beams):
     """Struts as beams, held and loaded; `solved` tells what becomes of them."""
@@ -163,6 +164,7 @@ class BeamModel(Beams):
         return forces
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class BeamSolution(Frozen):
     """What becomes of a beam model under its loads: arrays by node and by strut."""

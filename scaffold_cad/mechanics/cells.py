@@ -28,6 +28,7 @@ SOFT = 1e-12
 """Stiffness of a motion, in those of the stiffest one, below which the cell does not resist it."""
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class Homogenized(Frozen):
     """The elastic law of an endless lattice: stress = stiffness · strain, in Voigt's order.
@@ -238,6 +239,7 @@ def _voigt(units: Floats) -> Floats:
     return np.stack([units[..., i] * units[..., j] for i, j in VOIGT_PAIRS], axis=-1)
 
 
+@checks_keywords()
 @dataclass(frozen=True)
 class CellRow:
     """A line of the table of cells."""

@@ -38,6 +38,7 @@ from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.struts import RoundStruts
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class Hexahedra(Frozen):
     """A conforming mesh of hexahedra, and what each of them belongs to."""

@@ -20,6 +20,7 @@ NEAR = 1e-5
 """Distance within which a node of a file is one of the skeleton, in diagonals of its box."""
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class Loading:
     """What holds and loads a skeleton, as a file says."""
@@ -78,7 +79,7 @@ def read_loading(
     >>> round(solution.largest_displacement, 2)
     0.33
     """
-    check_kind(skeleton, Skeleton)
+    check_kind(skeleton, Skeleton, name="skeleton")
     raw = in_millimeters(path, read_raw(path), units, scale)
     if raw.loading is None or raw.loading.is_empty:
         return Loading((), ())

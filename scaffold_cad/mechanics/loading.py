@@ -9,7 +9,13 @@ from typing import Any, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_flag, check_choice, check_kind, checks_keywords
+from scaffold_cad.base.arguments import (
+    as_flag,
+    check_choice,
+    check_kind,
+    checks_keywords,
+    did_you_mean,
+)
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, as_chosen, as_floats, read_only
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import OptionError
@@ -74,6 +80,9 @@ class Support:
     """Which freedoms: "all" (clamped), "pinned" (x y z), or names such as "x z ry"."""
     displacement: ArrayLike = 0.0
     """Where they are moved to, mm and rad: one number, or one a freedom in `fixed`."""
+
+    def __post_init__(self) -> None:
+        _freedoms(self.fixed)
 
 
 @checks_keywords()
@@ -223,12 +232,15 @@ def _motion(freedom: str) -> str:
 
 
 def _freedoms(fixed: str) -> list[int]:
-    check_kind(fixed, str)
+    check_kind(fixed, str, name="fixed")
     names = {"all": " ".join(FREEDOMS), "clamped": " ".join(FREEDOMS), "pinned": "x y z"}
     words = names.get(fixed.strip().lower(), fixed).replace(",", " ").split()
     unknown = [word for word in words if word not in FREEDOMS]
     if unknown or not words:
-        raise OptionError(f"fixed is {fixed!r}; need all, pinned, or some of {' '.join(FREEDOMS)}")
+        hint = did_you_mean(fixed, names)
+        raise OptionError(
+            f"fixed is {fixed!r}; need all, pinned, or some of {' '.join(FREEDOMS)}{hint}"
+        )
     return sorted({FREEDOMS.index(word) for word in words})
 
 

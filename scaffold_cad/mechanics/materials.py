@@ -98,5 +98,5 @@ def as_material(material: Material | str) -> Material:
         name = material.strip().lower()
         check_choice(name, "material", MATERIALS, or_else="a Material")
         return MATERIALS[name]
-    check_kind(material, Material, "name of one")
+    check_kind(material, Material, "name of one", name="material")
     return material

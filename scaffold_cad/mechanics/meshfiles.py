@@ -11,8 +11,7 @@ import numpy as np
 from scaffold_cad.base.arguments import as_path, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Ints, Points
 from scaffold_cad.base.backends import need
-from scaffold_cad.base.files import replacing
-from scaffold_cad.errors import FormatError
+from scaffold_cad.base.files import replacing, unknown_suffix
 from scaffold_cad.mechanics.calculix import hexahedra_lines
 from scaffold_cad.mechanics.hexahedra import Hexahedra
 from scaffold_cad.mechanics.nastran import hexahedra_cards
@@ -117,8 +116,7 @@ def write_meshio(
     """
     ending = path.suffix.lower()
     if ending not in ENDINGS:
-        known = ", ".join([*LINES, *ENDINGS])
-        raise FormatError(f"{path}: cannot write a mesh as {ending!r}; need one of {known}")
+        raise unknown_suffix(path, [*LINES, *ENDINGS], "meshes for analysis")
     need("meshio", f"a mesh as {ending}")
     import meshio
 

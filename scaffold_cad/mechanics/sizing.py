@@ -38,6 +38,7 @@ HALVINGS = 40
 _log = logging.getLogger(__name__)
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class Sized(Frozen):
     """Radii by which no strut is overloaded, and how they came about."""

@@ -47,6 +47,7 @@ class Partition(Frozen):
         return float((2 * self.clearance / nearest_angles(self.directions[None])[0]).min())
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class Partitions(Frozen):
     """M partitions of one valency N, each certified."""

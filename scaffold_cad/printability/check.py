@@ -82,7 +82,7 @@ def check_printability(
     if sides is not None:
         check_sides(sides)
     if skeleton is not None:
-        check_kind(skeleton, Skeleton)
+        check_kind(skeleton, Skeleton, name="skeleton")
     if isinstance(what, Skeleton):
         what = build_scaffold(what)
     apothem, given = 1.0, skeleton is not None

@@ -9,9 +9,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 
-from scaffold_cad.base.arguments import as_number, check_choice
+from scaffold_cad.base.arguments import as_number, check_choice, checks_keywords
 
 
+@checks_keywords()
 @dataclass(frozen=True)
 class Process:
     """The limits of a printing process; `dataclasses.replace` gives one with others."""

@@ -33,6 +33,7 @@ def no_places() -> Points:
     return np.zeros((0, 3))
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class Finding(Frozen):
     """One thing that was looked at."""

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_count, check_kind
+from scaffold_cad.base.arguments import as_count, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import MeshError, OptionError
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class Assembly(Frozen):
     """Beam lattices and meshes in one space."""
@@ -185,6 +186,7 @@ def _with_skeleton(lattice: BeamLattice, skeleton: Skeleton) -> BeamLattice:
     return BeamLattice(skeleton, 0.0, lattice.clip, lattice.mesh, clipping=lattice.clipping)
 
 
+@checks_keywords()
 def assembly_solid(
     assembly: Assembly,
     sides: int = SIDES,

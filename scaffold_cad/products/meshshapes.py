@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.backends import need
 from scaffold_cad.errors import MeshError
 from scaffold_cad.products.surfaces import triangles_of
@@ -12,6 +13,7 @@ if TYPE_CHECKING:
     from build123d import Face
 
 
+@checks_keywords()
 def to_mesh_shape(what: Any) -> Face:
     """Return a mesh as one build123d Face that carries its triangles and no surface.
 

@@ -190,7 +190,7 @@ def build_scaffold(
     if like is None:
         stars = partition_stars(skeleton, options.method)
     else:
-        check_kind(like, Scaffold)
+        check_kind(like, Scaffold, name="like")
         _check_same_edges(skeleton, like.skeleton)
         _check_same_options(options, like.options)
         options = like.options

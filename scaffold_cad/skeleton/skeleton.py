@@ -383,6 +383,7 @@ class Skeleton(Frozen, Shown, Editing):
         return thin.cleaned(weld_distance=0.0).skeleton
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class Cleaning:
     """A repaired skeleton and what was repaired."""

@@ -20,7 +20,7 @@ def check_like(skeleton: Skeleton, options: StrutOptions, like: RoundStruts) -> 
     OptionError
         If the graph, the ends, the balls there or the walls are others, or nodes are sharp.
     """
-    check_kind(like, RoundStruts)
+    check_kind(like, RoundStruts, name="like")
     if options.is_sharp or like.options.is_sharp:
         edged = (options if options.is_sharp else like.options).nodes
         raise OptionError(

@@ -31,6 +31,9 @@ of its centerline, mm."""
 BLEND = 0.5
 """Fillet radius when none is given, in radii of the thinnest strut of the node."""
 
+BLENDS = ", one for each node, or a function of positions (n, 3) that returns them"
+"""What else `blend` may be, for messages."""
+
 SHARP = 0.1
 """Fillet radius of sharp nodes without a surface of their own, in radii of the thinnest strut."""
 
@@ -60,11 +63,11 @@ class StrutOptions:
 
     def __post_init__(self) -> None:
         if self.blend is not None and np.ndim(self.blend) == 0:
-            as_number(self.blend, "blend")
+            as_number(self.blend, "blend", hint=BLENDS)
         check_choice(self.ends, "ends", ("flat", "round", "open"))
         check_choice(self.joints, "joints", get_args(Joints))
         if isinstance(self.bend, str):
-            check_choice(self.bend, "bend", ("blend", "torus"))
+            check_choice(self.bend, "bend", ("blend", "torus"), or_else="a radius in mm")
         else:
             as_number(self.bend, "bend")
         check_choice(self.nodes, "nodes", get_args(Nodes))
@@ -139,7 +142,8 @@ def as_blend(blend: Blend | None, nodes: Points) -> float | Floats | None:
             raise OptionError(
                 "blend is 0 mm; need > 0, or nodes='sharp' for edges without a fillet"
             )
-        return None if there is None else as_number(there, "blend")
+        hint = "" if callable(blend) else BLENDS
+        return None if there is None else as_number(there, "blend", hint=hint)
     given = as_floats(there, "blend", OptionError)
     if given.shape != (len(nodes),):
         raise OptionError(f"blend has shape {given.shape}; need one number, or ({len(nodes)},), mm")

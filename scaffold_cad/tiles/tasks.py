@@ -32,6 +32,7 @@ VERSION = 1
 MANIFEST = "manifest.json"
 
 
+@checks_keywords()
 @dataclass(frozen=True)
 class TileFile:
     """A file that a task wrote."""
@@ -43,6 +44,7 @@ class TileFile:
     """Of its content."""
 
 
+@checks_keywords()
 @dataclass(frozen=True)
 class Manifest:
     """The files of all tiles, in their order, and what they were made of."""

@@ -9,11 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Bools, Frozen, Ints
 from scaffold_cad.base.summaries import size_text
 from scaffold_cad.skeleton import Skeleton
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class Tile(Frozen):
     """A part of a skeleton whose own struts have the surface that they have in the whole.

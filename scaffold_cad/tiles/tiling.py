@@ -118,6 +118,7 @@ def block_size(skeleton: Skeleton, struts: int) -> float:
     return 2.0 * float(sides[0])
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class SkeletonTiles(Frozen):
     """The tiles of a skeleton."""
@@ -164,6 +165,7 @@ class SkeletonTiles(Frozen):
         return tile.reshape(-1)
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class LatticeTiles(Frozen):
     """The tiles of a lattice, of which nothing is made before."""

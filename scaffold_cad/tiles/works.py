@@ -14,7 +14,7 @@ from typing import Any, Protocol, get_args
 
 import numpy as np
 
-from scaffold_cad.base.arguments import as_number, as_real, check_choice, checks_keywords
+from scaffold_cad.base.arguments import as_flag, as_number, as_real, check_choice, checks_keywords
 from scaffold_cad.base.backends import need
 from scaffold_cad.errors import OptionError
 from scaffold_cad.io.stacks import write_layers
@@ -66,6 +66,7 @@ class Build:
     suffix = ".stl"
 
     def __post_init__(self) -> None:
+        as_flag(self.round, "round")
         check_choice(self.overlaps, "overlaps", get_args(TileOverlaps))
         check_sides(self.sides)
 
@@ -143,6 +144,9 @@ class Check:
     """Of `build_scaffold`, by which struts are found that overlap."""
 
     suffix = ".json"
+
+    def __post_init__(self) -> None:
+        process_named(self.process)
 
     def made(self, tile: Tile) -> bytes:
         """Return numbers and extremes of the tile's own struts, as JSON."""

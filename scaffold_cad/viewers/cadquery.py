@@ -5,10 +5,12 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.backends import need
 from scaffold_cad.viewers.shapes import to_shape
 
 
+@checks_keywords()
 def to_cadquery(what: Any) -> Any:
     """Return `what` as a `cadquery.Shape`: the same OCCT shape, not a copy.
 

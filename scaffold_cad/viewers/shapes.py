@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.backends import is_instance
 from scaffold_cad.base.builders import built
 from scaffold_cad.brep.beziermesh import BezierMesh
@@ -28,6 +29,7 @@ MOST_QUADS = 5000
 """Quads that are shown as faces with their edges; more of them are shown as bare triangles."""
 
 
+@checks_keywords()
 def to_shape(what: Any) -> Shape:
     """Return a build123d shape to look at.
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from scaffold_cad.base.arguments import as_path
+from scaffold_cad.base.arguments import as_path, checks_keywords
 from scaffold_cad.base.files import replacing
 from scaffold_cad.base.notebook import Shown
 from scaffold_cad.base.summaries import counted
@@ -46,6 +46,7 @@ Model: TypeAlias = "Shown | Subdivision | Manifold"
 """What a page can show."""
 
 
+@checks_keywords()
 def write_page(what: Model, path: str | PathLike[str], *, solid: Model | None = None) -> None:
     """Write a page that shows `what`, named after its file, whole or not at all.
 
@@ -66,6 +67,7 @@ def write_page(what: Model, path: str | PathLike[str], *, solid: Model | None = 
         fresh.write_text(text, encoding="utf-8")
 
 
+@checks_keywords()
 def model_page(what: Model, *, title: str, solid: Model | None = None) -> str:
     """Return an HTML page that shows `what` and refers to nothing outside itself.
 
@@ -101,6 +103,7 @@ def model_page(what: Model, *, title: str, solid: Model | None = None) -> str:
     return layers_page(title, volume, [solid_layer(mesh, shown=True)])
 
 
+@checks_keywords()
 def for_notebook(what: Shown) -> str:
     """Return `what` as HTML for a notebook, or a line of text where that would be too much."""
     name = type(what).__name__

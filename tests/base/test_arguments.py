@@ -9,16 +9,18 @@ import numpy as np
 import pytest
 
 import scaffold_cad as sc
+from scaffold_cad import io, mechanics, tiles
 from scaffold_cad.base.arguments import as_count, as_number, check_kind
-from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.errors import FormatError, OptionError, SkeletonError
 from scaffold_cad.lattice import measured_density, unit_cell
 from scaffold_cad.parts import LatticeBox, LatticeFill, RoundStrutsSolid, ScaffoldSolid, StrutFrame
 from tests.meshes import CUBE
 from tests.skeletons import STRUT, TRIPOD
 
+FEET = mechanics.Support([1, 2, 3])
 BOX = [[0, 0, 0], [10, 10, 10]]
 SCAFFOLD = sc.build_scaffold(TRIPOD)
-MAKES_ONE = r"got a Skeleton; need a Scaffold: build_scaffold\(skeleton\) makes one"
+MAKES_ONE = r"like is a Skeleton; need a Scaffold: build_scaffold\(skeleton\) makes one"
 
 
 @pytest.mark.parametrize(
@@ -51,16 +53,74 @@ MAKES_ONE = r"got a Skeleton; need a Scaffold: build_scaffold\(skeleton\) makes 
         (lambda: sc.BeamLattice(None), "got None; need a Skeleton"),
         (lambda: sc.mapped(SCAFFOLD, np.asarray), "got a Scaffold; need a Skeleton"),
         (lambda: sc.register_cell("bcc"), "got 'bcc'; need a UnitCell"),
-        (lambda: sc.tile(None, 8.0, 2, radius=1.0), "got None; need a UnitCell or a name of one"),
+        (
+            lambda: sc.tile(None, 8.0, 2, radius=1.0),
+            "cell is None; need a UnitCell or a name of one",
+        ),
         (lambda: sc.project(sc.catmull_clark(CUBE), None), "need a QuadMesh: subdivision.mesh"),
         (lambda: sc.project(CUBE, TRIPOD), r"need a Conv.*: ConvolutionField\(skeleton\) is one"),
         (lambda: unit_cell(None), "got None; need a str"),
-        (lambda: sc.fill(BOX, TRIPOD, 8.0, 1.0), "got a Skeleton; need a UnitCell or a name"),
+        (lambda: sc.fill(BOX, TRIPOD, 8.0, 1.0), "cell is a Skeleton; need a UnitCell or a name"),
         (lambda: LatticeFill(None, "bcc", 8.0, 1.0), "the region is a NoneType; need a box"),
     ],
 )
 def test_a_wrong_kind_of_object_is_refused(call: Callable[[], object], message: str) -> None:
     with pytest.raises(OptionError, match=message):
+        call()
+
+
+@pytest.mark.parametrize(
+    ("call", "name", "meant"),
+    [
+        (lambda: sc.build_scaffold(TRIPOD, fit="enclos"), "fit", "enclose"),
+        (lambda: sc.build_scaffold(TRIPOD, section="aera"), "section", "area"),
+        (lambda: sc.build_scaffold(TRIPOD, method="duall"), "method", "dual"),
+        (lambda: sc.partition_sphere(np.eye(3), method="lun"), "method", "lune"),
+        (lambda: sc.round_struts(TRIPOD, ends="rund"), "ends", "round"),
+        (lambda: sc.round_struts(TRIPOD, joints="curv"), "joints", "curve"),
+        (lambda: sc.round_struts(TRIPOD, bend="torsu"), "bend", "torus"),
+        (lambda: sc.round_struts(TRIPOD, nodes="bal"), "nodes", "ball"),
+        (lambda: sc.to_brep(SCAFFOLD, kind="sold"), "kind", "solid"),
+        (lambda: sc.to_brep(SCAFFOLD, overlaps="unit"), "overlaps", "unite"),
+        (lambda: sc.write(SCAFFOLD, "a.stl", overlaps="alow"), "overlaps", "allow"),
+        (lambda: sc.write(SCAFFOLD, "a.step", overlaps="refus"), "overlaps", "refuse"),
+        (lambda: ScaffoldSolid(TRIPOD, overlaps="unit"), "overlaps", "unite"),
+        (lambda: LatticeBox("bcc", 9, 9, 9, 9, 1, section="rund"), "section", "round"),
+        (lambda: LatticeBox("bcc", 9, 9, 9, 9, 1, keep="hole"), "keep", "whole"),
+        (lambda: sc.lattice_part(BOX, "bcc", 9, 1, section="sqare"), "section", "square"),
+        (lambda: sc.fill(BOX, "bcc", 9, 1, keep="clp"), "keep", "clip"),
+        (lambda: sc.fill(BOX, "bc", 9, 1), "unit cell", "bcc"),
+        (lambda: sc.voronoi_foam(9, BOX, 1, keep="clp"), "keep", "clip"),
+        (lambda: sc.ConvolutionField(TRIPOD, kernel="cauchi"), "kernel", "cauchy"),
+        (lambda: sc.BeamLattice(TRIPOD, caps="but"), "caps", "butt"),
+        (lambda: sc.PeriodicLattice("bcc", 9, 2, 1, ends="flt"), "ends", "flat"),
+        (lambda: sc.check_printability(TRIPOD, "slss"), "process", "sls"),
+        (lambda: sc.check_printability(TRIPOD, "sls", material="pa13"), "material", "pa12"),
+        (lambda: mechanics.homogenized("bcc", 1, "steal"), "material", "steel"),
+        (lambda: mechanics.Support([0], "pined"), "fixed", "pinned"),
+        (lambda: tiles.Check("slm"), "process", "sls"),
+        (lambda: io.register_writer(".a", radii="member"), "radii", "members"),
+    ],
+)
+def test_a_misspelled_value_gets_the_right_one(
+    call: Callable[[], object], name: str, meant: str
+) -> None:
+    with pytest.raises(OptionError, match=f"^{name} is .*; need .*; did you mean '{meant}'\\?$"):
+        call()
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: sc.write(SCAFFOLD, "a.stpe"),
+        lambda: sc.write_layers(sc.slices(sc.round_struts(TRIPOD), thickness=1), "a.clii"),
+        lambda: mechanics.write_hexahedra(mechanics.hexahedra(SCAFFOLD), "a.vtuu"),
+        lambda: mechanics.write_beams(mechanics.beam_model(TRIPOD, "steel", FEET), "a.inpp"),
+        lambda: io.read_field("a.vtuu"),
+    ],
+)
+def test_a_misspelled_suffix_gets_the_right_one(call: Callable[[], object]) -> None:
+    with pytest.raises(FormatError, match=r"need one of \.\w+, .*; did you mean '\.\w+'\?$"):
         call()
 
 

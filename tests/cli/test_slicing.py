@@ -79,7 +79,7 @@ def test_a_closed_mesh_is_cut_as_it_is(
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["-o", "a.stl", "--layer", "1"], "its suffix is '.stl'; layers need .3mf, .cli"),
+        (["-o", "a.stl", "--layer", "1"], "its suffix is '.stl'; layers need one of .3mf, .cli"),
         (["-o", "a.cli", "--layer", "0"], "--layer is 0 mm; need > 0"),
         (["-o", "a.cli", "--layer", "1", "--skin", "1"], "--skin is the wall of a part; need --in"),
         (["-o", "a.svg", "--layer", "1", "--text"], "--text is for .cli files"),
@@ -132,7 +132,7 @@ def test_a_box_and_a_part_are_filled_in_layers(cube: str, tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--layer", "1", "-o", "a.stl"], "layers need .3mf, .cli"),
+        (["--layer", "1", "-o", "a.stl"], "layers need one of .3mf, .cli"),
         (["--layer", "1", "-o", "a.3mf", "--beams"], "--beams is not for --layer"),
         (["--layer", "1", "-o", "a.cli", "--joints", "blend"], "--joints is not for layers"),
         (["--text", "-o", "a.3mf"], "--text is for layers; need --layer"),

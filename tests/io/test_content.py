@@ -292,7 +292,7 @@ def test_writing_prints_nothing(tmp_path: Path, suffix, capfd) -> None:
 
 def test_an_unknown_suffix_is_refused_with_the_known_ones(tmp_path: Path) -> None:
     for name, suffix in (("cube.xyz", ".xyz"), ("cube", "")):
-        message = f"its suffix is '{suffix}'; need {', '.join(known_suffixes())}"
+        message = f"its suffix is '{suffix}'; need one of {', '.join(known_suffixes())}"
         with pytest.raises(FormatError, match=re.escape(message)):
             write(CUBE, tmp_path / name)
         with pytest.raises(FormatError, match=re.escape(message)):
@@ -390,7 +390,7 @@ def test_small_parts_keep_their_shape_in_3mf(tmp_path: Path) -> None:
 
 def test_what_holds_no_solid_is_not_offered_for_one(tmp_path: Path) -> None:
     check_writable(tmp_path / "skeleton.json")
-    message = "its suffix is '.json'; need .3mf, .brep, .glb, .obj, .ply, .step, .stl, .stp"
+    message = "its suffix is '.json'; need one of .3mf, .brep, .glb, .obj, .ply, .step, .stl, .stp"
     with pytest.raises(FormatError, match=f"{re.escape(message)}$"):
         check_writable(tmp_path / "skeleton.json", solid=True)
 

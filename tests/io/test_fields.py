@@ -91,7 +91,7 @@ def test_headings_tell_the_columns_of_a_table(tmp_path: Path, text: str, name: s
         ("field.csv", "x,y,z\n0,0,0,1\n", "headings 'x, y, z' above 4 columns; need one for each"),
         ("field.csv", "x [px],y,z,r\n0,0,0,1\n", r"column 'x \[px\]' has no unit of length; need"),
         ("field.csv", "x,y,z\n0,0,0\n", "line 2: '0 0 0' is too short; need x, y, z and a value"),
-        ("field.stl", "solid", "holds no field; need one of .vti"),
+        ("field.stl", "solid", "is of no format of fields; need one of .vti"),
         ("field.csv", "x,y,z\n", "has no line of numbers"),
         ("field.csv", "0,0,0,1\n0,0,1\n", "line 2.*too short"),
         ("field.csv", "0,0,0,1\n0,0,1,a\n", "line 2.*'a' is not a number"),

@@ -125,7 +125,7 @@ def test_paraview_file_holds_results(tmp_path: Path) -> None:
 
 
 def test_unknown_endings_and_kinds_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(FormatError, match=r"cannot write beams as '.doc'; need one of .inp"):
+    with pytest.raises(FormatError, match=r"its suffix is '.doc'; beams need one of .inp"):
         write_beams(block(), tmp_path / "block.doc")
     with pytest.raises(OptionError, match="need a BeamModel or a BeamSolution"):
         write_beams(block().skeleton, tmp_path / "block.inp")  # type: ignore[arg-type]

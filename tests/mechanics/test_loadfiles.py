@@ -209,5 +209,5 @@ def test_another_skeleton_is_refused(tmp_path: Path) -> None:
     path = written(tmp_path, "plane.tcl", PLANE)
     with pytest.raises(FormatError, match=r"at \[0.0, 0.0, 0.0\] mm, where the skeleton has no n"):
         read_loading(path, TRIPOD)
-    with pytest.raises(OptionError, match=r"got 'plane.tcl'; need a Skeleton"):
+    with pytest.raises(OptionError, match=r"skeleton is 'plane.tcl'; need a Skeleton"):
         read_loading(path, "plane.tcl")  # type: ignore[arg-type]

@@ -101,7 +101,7 @@ def test_paraview_file_holds_quality(mesh: Hexahedra, tmp_path: Path) -> None:
 
 
 def test_unknown_ending_is_refused(mesh: Hexahedra, tmp_path: Path) -> None:
-    with pytest.raises(FormatError, match=r"cannot write a mesh as '.stl'; need one of .inp"):
+    with pytest.raises(FormatError, match=r"'.stl'; meshes for analysis need one of .inp"):
         write_hexahedra(mesh, tmp_path / "tripod.stl")
 
 

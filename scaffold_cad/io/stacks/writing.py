@@ -13,7 +13,7 @@ from __future__ import annotations
 from os import PathLike
 
 from scaffold_cad.base.arguments import as_flag, as_number, as_path, check_kind, checks_keywords
-from scaffold_cad.base.files import replacing
+from scaffold_cad.base.files import replacing, unknown_suffix
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.io.stacks.cli import write_cli
 from scaffold_cad.io.stacks.images import write_images
@@ -105,6 +105,5 @@ def check_stack(path: PathLike[str]) -> str:
     """
     suffix = as_path(path).suffix.lower()
     if suffix not in STACK_SUFFIXES:
-        known = ", ".join(STACK_SUFFIXES)
-        raise FormatError(f"cannot write {path}: its suffix is {suffix!r}; layers need {known}")
+        raise unknown_suffix(as_path(path), STACK_SUFFIXES, "layers")
     return suffix

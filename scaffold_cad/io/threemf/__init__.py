@@ -7,7 +7,7 @@ from os import PathLike
 from pathlib import Path
 from typing import overload
 
-from scaffold_cad.base.arguments import as_path
+from scaffold_cad.base.arguments import as_path, checks_keywords
 from scaffold_cad.base.files import reading
 from scaffold_cad.errors import FormatError, MeshError, SkeletonError
 from scaffold_cad.io._mesh import joined_meshes
@@ -46,6 +46,7 @@ def read_3mf(path: Path) -> RawSkeleton:
     return skeleton
 
 
+@checks_keywords()
 def read_assembly(path: str | PathLike[str]) -> Assembly:
     """Return what a 3MF file builds, as what it is: beam lattices and meshes, in mm.
 

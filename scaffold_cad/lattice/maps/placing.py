@@ -81,8 +81,8 @@ class MappedLattice(Frozen):
 def lattice_on(
     mapping: CellMap,
     cell: str | UnitCell,
-    *,
     radius: Radius,
+    *,
     size: CellSize | None = None,
     counts: Counts | None = None,
     dangling: bool = True,
@@ -119,7 +119,7 @@ def lattice_on(
     >>> placed.skeleton.component_count
     1
     """
-    check_kind(mapping, CellMap)
+    check_kind(mapping, CellMap, name="mapping")
     cell = as_cell(cell)
     whole = extents(mapping)  # (3,)
     grading = None if size is None or not callable(size) else graded(mapping, size)

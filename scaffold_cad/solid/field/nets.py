@@ -5,12 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Floats, as_floats
 from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid.field.struts import FieldStruts, field_struts
 
 
+@checks_keywords()
 def skeleton_struts(
     skeleton: Skeleton,
     *,

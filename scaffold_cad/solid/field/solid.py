@@ -11,6 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -58,6 +59,7 @@ QUIET_SECONDS = 10.0
 _log = logging.getLogger(__name__)
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class FieldSolid(Frozen):
     """The solid of a filleted union of struts, and how it was made."""
@@ -94,6 +96,7 @@ class FieldSolid(Frozen):
         return replace(self, mesh=without_small_cavities(self.mesh, self.pieces, volume))
 
 
+@checks_keywords()
 def field_solid(
     struts: FieldStruts,
     *,

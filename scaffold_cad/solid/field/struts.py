@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, as_floats, as_points
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import OptionError
@@ -21,6 +22,7 @@ RIM = 0.5
 """Size of cells at the rim of a flat end, as a part of that elsewhere."""
 
 
+@checks_keywords()
 @dataclass(frozen=True, eq=False)
 class FieldStruts(Frozen):
     """Struts (cones and cylinders) and balls, as arrays; made by `field_struts`."""
@@ -55,6 +57,7 @@ class FieldStruts(Frozen):
         return low.min(axis=(0, 1)), high.max(axis=(0, 1))
 
 
+@checks_keywords()
 def field_struts(
     ends: ArrayLike,
     radii: ArrayLike,
