@@ -36,7 +36,7 @@ COMMANDS = (build, lattice, slicing, convert, cells, check, strength, view, form
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
-    parser, commands = _parsers()
+    parser, commands = parsers()
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
         words = with_config(words, commands)
@@ -52,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return running.run(options)
 
 
-def _parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParser]]:
+def parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParser]]:
     """Return the parser of the command line, and those of its commands by name."""
     parser = Parser(
         prog="scaffold-cad",

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from scaffold_cad.base.arguments import as_number, check_choice
+from scaffold_cad.base.arguments import as_number, did_you_mean
+from scaffold_cad.errors import OptionError
 
 MILLIMETERS = {
     "nm": 1e-6,
@@ -70,6 +71,8 @@ def factor_of(units: str | None, scale: float | None) -> float:
     if units is not None:
         known = length_of(units) if isinstance(units, str) else None
         if known is None:
-            check_choice(units, "units", MILLIMETERS)
-        factor = known or 1.0
+            near = did_you_mean(units, [*MILLIMETERS, *_NAMES])
+            short = ", ".join(MILLIMETERS)
+            raise OptionError(f"units is {units!r}; need one of {short}{near}")
+        factor = known
     return factor if scale is None else factor * as_number(scale, "scale", unit="")

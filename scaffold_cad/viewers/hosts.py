@@ -13,6 +13,7 @@ from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.errors import MissingBackendError, OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.products.overlaps import Overlaps
 from scaffold_cad.products.surfaces import triangles_of
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.skeleton import Skeleton
@@ -24,12 +25,12 @@ from scaffold_cad.viewers.shapes import to_shape
 OCP_VIEWERS = ("ocp_vscode", "ocp_viewer")
 """Modules with the same functions: OCP CAD Viewer in VS Code, and by itself in a browser."""
 
-Display: TypeAlias = Callable[[Any, str], None]
-"""Shows an object under a name."""
+Display: TypeAlias = Callable[[Any, str, Overlaps], None]
+"""Shows an object under a name, struts that overlap by a rule."""
 
 
 @checks_keywords()
-def show(what: Any, name: str | None = None) -> None:
+def show(what: Any, name: str | None = None, *, overlaps: Overlaps = "unite") -> None:
     """Show `what` in CQ-editor, in a notebook, or in an OCP CAD Viewer that is open.
 
     Objects are added to those that a script has shown before. In CQ-editor and OCP CAD Viewer a
@@ -40,6 +41,8 @@ def show(what: Any, name: str | None = None) -> None:
     ----------
     what : anything that `to_shape` knows
     name : of the object in the viewer; by default the name of the caller's variable that holds it
+    overlaps : what becomes of struts that overlap in CQ-editor and OCP CAD Viewer, see `to_shape`;
+        a notebook draws a scaffold and its united solid
 
     Raises
     ------
@@ -47,6 +50,8 @@ def show(what: Any, name: str | None = None) -> None:
         If there is no viewer; the message says what was looked for.
     OptionError
         If it is nothing that can be shown.
+    BrepError
+        If struts overlap and are refused.
 
     Examples
     --------
@@ -61,7 +66,7 @@ def show(what: Any, name: str | None = None) -> None:
             "and an open OCP CAD Viewer (ocp_vscode or ocp_viewer; run: python -m ocp_viewer); "
             "need one of them, or a file of write() for another program"
         )
-    display(what, _name_of(what, caller) if name is None else name)
+    display(what, _name_of(what, caller) if name is None else name, overlaps)
 
 
 def _caller() -> FrameType:
@@ -77,8 +82,8 @@ def _in_cq_editor(caller: FrameType) -> Display | None:
     for frame in _and_callers(caller):
         show_object: Any = frame.f_globals.get("show_object")
         if (getattr(show_object, "__module__", None) or "").startswith("cq_editor."):
-            return lambda what, name: show_object(
-                to_cadquery(what), name=name, options=_cq_options(what)
+            return lambda what, name, overlaps: show_object(
+                to_cadquery(what, overlaps), name=name, options=_cq_options(what)
             )
     return None
 
@@ -107,7 +112,7 @@ def _first(modules: Iterator[str]) -> Display | None:
     for viewer in map(import_module, modules):
         if viewer.get_port() is not None:
             show_object = viewer.show_object
-            return lambda what, name: show_object(to_shape(what), name=name)
+            return lambda what, name, overlaps: show_object(to_shape(what, overlaps), name=name)
     return None
 
 
@@ -118,7 +123,7 @@ def _in_notebook() -> Display | None:
     if shell is None or not hasattr(shell, "kernel"):  # a terminal has none
         return None
     display = import_module("IPython.display").display
-    return lambda what, _name: display(_drawable(what))
+    return lambda what, _name, _overlaps: display(_drawable(what))
 
 
 def _drawable(what: Any) -> Any:

@@ -14,7 +14,7 @@ import pytest
 from build123d import Box, GeomType, export_step, import_step
 
 from scaffold_cad import Skeleton, write
-from scaffold_cad.cli import _parsers, main
+from scaffold_cad.cli import main, parsers
 from scaffold_cad.io import read_triangles
 
 TRIPOD = Skeleton([[0, 0, 0], [30, 0, 9], [0, 30, 9], [0, 0, 30]], [[0, 1], [0, 2], [0, 3]], 2.0)
@@ -134,7 +134,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def commands() -> dict[str, argparse.ArgumentParser]:
-    return _parsers()[1]
+    return parsers()[1]
 
 
 @pytest.mark.parametrize("command", commands())

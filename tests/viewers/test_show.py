@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import subprocess
 import sys
 from importlib.util import find_spec
@@ -13,7 +14,7 @@ import numpy as np
 import pytest
 
 from scaffold_cad.brep.g1 import smooth_patches
-from scaffold_cad.errors import MissingBackendError, OptionError
+from scaffold_cad.errors import BrepError, MissingBackendError, OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.subdivision import catmull_clark
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -75,11 +76,29 @@ def test_skeleton_is_shown_by_its_edges() -> None:
     assert len(to_shape(STICK_FIGURE).edges()) == len(STICK_FIGURE.edges)
 
 
-def test_scaffold_is_shown_by_its_faces_even_if_they_cross() -> None:
-    nodes = [[0, 0, 0], [20, 0, 0], [10, -8, 0.5], [10, 8, 0.5]]
-    crossing = build_scaffold(Skeleton(nodes, [[0, 1], [2, 3]], 1.0))
-    assert not crossing.embedding().certified
-    assert len(to_shape(crossing).faces()) == len(crossing.mesh.quads)
+CROSSING = Skeleton([[0, 0, 0], [20, 0, 0], [10, -8, 0.5], [10, 8, 0.5]], [[0, 1], [2, 3]], 1.0)
+
+
+def test_scaffold_is_shown_by_its_faces() -> None:
+    scaffold = build_scaffold(TRIPOD)
+    assert len(to_shape(scaffold).faces()) == len(scaffold.mesh.quads)
+
+
+@pytest.mark.parametrize("make", [build_scaffold, round_struts])
+def test_struts_that_overlap_are_shown_by_the_one_rule(
+    make: Any, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.INFO)
+    crossing = make(CROSSING)
+    assert len(to_shape(crossing).faces()) == 1
+    assert [record.levelname for record in caplog.records] == ["INFO"]
+    with pytest.raises(BrepError, match="2 of 2 struts overlap others"):
+        to_shape(crossing, overlaps="refuse")
+    caplog.clear()
+    assert len(to_shape(crossing, overlaps="allow").faces()) > 1
+    assert [record.levelname for record in caplog.records] == ["WARNING"]
+    with pytest.raises(OptionError, match="did you mean 'unite'"):
+        to_shape(crossing, overlaps="unit")  # type: ignore[arg-type]
 
 
 def test_patches_are_shown_by_their_faces() -> None:
@@ -94,12 +113,7 @@ def test_round_struts_are_shown_by_their_faces() -> None:
     assert shape.is_valid
 
 
-def test_round_struts_that_overlap_or_are_many_are_shown_as_triangles(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    nodes = [[0, 0, 0], [20, 0, 0], [10, -8, 0.5], [10, 8, 0.5]]
-    crossing = round_struts(Skeleton(nodes, [[0, 1], [2, 3]], 1.0))
-    assert len(to_shape(crossing).faces()) == 1
+def test_many_round_struts_are_shown_as_triangles(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("scaffold_cad.viewers.shapes.MOST_STRUTS", 2)
     assert len(to_shape(round_struts(TRIPOD)).faces()) == 1
 
