@@ -55,6 +55,11 @@ class Field(Frozen):
             )
         self._keep(values=grid, bounds=corners)
 
+    def __str__(self) -> str:
+        counts = " x ".join(map(str, self.values.shape))
+        values = f"values {self.values.min():.6g} to {self.values.max():.6g}"
+        return f"Field: {counts} values, {size_text(self.bounds)}, {values}"
+
     def __call__(self, points: ArrayLike) -> Floats:
         """Return the numbers at positions (n, 3), shape (n,)."""
         low, high = self.bounds

@@ -19,7 +19,7 @@ from scaffold_cad.base.arrays import (
     check_believable,
 )
 from scaffold_cad.base.positions import equal_positions
-from scaffold_cad.base.summaries import counted
+from scaffold_cad.base.summaries import counted, radii_text, size_text
 from scaffold_cad.errors import SkeletonError
 from scaffold_cad.io._loading import RawLoading
 
@@ -82,6 +82,11 @@ class RawSkeleton(Frozen):
             usual_unit=usual_unit,
             loading=loading,
         )
+
+    def __str__(self) -> str:
+        counts = f"{counted(len(self.nodes), 'node')}, {counted(len(self.edges), 'edge')}"
+        radii = "no radii" if self.radii is None else radii_text(self.radii)
+        return f"RawSkeleton: {counts}, {size_text(self.nodes)}, {radii}"
 
     def scaled(self, factor: float) -> RawSkeleton:
         """Return the graph with positions and radii multiplied by `factor`.

@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import sums_by_row
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io.reading import in_millimeters, read_raw
@@ -29,6 +30,11 @@ class Loading:
     """Each on all nodes that are held alike; none where the file has no support."""
     loads: tuple[Load, ...]
     """Each on all nodes that are loaded alike; none where the file has no load."""
+
+    def __str__(self) -> str:
+        return (
+            f"Loading: {counted(len(self.supports), 'support')}, {counted(len(self.loads), 'load')}"
+        )
 
 
 @checks_keywords()

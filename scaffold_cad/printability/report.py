@@ -51,6 +51,9 @@ class Finding(Frozen):
     places: Points = field(default_factory=no_places)
     """Where it is, shape (k, 3), mm; not all places of a kind need be there."""
 
+    def __str__(self) -> str:
+        return f"Finding: {self.name}, {self.verdict}: {self.text}"
+
 
 @checks_keywords()
 @dataclass(frozen=True, eq=False)

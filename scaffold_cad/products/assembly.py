@@ -54,6 +54,12 @@ class Assembly(Frozen):
         for mesh in self.meshes:
             check_kind(mesh, TriangleMesh)
 
+    def __str__(self) -> str:
+        beams = counted(self.beam_count, "beam")
+        lattices = counted(len(self.lattices), "lattice")
+        meshes = counted(len(self.meshes), "mesh", "meshes")
+        return f"Assembly: {beams} in {lattices}, {meshes}"
+
     @property
     def beam_count(self) -> int:
         """Number of beams of all lattices."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from scaffold_cad.base.arguments import as_count, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
-from scaffold_cad.base.summaries import counted
+from scaffold_cad.base.summaries import counted, size_text
 from scaffold_cad.base.vectors import dot, normalize
 from scaffold_cad.brep.bernstein import bernstein, elevation
 from scaffold_cad.brep.beziermesh import BezierMesh
@@ -48,6 +48,11 @@ class Patches(Frozen):
     join smoothly; one patch a quad."""
     is_flat: Bools
     """Whether each patch is in a plane within creases, shape (f,)."""
+
+    def __str__(self) -> str:
+        flat = f"{int(self.is_flat.sum())} flat"
+        size = size_text(self.control.mesh.vertices)
+        return f"Patches: {counted(len(self.is_flat), 'patch', 'patches')}, {flat}, {size}"
 
     @property
     def quad_of_patch(self) -> Ints:

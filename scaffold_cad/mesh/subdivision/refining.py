@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_count, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Edges, Frozen, Ints, Points
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.subdivision.connectivity import NO_CREASES, Connectivity
 
@@ -30,6 +31,9 @@ class Subdivision(Frozen):
     """Vertex pairs across which it stays sharp, shape (k, 2)."""
     quad_of_quad: Ints
     """Quad of the mesh before that each quad is a part of, shape (f,)."""
+
+    def __str__(self) -> str:
+        return f"Subdivision: {self.mesh}, {counted(len(self.creases), 'crease')}"
 
 
 @checks_keywords()

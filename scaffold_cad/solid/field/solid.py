@@ -13,6 +13,7 @@ import numpy as np
 
 from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
+from scaffold_cad.base.summaries import counted, range_text, size_text
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.field.cells import check_size, levels_of, memory_of
@@ -75,6 +76,11 @@ class FieldSolid(Frozen):
     thickened: Ints
     """Struts that are thicker than asked for, as 32-bit numbers are too far apart there or the
     whole is too large for such small cells, shape (k,)."""
+
+    def __str__(self) -> str:
+        size = size_text(self.mesh.vertices)
+        triangles = counted(len(self.mesh.triangles), "triangle")
+        return f"FieldSolid: {triangles}, {size}, cells of {range_text(self.cells)}"
 
     @cached_property
     def pieces(self) -> Pieces:

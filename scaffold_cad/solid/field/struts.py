@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, as_floats, as_points
+from scaffold_cad.base.summaries import counted, radii_text, size_text
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import OptionError
 
@@ -35,6 +36,11 @@ class FieldStruts(Frozen):
     """Whether the strut ends in a flat disc there, shape (m, 2); otherwise it is round."""
     blend: Floats
     """Fillet radius of each strut, shape (m,), mm, > 0."""
+
+    def __str__(self) -> str:
+        size = size_text(self.ends.reshape(-1, 3))
+        struts = counted(len(self.ends), "strut")
+        return f"FieldStruts: {struts}, {size}, {radii_text(self.radii)}"
 
     @property
     def lengths(self) -> Floats:
