@@ -43,6 +43,28 @@ class Chains(Frozen):
     """Whether the chain is a ring of joints, which has no end, shape (b,)."""
 
 
+def sides_of(faces: Ints) -> Edges:
+    """Return the sides of faces (f, k), each from a corner to the next one, shape (f k, 2).
+
+    >>> sides_of(np.array([[4, 7, 5]])).tolist()
+    [[4, 7], [7, 5], [5, 4]]
+    """
+    return np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2)
+
+
+def edges_of_sides(sides: Edges) -> tuple[Edges, Ints]:
+    """Return the edges that sides (s, 2) run along, lower end first (e, 2), and that of each, (s,).
+
+    >>> edges, edge_of_side = edges_of_sides(np.array([[4, 7], [7, 5], [7, 4]]))
+    >>> edges.tolist(), edge_of_side.tolist()
+    ([[4, 7], [5, 7]], [0, 1, 0])
+    """
+    low, high = sides.min(axis=1), sides.max(axis=1)
+    count = int(high.max(initial=0)) + 1
+    keys, edge_of_side = np.unique(low * count + high, return_inverse=True)
+    return np.stack(np.divmod(keys, count), axis=1), edge_of_side.reshape(-1)
+
+
 def valencies(edges: Edges, count: int) -> Ints:
     """Return the number of edges at each of `count` nodes; a self-loop counts twice."""
     return np.bincount(edges.reshape(-1), minlength=count)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Ints
-from scaffold_cad.base.topology import component_labels
+from scaffold_cad.base.topology import component_labels, edges_of_sides, sides_of
 from scaffold_cad.base.vectors import length, normalize
 from scaffold_cad.brep.analytic import AnalyticBrep, Axes, BrepEdges, BrepFaces, Surface
 from scaffold_cad.errors import BrepError
@@ -42,10 +42,8 @@ def brep_of_triangles(mesh: TriangleMesh, name: Ints, names: Sequence[str]) -> A
     # Across the normal: the longest side.
     longest = length(sides.reshape(-1, 3)).reshape(-1, 3).argmax(axis=1)
     along = normalize(sides[np.arange(count), longest])
-    start, end = triangles.reshape(-1), np.roll(triangles, -1, axis=1).reshape(-1)
-    pairs, edge = np.unique(
-        np.sort(np.stack([start, end], axis=1), axis=1), axis=0, return_inverse=True
-    )
+    start, end = sides_of(triangles).T
+    pairs, edge = edges_of_sides(sides_of(triangles))
     labels = component_labels(pairs, len(mesh.vertices))
     _, shell = np.unique(labels[triangles[:, 0]], return_inverse=True)
     shell, nothing = shell.reshape(-1), np.zeros((0, 3))

@@ -10,6 +10,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
 from scaffold_cad.base.ranges import ranges
+from scaffold_cad.base.topology import sides_of
 from scaffold_cad.layers.sweep import Sweep, count_at
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
@@ -139,7 +140,7 @@ def neighbors(triangles: Ints, count: int) -> Ints:
     triangles : (t, 3) vertices; side k goes from corner k to the next
     count : of vertices
     """
-    start, end = triangles.reshape(-1), np.roll(triangles, -1, axis=1).reshape(-1)
+    start, end = sides_of(triangles).T
     key = np.minimum(start, end) * count + np.maximum(start, end)
     order = np.argsort(key, kind="stable")
     across = np.empty_like(order)

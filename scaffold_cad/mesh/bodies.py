@@ -8,7 +8,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, Triangles, place_text
 from scaffold_cad.base.summaries import counted
-from scaffold_cad.base.topology import component_labels
+from scaffold_cad.base.topology import component_labels, edges_of_sides, sides_of
 from scaffold_cad.base.vectors import any_perpendicular, dot, normalize
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.intersections import self_intersections
@@ -181,11 +181,8 @@ def _outermost(vertices: Points, triangles: Triangles) -> tuple[Points, Points]:
 
 def _edges(triangles: Triangles) -> tuple[Edges, Ints, Bools]:
     """Return the edges (e, 2), lower vertex first, that of each side, and whether it runs so."""
-    start, end = triangles.reshape(-1), np.roll(triangles, -1, axis=1).reshape(-1)
-    count = int(triangles.max()) + 1
-    key = np.minimum(start, end) * count + np.maximum(start, end)
-    keys, of_side = np.unique(key, return_inverse=True)
-    return np.stack(np.divmod(keys, count), axis=1), of_side.reshape(-1), start < end
+    sides = sides_of(triangles)
+    return *edges_of_sides(sides), sides[:, 0] < sides[:, 1]
 
 
 def _with_material_between(mesh: TriangleMesh, edge: Ints, sides: Ints, forward: Bools) -> Edges:

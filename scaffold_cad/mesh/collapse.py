@@ -9,6 +9,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Points, Triangles
 from scaffold_cad.base.ranges import steps
+from scaffold_cad.base.topology import sides_of
 from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted, have_distinct_corners
 
@@ -68,7 +69,7 @@ def without_short_edges(
 
 def _short_edges(mesh: TriangleMesh, shortest: Lengths) -> Edges:
     """Return the edges shorter than `shortest`, lower vertex first, the shortest first, (k, 2)."""
-    ends = np.stack([mesh.triangles, np.roll(mesh.triangles, -1, axis=1)], axis=2).reshape(-1, 2)
+    ends = sides_of(mesh.triangles)
     ends = ends[ends[:, 0] < ends[:, 1]]  # each edge once: its other triangle runs back along it
     spans = length(mesh.vertices[ends[:, 1]] - mesh.vertices[ends[:, 0]])
     least = lengths_at(shortest, mesh.vertices[ends].mean(axis=1)) if len(ends) else 0.0

@@ -17,6 +17,7 @@ from scaffold_cad.base.arrays import (
     Triangles,
     UnitVectors,
 )
+from scaffold_cad.base.topology import edges_of_sides, sides_of
 from scaffold_cad.base.vectors import dot, length, normalize, sums_by_row
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.collapse import Lengths, lengths_at, without_short_edges
@@ -272,11 +273,8 @@ def _vertex_normals(mesh: TriangleMesh) -> UnitVectors:
 
 def _edges(rows: Triangles) -> tuple[Edges, Ints]:
     """Return the edges, lower vertex first (e, 2), and that of each side (t, 3)."""
-    start, end = rows.reshape(-1), np.roll(rows, -1, axis=1).reshape(-1)
-    count = int(rows.max()) + 1
-    key = np.minimum(start, end) * count + np.maximum(start, end)
-    keys, of_side = np.unique(key, return_inverse=True)
-    return np.stack(np.divmod(keys, count), axis=1), of_side.reshape(-1, 3)
+    edges, of_side = edges_of_sides(sides_of(rows))
+    return edges, of_side.reshape(-1, 3)
 
 
 def _facing(of_side: Ints, count: int) -> tuple[Ints, Ints]:

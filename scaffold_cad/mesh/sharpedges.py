@@ -6,6 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Points, UnitVectors
+from scaffold_cad.base.topology import sides_of
 from scaffold_cad.base.vectors import dot, length, normalize, sums_by_row
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
@@ -89,7 +90,7 @@ class SharpEdges:
 
 def sharp_edges(mesh: TriangleMesh) -> Edges:
     """Return the edges of a mesh between triangles at large angles, lower vertex first, (k, 2)."""
-    start, end = mesh.triangles.reshape(-1), np.roll(mesh.triangles, -1, axis=1).reshape(-1)
+    start, end = sides_of(mesh.triangles).T
     low, high = np.minimum(start, end), np.maximum(start, end)
     order = np.lexsort([high, low])
     pair = (low[order[1:]] == low[order[:-1]]) & (high[order[1:]] == high[order[:-1]])

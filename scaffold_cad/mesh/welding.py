@@ -7,6 +7,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from scaffold_cad.base.positions import equal_positions
+from scaffold_cad.base.topology import sides_of
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, have_distinct_corners
 
@@ -39,7 +40,7 @@ def with_fans_apart(mesh: TriangleMesh) -> TriangleMesh:
     """
     rows = mesh.triangles
     corner = np.arange(rows.size)
-    start, end = rows.reshape(-1), np.roll(rows, -1, axis=1).reshape(-1)
+    start, end = sides_of(rows).T
     following = np.roll(corner.reshape(-1, 3), -1, axis=1).reshape(-1)
     order = np.lexsort((end, start))
     back = np.empty_like(order)  # the side of the neighbor that runs the other way

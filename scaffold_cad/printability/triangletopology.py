@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points
-from scaffold_cad.base.topology import component_labels
+from scaffold_cad.base.topology import component_labels, edges_of_sides, sides_of
 from scaffold_cad.base.vectors import length
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, cone_volumes
 
@@ -51,16 +51,12 @@ class TriangleTopology:
     @cached_property
     def sides(self) -> Edges:
         """Directed sides, three a triangle of `triangles`, shape (3 s, 2)."""
-        rows = self.mesh.triangles[self.triangles]
-        return np.stack([rows, np.roll(rows, -1, axis=1)], axis=2).reshape(-1, 2)
+        return sides_of(self.mesh.triangles[self.triangles])
 
     @cached_property
     def _edge_of_side(self) -> tuple[Edges, Ints, Ints]:
-        ends = np.sort(self.sides, axis=1)
-        keys = ends[:, 0] * len(self.mesh.vertices) + ends[:, 1]
-        found, edge, count = np.unique(keys, return_inverse=True, return_counts=True)
-        vertex_count = max(len(self.mesh.vertices), 1)
-        return np.stack(np.divmod(found, vertex_count), axis=1), edge.reshape(-1), count
+        edges, edge_of_side = edges_of_sides(self.sides)
+        return edges, edge_of_side, np.bincount(edge_of_side, minlength=len(edges))
 
     @property
     def edges(self) -> Edges:

@@ -15,7 +15,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Edges, Points
 from scaffold_cad.base.positions import equal_positions, in_single_precision, single_steps
 from scaffold_cad.base.summaries import counted
-from scaffold_cad.base.topology import component_labels
+from scaffold_cad.base.topology import component_labels, sides_of
 from scaffold_cad.base.vectors import length, sums_by_row
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.collapse import without_short_edges
@@ -216,11 +216,11 @@ def _drawn_in(mesh: TriangleMesh, touching: Bools, distance: float) -> TriangleM
     At a corner of the solid this is into it, at a corner of what is outside it is out of it: in
     both, sheets that met there are parted.
     """
-    ends = np.stack([mesh.triangles, np.roll(mesh.triangles, -1, axis=1)], axis=2).reshape(-1, 2)
+    ends = sides_of(mesh.triangles)
     start, end = ends[touching[ends[:, 0]]].T  # each neighbor once: the surface is closed
     way = mesh.vertices[end] - mesh.vertices[start]
     count = np.maximum(np.bincount(start, minlength=len(touching)), 1)
-    mean = np.stack([np.bincount(start, w, len(touching)) for w in way.T], axis=1) / count[:, None]
+    mean = sums_by_row(way, start, len(touching)) / count[:, None]
     shortest = np.full(len(touching), np.inf)
     np.minimum.at(shortest, start, length(way))
     size = length(mean)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints, UnitVectors
-from scaffold_cad.base.vectors import angle_between, dot, normalize
+from scaffold_cad.base.vectors import angle_between, dot, normalize, sums_by_row
 from scaffold_cad.partition.arcs import side_twins
 from scaffold_cad.partition.certificate import certify, corners_of
 
@@ -68,10 +68,10 @@ def _wanted(directions: UnitVectors, vertices: UnitVectors, quads: Ints) -> Unit
     is_crotch = (between < WIDE) & (dot(normalize(start + end), middle) > np.cos(BESIDE))
     is_crotch &= dot(start, middle) < np.cos(half)  # else it is near enough
     place = np.cos(half)[..., None] * middle + np.sin(half)[..., None] * across
-    sums = np.zeros_like(vertices)
     which = np.nonzero(is_crotch)
-    corner = quads.reshape(count, -1)[which]
-    np.add.at(sums, (which[0], corner), place[which])
+    each = vertices.shape[1]
+    corner = which[0] * each + quads.reshape(count, -1)[which]
+    sums = sums_by_row(place[which], corner, count * each).reshape(vertices.shape)
     found = np.array(vertices)
     moved = (sums != 0).any(axis=2)
     found[moved] = normalize(sums[moved])

@@ -8,6 +8,7 @@ import numpy as np
 
 from scaffold_cad.base.arguments import check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, Quads, UnitVectors
+from scaffold_cad.base.topology import sides_of
 from scaffold_cad.base.vectors import dot, normalize, sums_by_row
 from scaffold_cad.errors import MeshError
 from scaffold_cad.lattice.maps.surfaces import Height, SurfaceMap
@@ -149,7 +150,7 @@ def _partners(quads: Quads) -> Ints:
         If two quads run along a side the same way.
     """
     count = int(quads.max()) + 1
-    start, end = quads.reshape(-1), np.roll(quads, -1, axis=1).reshape(-1)
+    start, end = sides_of(quads).T
     ahead, back = start * count + end, end * count + start
     order = np.argsort(ahead, kind="stable")
     ranked = ahead[order]

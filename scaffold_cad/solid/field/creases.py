@@ -16,6 +16,7 @@ from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.base.positions import in_single_precision
+from scaffold_cad.base.topology import sides_of
 from scaffold_cad.base.vectors import any_perpendicular, dot, length, normalize
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.intersections.faces import boxes_of
@@ -119,7 +120,7 @@ def _crossings(
     vertices = mesh.vertices - union.origin
     of = _plane_of(vertices, planes)
     triangles = mesh.triangles[(of[mesh.triangles] >= 0).any(axis=1)]
-    ends = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
+    ends = sides_of(triangles)
     ends = np.concatenate([ends, ends[:, ::-1]])
     ends = ends[of[ends[:, 0]] >= 0]
     plane = of[ends[:, 0]]
@@ -244,7 +245,7 @@ def _shortest(mesh: TriangleMesh, sides: Edges) -> Floats:
     found = np.full(len(mesh.vertices), -np.inf)
     found[sides] = np.inf
     triangles = mesh.triangles[(found[mesh.triangles] > 0).any(axis=1)]
-    ends = np.stack([triangles, np.roll(triangles, -1, axis=1)]).reshape(2, -1)
+    ends = sides_of(triangles).T
     size = length(mesh.vertices[ends[0]] - mesh.vertices[ends[1]])
     for end in ends:
         np.minimum.at(found, end, size)

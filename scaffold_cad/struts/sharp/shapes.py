@@ -17,7 +17,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points
 from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.topology import component_labels
-from scaffold_cad.base.vectors import normalize
+from scaffold_cad.base.vectors import normalize, sums_by_row
 from scaffold_cad.struts.sharp.ballfaces import BallFace, apart, ball_frames
 from scaffold_cad.struts.sharp.curves import Kind, StarCurves, curves_of
 from scaffold_cad.struts.sharp.loops import Loop, clearance, loops_of, ordered
@@ -181,8 +181,7 @@ def _shape(
     outlines, points, sides = outlines.chosen(kept), points[kept], sides[kept]
     _, vertex = np.unique(number_of[kept], return_inverse=True)
     ends = vertex.reshape(-1, 2)
-    places = np.zeros((int(ends.max()) + 1, 3))
-    np.add.at(places, ends, points[:, [0, -1]])
+    places = sums_by_row(points[:, [0, -1]], ends, int(ends.max()) + 1)
     places /= np.bincount(ends.reshape(-1))[:, None]
     slack = np.zeros(len(places))
     np.maximum.at(slack, ends, np.linalg.norm(points[:, [0, -1]] - places[ends], axis=2))

@@ -13,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Points, Triangles
+from scaffold_cad.base.topology import sides_of
 from scaffold_cad.base.vectors import dot, triple
 from scaffold_cad.struts.bands import enlargement
 from scaffold_cad.struts.sharp.columns import points_along, seen, strut_triangles, unrolled
@@ -92,7 +93,7 @@ def _compacted(points: Points, triangles: Triangles) -> ShapeTriangles:
 
 def _closes(triangles: Triangles, count: int) -> bool:
     """Return whether each side, but for those of rings, is that of two triangles, both ways."""
-    a, b = triangles.reshape(-1), np.roll(triangles, -1, axis=1).reshape(-1)
+    a, b = sides_of(triangles).T
     inner = (a < count) | (b < count)
     a, b = a[inner], b[inner]
     wide = int(triangles.max()) + 1
