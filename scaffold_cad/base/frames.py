@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scaffold_cad.base.arguments import checks_keywords
-from scaffold_cad.base.arrays import Floats, Frames, Ints, UnitVectors, as_floats, as_points
+from scaffold_cad.base.arrays import Floats, Frames, Ints, Points, UnitVectors, as_floats, as_points
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import any_perpendicular, dot, length, normalize
 from scaffold_cad.errors import OptionError
@@ -160,3 +160,27 @@ def _across(vector: ArrayLike, tangent: UnitVectors) -> UnitVectors:
             f"first_x is {given.tolist()}, along the polyline's start; need one across it"
         )
     return normalize(across)
+
+
+def square_phases(corners: Points, x: UnitVectors, y: UnitVectors) -> Floats:
+    """Return the angle from `x` toward `y` to the first corner of the square that fits best.
+
+    It is the circular mean of the angles at which the corners stand, corner k turned back by k
+    quarter turns; rad, shape (...).
+
+    Parameters
+    ----------
+    corners : (..., 4, 3) float64, seen from the middle of the square
+    x, y : (..., 3) float64, at right angles to each other
+
+    Examples
+    --------
+    >>> corners = np.array([[0.0, 2, 0], [-1, 0, 0], [0, -1, 0], [1, 0, 5]])
+    >>> float(np.degrees(square_phases(corners, np.eye(3)[0], np.eye(3)[1])))
+    90.0
+    """
+    across, along = dot(corners, x[..., None, :]), dot(corners, y[..., None, :])
+    size = np.sqrt(np.maximum(across * across + along * along, 1e-300))
+    turned = (across + 1j * along) / size * np.array([1, -1j, -1, 1j])
+    phases: Floats = np.angle(turned.sum(axis=-1))
+    return phases

@@ -17,7 +17,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, UnitVectors
-from scaffold_cad.base.frames import accumulate, bisectors, double_reflection, multiply, turn
+from scaffold_cad.base.frames import (
+    accumulate,
+    bisectors,
+    double_reflection,
+    multiply,
+    square_phases,
+    turn,
+)
 from scaffold_cad.base.topology import Chains
 from scaffold_cad.base.vectors import (
     any_perpendicular,
@@ -195,8 +202,9 @@ def _start_axes(
 
     half_edge = walk.half_edge[walk.first]
     branch = quads.corners[half_edge, 0] >= 0
-    angle = fitted_angle(quads.at(half_edge[branch]), across[branch], tangent[branch])
-    axes[branch] = rotate(across[branch], tangent[branch], angle)
+    first, along = across[branch], tangent[branch]
+    angle = square_phases(quads.at(half_edge[branch]), first, np.cross(along, first))
+    axes[branch] = rotate(first, along, angle)
     return axes
 
 
@@ -212,20 +220,6 @@ def _bend_direction(walk: Walk, tail_tangent: UnitVectors, head_tangent: UnitVec
 def sleeve_quads(near: Ints, far: Ints) -> Ints:
     """Return the four quads between the sections (k, 4) at both ends of each sleeve, (k, 4, 4)."""
     return np.stack([near, np.roll(near, -1, axis=1), np.roll(far, -1, axis=1), far], axis=2)
-
-
-def fitted_angle(corners: Floats, x: UnitVectors, z: UnitVectors) -> Floats:
-    """Return the angle from `x` about `z` to the first corner of the square that fits best, (k,).
-
-    The circular mean of the angles at which the corners (k, 4, 3) stand, less their quarter turns.
-    """
-    y = np.cross(z, x)
-    real = dot(corners, x[:, None, :])  # (k, 4)
-    imaginary = dot(corners, y[:, None, :])
-    spokes = real + 1j * imaginary
-    spokes /= np.maximum(np.abs(spokes), 1e-300)
-    angle: Floats = np.angle((spokes * np.array([1, -1j, -1, 1j])).sum(axis=1))
-    return angle
 
 
 def _end_twist(
@@ -247,7 +241,7 @@ def _end_twist(
     twin = walk.half_edge[walk.last] ^ 1
     branch = quads.corners[twin, 0] >= 0
     met = quads.at(twin[branch])[:, REVERSED]
-    twist[branch] = fitted_angle(met, end_x[branch], end_tangent[branch])
+    twist[branch] = square_phases(met, end_x[branch], y[branch])
     return twist
 
 

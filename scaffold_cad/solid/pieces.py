@@ -14,12 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, Triangles, UnitVectors
+from scaffold_cad.base.frames import square_phases
 from scaffold_cad.base.vectors import any_perpendicular, dot, four_around, length, normalize, rotate
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.scaffold.embedding import Embedding, stub_apexes
 from scaffold_cad.scaffold.shares import Share, shared_out
-from scaffold_cad.scaffold.sleeves import fitted_angle
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.skeleton.thinning import kept_samples
 
@@ -307,7 +307,7 @@ def _corner_directions(scaffold: Scaffold, edges: Ints) -> UnitVectors:
     start = skeleton.nodes[skeleton.edges[edges, 0]]
     ring = scaffold.mesh.vertices[scaffold.sleeves[sleeve, 0]] - start[:, None, :]
     across = any_perpendicular(axis)
-    return rotate(across, axis, fitted_angle(ring, across, axis))
+    return rotate(across, axis, square_phases(ring, across, np.cross(axis, across)))
 
 
 def _across(axis: UnitVectors, vectors: UnitVectors) -> UnitVectors:

@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints, UnitVectors
+from scaffold_cad.base.frames import square_phases
 from scaffold_cad.base.vectors import any_perpendicular, dot, normalize, triple
 from scaffold_cad.partition.certificate import certify, corners_of
 from scaffold_cad.struts.crotches import with_short_arcs
@@ -85,7 +86,7 @@ def _wanted(
 ) -> UnitVectors:
     """Return where the quads around each vertex would have it, unit vectors, (M, V, 3)."""
     corners = corners_of(vertices, quads)  # (M, N, 4, 3)
-    phase = phases(corners, frame_x, frame_y)[..., None] + np.arange(4) * (np.pi / 2)
+    phase = square_phases(corners, frame_x, frame_y)[..., None] + np.arange(4) * (np.pi / 2)
     tilt = np.arccos(np.clip(dot(corners, directions[:, :, None]), -1, 1))  # (M, N, 4)
     tilt = (tilt + tilt.mean(axis=2, keepdims=True)) / 2
     across = (
@@ -100,25 +101,6 @@ def _wanted(
         for k in range(3)
     ]
     return normalize(np.stack(sums, axis=1)).reshape(vertices.shape)
-
-
-def phases(corners: UnitVectors, frame_x: UnitVectors, frame_y: UnitVectors) -> Floats:
-    """Return the mean azimuth of the corners of each quad, corner k turned back by k π/2, rad.
-
-    Parameters
-    ----------
-    corners : (M, N, 4, 3) float64
-    frame_x, frame_y : (M, N, 3) float64, at right angles to each direction, right-handed with it
-
-    Returns
-    -------
-    (M, N) float64
-    """
-    x, y = dot(corners, frame_x[:, :, None]), dot(corners, frame_y[:, :, None])
-    size = np.sqrt(np.maximum(x * x + y * y, 1e-300))
-    turned = (x + 1j * y) / size * np.array([1, -1j, -1, 1j])
-    phase: Floats = np.angle(turned.sum(axis=2))
-    return phase
 
 
 def _least(directions: UnitVectors, vertices: UnitVectors, quads: Ints) -> Floats:

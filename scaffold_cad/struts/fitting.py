@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, UnitVectors
+from scaffold_cad.base.frames import square_phases
 from scaffold_cad.base.vectors import any_perpendicular
 from scaffold_cad.partition.certificate import corners_of
 from scaffold_cad.struts.blend import Solved, Stars
@@ -16,7 +17,6 @@ from scaffold_cad.struts.collars import Collars, collars
 from scaffold_cad.struts.curves import share
 from scaffold_cad.struts.depths import misfit
 from scaffold_cad.struts.distances import Union
-from scaffold_cad.struts.evenness import phases
 from scaffold_cad.struts.fits import TypeFit
 from scaffold_cad.struts.joins import valences
 from scaffold_cad.struts.layouts import Layout
@@ -88,7 +88,7 @@ def solve(turned: Turned, fitted: Collars, recipe: Recipe, begun: Solved | None 
     fitted = _longer(union, fitted, on_arcs[..., 0], most)
     frame_x = any_perpendicular(directions)
     frame_y = np.cross(directions, frame_x)
-    phase = phases(corners, frame_x, frame_y)
+    phase = square_phases(corners, frame_x, frame_y)
     ring = rings(union, fitted, _leading(frame_x), _leading(frame_y), phase)
 
     shares = np.empty(corners.shape[:3])
