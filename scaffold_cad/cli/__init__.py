@@ -49,6 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             sys.stdout.flush()  # help, versions and scripts for shells are printed by now
     except OSError as error:
         return running.unprinted(error)
+    options.words = words
     return running.run(options)
 
 

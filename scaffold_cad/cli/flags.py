@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 from scaffold_cad.errors import ScaffoldCadError
@@ -15,15 +15,26 @@ PARAMETER = re.compile(
 """Parameters of the library that are flags here, as messages give them with a value."""
 SUBJECT = re.compile(
     r"^(radius|blend|wall|sides|skin|drain|thickness|units|scale|bend|max_nodes|material|strength"
-    r"|hollow|count|seed|regularity|socket(?=s))s? (?=is |of node |has )"
+    r"|hollow|count|seed|regularity|stretch|density|socket(?=s))s? (?=is |of node |has )"
 )
 """The same, where they are what a message is about."""
 PHRASES = {
     "unit cell is ": "--cell is ",
     "Young's modulus is ": "--young is ",
     "relative density is ": "--density is ",
+    "build direction is ": "--direction is ",
+    "a drain hole of ": "--drain: a hole of ",
+    "the radius of the socket ": "--socket: the radius of the socket ",
+    "the depth of the socket ": "--socket: the depth of the socket ",
+    "the socket ": "--socket: the socket ",
 }
 """What messages are about in other words than the flag's."""
+
+NUMBER = re.compile(r"[-+]?(?:[\d.][-+\d.eExX,:]*|nan|inf)", re.IGNORECASE)
+"""A value of a flag that is a number, or several."""
+
+GUARDS = frozenset({"--jobs", "--max-nodes", "--seed", "--face-number", "--to-face"})
+"""Flags whose numbers are no measures."""
 
 
 def with_flags(message: str) -> str:
@@ -45,6 +56,34 @@ def with_flags(message: str) -> str:
             return flag + message.removeprefix(phrase)
     named = SUBJECT.sub(lambda found: f"{_flag(found[1])} ", message)
     return PARAMETER.sub(lambda found: f"{_flag(found[1])} {found[3]}".strip(), named)
+
+
+def with_measures(message: str, words: Sequence[str]) -> str:
+    """Return a message that names no flag with the measures that the command line asks for.
+
+    What cannot be made is often told by what it comes to, such as the struts of all cells.
+
+    Parameters
+    ----------
+    words : of the command line
+
+    Examples
+    --------
+    >>> with_measures("8e+27 struts; need at most 1e+08", ["lattice", "--size", "1e-9"])
+    '8e+27 struts; need at most 1e+08 (asked for: --size 1e-9)'
+    >>> with_measures("--size is 0 mm; need > 0", ["lattice", "--size", "0"])
+    '--size is 0 mm; need > 0'
+    """
+    if "--" in message:
+        return message
+    flags = [word.partition("=") for word in words]
+    values = [value or after for (_, _, value), after in zip(flags, [*words[1:], ""], strict=True)]
+    given = [
+        f"{flag} {value}"
+        for (flag, _, _), value in zip(flags, values, strict=True)
+        if flag.startswith("--") and flag not in GUARDS and NUMBER.fullmatch(value)
+    ]
+    return f"{message} (asked for: {', '.join(given)})" if given else message
 
 
 def _flag(name: str) -> str:

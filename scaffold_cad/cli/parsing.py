@@ -12,6 +12,12 @@ from scaffold_cad.base.arguments import did_you_mean
 CHOICE = re.compile(r"invalid choice: '(.*?)' \(choose from (.*)\)")
 """What argparse says of a value that is not one of its choices."""
 
+KIND = re.compile(r"invalid (int|float) value: ('.*')")
+"""What argparse says of a value that is not a number."""
+
+KINDS = {"int": "a whole number", "float": "a number"}
+"""What is needed, by the type."""
+
 
 class Parser(argparse.ArgumentParser):
     """A parser of a command line, or of one of its commands."""
@@ -41,6 +47,7 @@ class Parser(argparse.ArgumentParser):
         choice = CHOICE.search(message)
         if choice:
             message += did_you_mean(choice[1], re.findall(r"[\w.-]+", choice[2]))
+        message = KIND.sub(lambda found: f"{found[2]} is not {KINDS[found[1]]}; need one", message)
         formatter = self._get_formatter()
         formatter.add_usage(None, [action for action in self._actions if action.required], [])
         usage = formatter.format_help().strip().replace(self.prog, f"{self.prog} [options]", 1)

@@ -14,9 +14,9 @@ from typing import TextIO
 
 from scaffold_cad.base.arguments import as_count
 from scaffold_cad.cli.fields import with_fields
-from scaffold_cad.cli.flags import with_flags
+from scaffold_cad.cli.flags import with_flags, with_measures
 from scaffold_cad.cli.streams import each_file, streamed
-from scaffold_cad.errors import ScaffoldCadError
+from scaffold_cad.errors import FormatError, ScaffoldCadError
 
 BAD_INPUT = 2
 INTERRUPTED = 130
@@ -61,13 +61,18 @@ def _run_one(options: argparse.Namespace, folder: str, several: bool = False) ->
         return options.run(with_fields(options)) or 0  # most commands give none: they are done
 
     named = str(options.input) if several else ""
-    return _guarded(work, folder, named, getattr(options, "sides", None))
+    return _guarded(work, folder, named, options)
 
 
 def _guarded(
-    work: Callable[[], int], folder: str = "", named: str = "", sides: int | None = None
+    work: Callable[[], int],
+    folder: str = "",
+    named: str = "",
+    options: argparse.Namespace | None = None,
 ) -> int:
     """Return the exit code of some work, with one line on standard error where it fails."""
+    words = getattr(options, "words", [])
+    sides = getattr(options, "sides", None)
 
     def tell(message: str) -> None:
         text = message if message.startswith(named) else f"{named}: {message}"
@@ -78,7 +83,8 @@ def _guarded(
         code = work()
         sys.stdout.flush()
     except ScaffoldCadError as error:
-        tell(with_flags(str(error)))
+        message = with_flags(str(error))
+        tell(message if isinstance(error, FormatError) else with_measures(message, words))
         return BAD_INPUT
     except MemoryError:
         tell(f"out of memory; need a smaller skeleton{fewer}")

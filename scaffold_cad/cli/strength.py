@@ -244,7 +244,7 @@ def _force(text: str, force: str) -> list[float]:
         parts = [float(part) for part in force.split(",")]
     except ValueError:
         parts = []
-    if len(parts) != 3:
+    if len(parts) != 3 or not np.isfinite(parts).all():
         raise OptionError(f"--load is {text!r}; need WHERE:FX,FY,FZ, N")
     return parts
 

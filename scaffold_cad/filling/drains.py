@@ -36,6 +36,12 @@ BEYOND = 0.35
 ON_WALL = 1.05
 """Distance from the outside up to which a place is on the inside of the skin, in thicknesses."""
 
+MOST_SQUARES = 30_000
+"""Most squares, with sides of the distance between places that are looked at, that cover a void."""
+
+MOST_PLACES = 8_000
+"""Most places of a void whose rims are looked at."""
+
 BANDS = ((0.0, 0.35), (0.65, 1.0))
 """Heights of a void, from 0 to 1, in which its two holes are: what gets out below lets air in."""
 
@@ -97,7 +103,8 @@ def _voids(part: Manifold) -> list[TriangleMesh]:
 
 def _chosen(void: TriangleMesh, outside: NearestPlace, skin: float, diameter: float) -> Points:
     """Return places for the holes of a void, on the inside of the skin, (k, 3)."""
-    fine = split_to(void, diameter)
+    # Thin holes need no more places than others, of which there would be no end.
+    fine = split_to(void, max(diameter, np.sqrt(_area(void) / MOST_SQUARES)))
     points = fine.vertices[fine.triangles].mean(axis=1)
     gaps = length(outside.nearest(points) - points)
     wall = gaps < ON_WALL * skin
@@ -105,6 +112,7 @@ def _chosen(void: TriangleMesh, outside: NearestPlace, skin: float, diameter: fl
         place = place_text(points.mean(axis=0))
         raise MeshError(f"the void around {place} does not reach the skin; need a place for it")
     candidates = points[wall]
+    candidates = candidates[:: -(-len(candidates) // MOST_PLACES)]
     room = np.full(len(candidates), np.inf)
     if not wall.all():
         room = np.asarray(cKDTree(points[~wall]).query(candidates)[0])
@@ -120,6 +128,11 @@ def _chosen(void: TriangleMesh, outside: NearestPlace, skin: float, diameter: fl
         chosen.append(int(band[np.argmax(room[band])]))
     places: Points = candidates[sorted(set(chosen))]
     return places
+
+
+def _area(mesh: TriangleMesh) -> float:
+    corners = mesh.vertices[mesh.triangles]  # (t, 3, 3)
+    return float(length(np.cross(*np.diff(corners, axis=1).swapaxes(0, 1))).sum() / 2)
 
 
 def _check_room(

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_real, check_choice, checks_keywords
+from scaffold_cad.base.arguments import as_number, as_real, check_choice, checks_keywords
 from scaffold_cad.base.arrays import Floats, as_floats, place_text
+from scaffold_cad.base.positions import single_steps
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import BoxRegion, Region
 from scaffold_cad.base.segments import meet_box
@@ -55,6 +56,9 @@ reaches 1 far, its fillets 1.5."""
 
 TOUCHING = 1e-9
 """Depth down to which parts of a body only touch, mm."""
+
+LEAST_STEPS = 64.0
+"""Least thickness of a skin, and diameter of a hole, in steps of 32-bit coordinates."""
 
 FULL = 0.97
 """Share of a body beyond which it counts as full."""
@@ -131,6 +135,7 @@ def lattice_part(
     sides = _sides(section, sides)
     make = _maker(sides, options)
     surface, outer = _sound(triangles_of(body))
+    _check_seen(surface, skin=skin, drain=None if drain is None else as_number(drain, "drain"))
     region = as_region(surface)
     inner = outer if skin is None else inside_of(surface, outer, skin)
     extent = float(np.abs(surface.vertices).max())
@@ -147,6 +152,17 @@ def lattice_part(
     whole = first_clean("part", made, NUDGES, extent)
     _report_full(whole, outer, radius)
     return whole if skin is not None else without_crumbs(whole)
+
+
+def _check_seen(surface: TriangleMesh, **lengths: float | None) -> None:
+    """Raise if a length cannot be seen in the 32-bit coordinates of files, where the body is."""
+    least = LEAST_STEPS * float(single_steps(surface.vertices).max())
+    for name, value in lengths.items():
+        if value is not None and value < least:
+            raise OptionError(
+                f"{name} is {value:g} mm; need {least:.2g} mm or more this far from the origin, as "
+                "coordinates in files are rounded"
+            )
 
 
 def flush_box(

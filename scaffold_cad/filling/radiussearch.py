@@ -114,7 +114,8 @@ def found_radius(
         radius, before = following, here
     raise OptionError(
         f"no radius gives relative density {wanted:g}: "
-        f"the last one tried, {radius:g} mm, is off by {100 * abs(ratio - 1):.2g} %"
+        f"the last one tried, {radius:g} mm, gives {wanted * ratio:.3g}; need a density that "
+        "struts of these cells have"
     )
 
 

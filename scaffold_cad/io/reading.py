@@ -20,7 +20,7 @@ from scaffold_cad.io._units import factor_of, length_of
 from scaffold_cad.io.register import HEAD_SIZE, reader_of
 from scaffold_cad.skeleton import Cleaning, Skeleton, check_skeleton
 from scaffold_cad.skeleton.proportions import thicker_than_long
-from scaffold_cad.skeleton.repair import repaired
+from scaffold_cad.skeleton.repair import least_radius, repaired
 
 BYTES_PER_EDGE = 9000
 """Memory that an edge takes at the peak of a build with collars, measured on lattices."""
@@ -271,7 +271,14 @@ def _radii(
 ) -> tuple[Floats | None, Floats | None]:
     """Return the radii of nodes and of edges: those given for all, or what the file holds."""
     if radius is not None:
-        return np.broadcast_to(radii_at(raw.nodes, radius), len(raw.nodes)), None
+        radii = np.broadcast_to(radii_at(raw.nodes, radius), len(raw.nodes))
+        least = least_radius(raw.nodes[np.isfinite(raw.nodes).all(axis=1)])
+        if (radii < least).all():
+            raise OptionError(
+                f"radius is {radii.max():g} mm; need {least:.3g} mm or more for the nodes of "
+                f"{path}, this far from the origin, for rounding"
+            )
+        return radii, None
     if not raw.has_radii:
         raise FormatError(f"{path} has no radii; need radius=, the radius of every node in mm")
     return raw.radii, raw.edge_radii

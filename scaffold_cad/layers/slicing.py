@@ -135,4 +135,9 @@ def _middles(bounds: tuple[float, float], step: float) -> Floats:
             f"thickness is {step:g} mm for {high - low:g} mm: {count:g} layers; need at most "
             f"{MOST_LAYERS}"
         )
+    if 0 < high - low < step / 2:
+        raise OptionError(
+            f"thickness is {step:g} mm for {high - low:g} mm; need less than {2 * (high - low):g} "
+            "mm, so that the middle of a layer is in it"
+        )
     return np.asarray(low + step * (np.arange(int(max(count, 0))) + 0.5), dtype=np.float64)

@@ -140,7 +140,9 @@ def repaired(
         target[placed], sizes, len(nodes)
     )
     if len(edges) == 0:
-        raise SkeletonError("the skeleton has no edge of length > 0; need at least one")
+        raise SkeletonError(
+            f"the skeleton has no edge longer than {weld_distance:.3g} mm; need at least one"
+        )
     if split_contacts:
         edges, sizes, counts["contacts_split"], repeated = split_at_contacts(
             nodes, edges, sizes, weld_distance
@@ -154,7 +156,7 @@ def repaired(
     counts["isolated_nodes"] = int(np.sum(located & ~used & ~merged_away))
     given = np.zeros(len(nodes)) if radii is None else radii
     sized, counts["radii_replaced"] = _with_radii_filled(
-        nodes, edges, sizes, _largest_of_welded(given, target, _least_radius(nodes[used])), used
+        nodes, edges, sizes, _largest_of_welded(given, target, least_radius(nodes[used])), used
     )
     if radii is None:  # nothing was there to be replaced
         counts["radii_replaced"] = 0
@@ -194,7 +196,8 @@ def _known_sizes(edge_radii: Floats | None, count: int) -> Floats:
     return np.where(np.isfinite(edge_radii) & (edge_radii > 0), edge_radii, np.nan)
 
 
-def _least_radius(nodes: Points) -> float:
+def least_radius(nodes: Points) -> float:
+    """Return the radius below which rounding hides struts between nodes, (n, 3), mm."""
     return LEAST_RADIUS * float(np.abs(nodes).max(initial=0.0))
 
 
@@ -227,7 +230,7 @@ def _with_radii_filled(
     if len(lost):
         raise SkeletonError(
             f"node {lost[0]} at {place_text(nodes[lost[0]])} and all that is joined to it have no "
-            f"radius > {_least_radius(nodes[used]):.3g} mm; need one at least"
+            f"radius > {least_radius(nodes[used]):.3g} mm; need one at least"
         )
     filled = radii.copy()
     filled[missing] = radii[nearest[missing]]

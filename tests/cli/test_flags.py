@@ -364,3 +364,39 @@ def test_info_asks_for_no_units_where_it_knows_no_radii(
     told = capsys.readouterr()
     assert "none in the file" in told.out
     assert "check the units" not in told.err
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("build bare.obj --radius 1e-9 -o a.stl", "--radius is 1e-09 mm; need 3e-08 mm or more"),
+        ("build tripod.json --join 1e9 -o a.stl", "mm; need at least one (asked for: --join 1e9)"),
+        (
+            "build tripod.json --round --wall 1e-9 --ends open -o a.stl",
+            "need at most",
+        ),
+        (
+            "lattice --cell bcc --size 1e-9 --radius 1 --box 8 -o a.stl",
+            "(asked for: --size 1e-9, --radius 1, --box 8)",
+        ),
+        (
+            "build tripod.json --as frame --strut-radius 1e-9 -o a.stl",
+            "for rounding (asked for: --strut-radius 1e-9)",
+        ),
+        (
+            "lattice --foam voronoi --count 9 --stretch 0,1,1 --radius 1 --box 8 -o a.stl",
+            "--stretch is [0.0, 1.0, 1.0]; need",
+        ),
+        ("check tripod.json --direction nan,0,1", "--direction is [nan, 0.0, 1.0]; need 3 numbers"),
+        ("slice tripod.json --layer 1e9 -o a.cli", "--layer is 1e+09 mm for"),
+        ("strength tripod.json --load xmax:nan,0,1", "--load is 'xmax:nan,0,1'; need WHERE"),
+    ],
+)
+def test_what_flags_come_to_is_told_with_the_flag(
+    words: str, message: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(shlex.split(words)) == 2
+    told = capsys.readouterr().err.strip().splitlines()[-1]
+    assert message in told
+    assert "--" in told
+    assert not list(folder.glob("a.*"))

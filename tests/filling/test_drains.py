@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from build123d import Box, Cylinder
+from build123d import Box, Cylinder, Sphere
 
 from scaffold_cad import check_printability, lattice_part, self_intersections, to_trimesh
 from scaffold_cad.errors import MeshError, OptionError
@@ -38,7 +38,7 @@ def test_the_check_of_printability_finds_no_pocket() -> None:
 
 def test_a_skin_too_thin_for_holes_is_refused_with_the_place() -> None:
     with pytest.raises(OptionError, match=r"a drain hole of 3 mm at \[.* mm goes .* past"):
-        lattice_part(Box(16, 16, 16), "bcc", 8.0, 0.50763, skin=1e-9, drain=3)
+        lattice_part(Sphere(8), "bcc", 8.0, 0.5, skin=0.05, drain=3)
 
 
 def test_holes_are_where_they_are_asked_for() -> None:
@@ -98,3 +98,16 @@ def test_a_void_that_no_place_reaches_is_named() -> None:
     two = trimesh.util.concatenate([BOX, BOX.copy().apply_translation([60.0, 0.0, 0.0])])
     with pytest.raises(MeshError, match=r"voids? stays? closed, one around \[.*\] mm"):
         lattice_part(two, "bcc", 8.0, 0.7, skin=1.2, drain=3.0, drain_places=[[3.9, -3.7, 8.0]])
+
+
+def test_lengths_that_files_cannot_hold_are_refused() -> None:
+    with pytest.raises(OptionError, match=r"skin is 1e-09 mm; need 6.1e-05 mm or more this far"):
+        lattice_part(Box(16, 16, 16), "bcc", 8.0, 0.50763, skin=1e-9)
+    with pytest.raises(OptionError, match=r"drain is 1e-09 mm; need 6.1e-05 mm or more this far"):
+        lattice_part(Box(16, 16, 16), "bcc", 8.0, 0.50763, skin=1.0, drain=1e-9)
+
+
+def test_thin_holes_need_no_more_places_than_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("scaffold_cad.filling.drains.MOST_SQUARES", 3000)
+    part = lattice_part(Box(16, 16, 16), "bcc", 8.0, 0.7, skin=1.0, drain=0.01)
+    assert sum(shell.volume() < 0 for shell in part.decompose()) == 0

@@ -206,6 +206,8 @@ def test_slices_refuses_what_it_cannot_cut() -> None:
         slices(STRUT, [1.0, np.nan])
     with pytest.raises(OptionError, match="thickness is 0 mm; need > 0"):
         slices(STRUT, thickness=0.0)
+    with pytest.raises(OptionError, match=r"thickness is 1e\+09 mm for .* mm; need less than"):
+        slices(STRUT, thickness=1e9)
     with pytest.raises(OptionError, match=r"2e\+09 layers; need at most 10000000"):
         slices(STRUT, thickness=1e-9)
     with pytest.raises(OptionError, match="sides is 10; need a multiple of 4"):
