@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import LinearNDInterpolator, RegularGridInterpolator
 from scipy.spatial import QhullError, cKDTree
 
 from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Points, as_floats, as_points, place_text
 from scaffold_cad.base.summaries import counted, size_text
 from scaffold_cad.errors import OptionError
+
+if TYPE_CHECKING:
+    from scipy.interpolate import LinearNDInterpolator, RegularGridInterpolator
 
 
 @checks_keywords()
@@ -72,6 +75,8 @@ class Field(Frozen):
 
     @cached_property
     def _between(self) -> RegularGridInterpolator:
+        from scipy.interpolate import RegularGridInterpolator
+
         axes = [axis for axis in range(3) if self.values.shape[axis] > 1]
         low, high = self.bounds
         steps = [np.linspace(low[k], high[k], self.values.shape[k]) for k in axes]
@@ -142,6 +147,8 @@ class PointField:
 
     @cached_property
     def _between(self) -> LinearNDInterpolator | None:
+        from scipy.interpolate import LinearNDInterpolator
+
         try:
             return LinearNDInterpolator(self.points, self.values)
         except (QhullError, ValueError):  # too few points, or all in a plane

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.errors import BrepError
@@ -74,6 +73,8 @@ class Knots(Frozen):
 
     def matrix(self, at: Floats, order: int = 0) -> Floats:
         """Return the derivatives of the basis at parameters (n,) in [0, 1], shape (n, count)."""
+        from scipy.interpolate import BSpline
+
         knots = np.repeat(self.values, self.counts)
         basis = BSpline(knots, np.eye(self.count), self.degree)
         return np.asarray(basis(np.clip(at, 0.0, 1.0), nu=order), dtype=np.float64)

@@ -76,13 +76,12 @@ def with_measures(message: str, words: Sequence[str]) -> str:
     """
     if "--" in message:
         return message
-    flags = [word.partition("=") for word in words]
-    values = [value or after for (_, _, value), after in zip(flags, [*words[1:], ""], strict=True)]
-    given = [
-        f"{flag} {value}"
-        for (flag, _, _), value in zip(flags, values, strict=True)
-        if flag.startswith("--") and flag not in GUARDS and NUMBER.fullmatch(value)
-    ]
+    given = []
+    for word, after in zip(words, [*words[1:], ""][: len(words)], strict=True):
+        flag, _, value = word.partition("=")
+        measure = value or after
+        if flag.startswith("--") and flag not in GUARDS and NUMBER.fullmatch(measure):
+            given.append(f"{flag} {measure}")
     return f"{message} (asked for: {', '.join(given)})" if given else message
 
 

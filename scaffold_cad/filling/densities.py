@@ -8,7 +8,6 @@ from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import PchipInterpolator
 
 from scaffold_cad.base.arguments import as_flag, as_number, as_real, checks_keywords
 from scaffold_cad.base.arrays import Floats, Points, as_floats, place_text
@@ -125,6 +124,8 @@ def graded_radius(
     sizes = cell_size(known, size)
     full = 1 / np.sqrt(known.density_coefficient_of(sizes))
     if as_flag(measured, "measured"):
+        from scipy.interpolate import PchipInterpolator
+
         tried = full * np.geomspace(*RANGE, MEASURED)
         densities = [solid_density(known, sizes, float(radius)) for radius in tried]
         between = PchipInterpolator(np.log(densities), np.log(tried), extrapolate=True)

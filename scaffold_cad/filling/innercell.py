@@ -8,7 +8,6 @@ from itertools import product
 
 import numpy as np
 from scipy.spatial import cKDTree
-from scipy.stats.qmc import Sobol
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Points
 from scaffold_cad.base.segments import meet_box
@@ -63,6 +62,8 @@ class Capsules(Frozen):
 
 def capsules(cell: UnitCell, size: Floats) -> Capsules:
     """Return the estimated densities of an endless lattice of cells of a size (3,), mm."""
+    from scipy.stats.qmc import Sobol  # half a second, of which most calls have no use
+
     around = further_layers(cell.motif)
     block = tile(cell, size, 2 * around + 1, radius=1.0)
     along = np.linspace(0.0, 1.0, SAMPLES)[:, None, None]

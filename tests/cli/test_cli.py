@@ -386,6 +386,18 @@ def test_version_and_help() -> None:
     assert run().returncode == 2
 
 
+def test_commands_that_build_nothing_load_nothing_heavy() -> None:
+    heavy = {"build123d", "OCP", "manifold3d", "trimesh", "lib3mf", "scipy.stats", "scipy.optimize"}
+    program = (
+        "import sys; from scaffold_cad.cli import main; code = main(['cells']); "
+        f"print(code, sorted({heavy} & sys.modules.keys()), file=sys.stderr)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert done.stderr.strip() == "0 []"
+
+
 def test_meshes_are_written_without_build123d(figure: str, tmp_path: Path) -> None:
     program = (
         "import sys; from scaffold_cad.cli import main; "
