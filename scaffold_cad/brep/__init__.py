@@ -15,6 +15,7 @@ from scaffold_cad.brep.shapes import (
     read_brep,
     read_shape,
     tessellated,
+    tessellation_error,
 )
 from scaffold_cad.brep.voids import moved_inwards, with_voids, without
 
@@ -35,6 +36,7 @@ __all__ = [
     "read_shape",
     "read_wires",
     "tessellated",
+    "tessellation_error",
     "with_plane_faces",
     "with_voids",
     "without",

@@ -164,6 +164,14 @@ def tessellated(
     return TriangleMesh(points[first], welded[have_distinct_corners(welded)])
 
 
+def tessellation_error(shape: Shape) -> float:
+    """Return how far the triangles of `tessellated` may be off a shape's faces, mm."""
+    from build123d import GeomType
+
+    is_plane = all(face.geom_type == GeomType.PLANE for face in shape.faces())
+    return 0.0 if is_plane else TESSELLATION_DISTANCE
+
+
 def read_brep(path: Path) -> Shape:
     """Return the shapes in a STEP or a BREP file, in mm.
 

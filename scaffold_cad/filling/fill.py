@@ -16,9 +16,9 @@ from scaffold_cad.base.regions import BoxRegion, ImplicitRegion, Keep, Region
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice.clipping import clipped, least_length
 from scaffold_cad.lattice.crumbs import report_small, without_crumbs
-from scaffold_cad.lattice.maps import CellMap, lattice_on
-from scaffold_cad.lattice.maps.cellmap import extents
+from scaffold_cad.lattice.maps import CellMap
 from scaffold_cad.lattice.maps.grading import CellSize
+from scaffold_cad.lattice.maps.placing import chords_on
 from scaffold_cad.lattice.maps.solids import as_axes
 from scaffold_cad.lattice.meshregion import MeshRegion
 from scaffold_cad.lattice.periodic import PeriodicLattice
@@ -28,7 +28,7 @@ from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.lattice.unitcell import UnitCell
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.products.surfaces import surface_of
+from scaffold_cad.products.surfaces import surface_error, surface_of
 from scaffold_cad.skeleton import Skeleton
 
 if TYPE_CHECKING:
@@ -138,7 +138,8 @@ def fill(
             f"region from {space.bounds[0].tolist()} to {space.bounds[1].tolist()} mm; need one "
             "(smaller cells?)"
         )
-    return struts.skeleton(radius) if keep == "whole" else struts.cleaned_skeleton(radius)
+    is_clean = keep == "whole" and on is None
+    return struts.skeleton(radius) if is_clean else struts.cleaned_skeleton(radius)
 
 
 def struts_touching(
@@ -197,9 +198,8 @@ def _endless(
 
 def _on_map(on: CellMap, cell: UnitCell, size: CellSize) -> tuple[Struts, Floats]:
     """Return the struts of a lattice on a map, and the size of a mean cell (3,), mm."""
-    lattice = lattice_on(on, cell, radius=1.0, size=size)
-    mean = extents(on) / lattice.counts
-    return Struts(lattice.skeleton.nodes, lattice.skeleton.edges), mean
+    chords = chords_on(on, cell, size)
+    return chords, chords.cell
 
 
 def as_region(region: FillRegion, bounds: ArrayLike | None = None) -> Region:
@@ -210,7 +210,8 @@ def as_region(region: FillRegion, bounds: ArrayLike | None = None) -> Region:
         return region
     surface = surface_of(region)
     if surface is not None:
-        return MeshRegion(TriangleMesh(surface.vertices, surface.triangles))
+        off = surface_error(region)
+        return MeshRegion(TriangleMesh(surface.vertices, surface.triangles), off)
     if callable(region):
         if bounds is None:
             raise OptionError("the region is a function without bounds; need a box around it")

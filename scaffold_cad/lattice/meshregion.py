@@ -12,6 +12,7 @@ from scaffold_cad.base.regions import surface_tolerance
 from scaffold_cad.base.vectors import dot, length, rotate
 from scaffold_cad.lattice.boxgrid import BoxGrid
 from scaffold_cad.mesh.bodies import check_balanced, report_crossed, turned_outwards
+from scaffold_cad.mesh.nearest import nearest_on_triangles
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.mesh.welding import welded, without_repeated_corners
 
@@ -31,11 +32,16 @@ class MeshRegion:
     least once.
     """
 
-    def __init__(self, mesh: TriangleMesh) -> None:
+    def __init__(self, mesh: TriangleMesh, error: float = 0.0) -> None:
         """Keep the triangles of a closed mesh, counter-clockwise seen from outside.
 
         Bodies of the mesh may touch along edges. Shells that are inside out are turned; the log
         says so, and names a place where a shell crosses itself.
+
+        Parameters
+        ----------
+        error : how far triangles may be off the surface that they stand for, mm: what is as near
+            to them is on it
 
         Raises
         ------
@@ -48,11 +54,15 @@ class MeshRegion:
         self._corners = mesh.vertices[mesh.triangles]  # (t, 3, 3)
         self.bounds = np.stack([self._corners.min(axis=(0, 1)), self._corners.max(axis=(0, 1))])
         read_only(self.bounds)
-        self.tolerance = surface_tolerance(self.bounds, SURFACE_FRACTION)
-        report_crossed(mesh, self.tolerance)
+        exact = surface_tolerance(self.bounds, SURFACE_FRACTION)
+        self.tolerance = max(exact, error)
+        report_crossed(mesh, exact)
 
     def crossings(self, nodes: Points, edges: Edges) -> tuple[Ints, Floats]:
-        """Return where edges pierce triangles, a shared side as often as triangles meet there."""
+        """Return where edges pierce triangles or pass them within the tolerance.
+
+        A shared side is met as often as triangles meet there.
+        """
         start, end = nodes[edges[:, 0]], nodes[edges[:, 1]]
         found_strut, found_along = [np.zeros(0, dtype=np.intp)], [np.zeros(0)]
         for strut, triangle in self._grid.near(np.minimum(start, end), np.maximum(start, end)):
@@ -136,11 +146,8 @@ class MeshRegion:
         """Return whether each of `points` (n, 3) is within the tolerance of a triangle, (n,)."""
         on = np.zeros(len(points), dtype=np.bool_)
         for point, triangle in self._grid.near(points, points):
-            normal = self._normals[triangle]
-            height = np.abs(dot(points[point] - self._corners[triangle, 0], normal))
-            close = (height <= self.tolerance * length(normal)) & normal.any(axis=1)
-            point, triangle = point[close], triangle[close]
-            on[point[self._is_over(triangle, points[point])]] = True
+            off = points[point] - nearest_on_triangles(points[point], self._corners[triangle])
+            on[point[length(off) <= self.tolerance]] = True
         return on
 
     @cached_property
@@ -150,11 +157,15 @@ class MeshRegion:
         return np.cross(b - a, c - a)
 
     def _is_over(self, triangle: Ints, points: Points) -> Bools:
-        """Return whether the foot of each point (k, 3) on its triangle's plane is within it."""
-        normal = self._normals[triangle]
-        spokes = self._corners[triangle] - points[:, None]
-        parts = [dot(np.cross(spokes[:, k], spokes[:, k - 2]), normal) for k in range(3)]
-        over: Bools = np.min(parts, axis=0) >= -BORDER * dot(normal, normal)
+        """Return whether each point (k, 3) in its triangle's plane is within it, or about."""
+        normal, corners = self._normals[triangle], self._corners[triangle]
+        spokes = corners - points[:, None]
+        slack = BORDER * dot(normal, normal)
+        over = np.ones(len(triangle), dtype=np.bool_)
+        for k in range(3):
+            area = dot(np.cross(spokes[:, k], spokes[:, k - 2]), normal)
+            side = length(corners[:, k - 2] - corners[:, k])
+            over &= area >= -np.maximum(slack, self.tolerance * side * length(normal))
         return over
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Edges, Floats, Points
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points
 from scaffold_cad.base.radii import Radius, radii_at
 from scaffold_cad.base.topology import valencies
 from scaffold_cad.base.vectors import length
@@ -35,8 +35,23 @@ class Struts:
 
     @property
     def middles(self) -> Points:
-        """Middle of each strut, shape (m, 3), mm."""
-        return (self.starts + self.ends) / 2
+        """Middle of what each strut stands for, see `at`, shape (m, 3), mm."""
+        return self.at(np.arange(len(self.edges)), np.full(len(self.edges), 0.5))
+
+    def at(self, strut: Ints, along: Floats) -> Points:
+        """Return places on what struts stand for: the struts, or curves that they are chords of.
+
+        Parameters
+        ----------
+        strut : (k,) intp
+        along : (k,) float64, from 0 to 1
+
+        Returns
+        -------
+        (k, 3) float64, mm
+        """
+        start, end = self.starts[strut], self.ends[strut]
+        return start + along[:, None] * (end - start)
 
     @property
     def lengths(self) -> Floats:

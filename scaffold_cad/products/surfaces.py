@@ -85,6 +85,15 @@ def surface_of(
     return TriangleMesh(vertices, triangles)
 
 
+def surface_error(what: Any) -> float:
+    """Return how far `surface_of` a body may be off its faces, mm: 0 unless they are curved.
+
+    Only that of build123d shapes is known; other surfaces are taken as they are.
+    """
+    what = built(what)
+    return brep.tessellation_error(what) if is_instance(what, "build123d", "Shape") else 0.0
+
+
 def triangles_of(what: Any, sides: int = SIDES) -> TriangleMesh:
     """Return the surface of `what` as triangles; sides: see `surface_of`.
 

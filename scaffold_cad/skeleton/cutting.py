@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,16 +66,27 @@ def cut_at(nodes: Points, edges: Edges, edge: Ints, along: Floats) -> Pieces:
     )
 
 
-def inside(nodes: Points, edges: Edges, region: Region) -> Pieces:
+def inside(
+    nodes: Points,
+    edges: Edges,
+    region: Region,
+    at: Callable[[Ints, Floats], Points] | None = None,
+) -> Pieces:
     """Return the pieces of edges that lie in a region.
 
     Only where the pieces on both sides of a crossing differ is an edge cut: one along a face or
     through an edge of the surface stays whole.
+
+    Parameters
+    ----------
+    at : of edges (k,) and places along them (k,), from 0 to 1, where what they stand for is,
+        (k, 3), mm; by default on the edges
     """
     spans = length(nodes[edges[:, 1]] - nodes[edges[:, 0]])
     edge, along = _ordered(*region.crossings(nodes, edges), spans, region.tolerance)
     pieces = cut_at(nodes, edges, edge, along)
-    is_inside = region.contains(pieces.middles)
+    middle = pieces.middles if at is None else at(pieces.source, pieces.along.mean(axis=1))
+    is_inside = region.contains(middle)
     before = edge + np.arange(len(edge))
     real = is_inside[before] != is_inside[before + 1]
     starts_piece = np.ones(len(is_inside), dtype=np.bool_)

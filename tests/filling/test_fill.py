@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+import build123d as bd
 import numpy as np
 import pytest
 import trimesh
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arrays import Floats, Points
+from scaffold_cad.base.regions import Keep
 from scaffold_cad.base.vectors import rotate
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 from scaffold_cad.filling import fill
@@ -125,6 +127,28 @@ def test_cells_may_stand_on_a_map() -> None:
         fill(BOX, "bcc", 4.0, 0.3, on=pipe, origin=(0, 0, 0))
     with pytest.raises(OptionError, match="a function without a map"):
         fill(BOX, "bcc", lambda points: points[:, 0], 0.3)
+
+
+@pytest.mark.parametrize("name", ["bcc", "sc", "octet"])
+@pytest.mark.parametrize("keep", ["clip", "whole"])
+def test_a_tube_is_filled_to_its_walls_by_cells_on_its_map(name: str, keep: Keep) -> None:
+    wall = CylinderMap(10, 12, 4)
+    tube = bd.Pos(0, 0, 6) * (bd.Cylinder(14, 12) - bd.Cylinder(10, 12))
+    whole = tile(name, 4.0, radius=0.3, on=wall)
+    filled = fill(tube, name, 4.0, 0.3, on=wall, keep=keep)
+    assert len(filled.edges) == len(whole.edges)
+    assert filled.lengths.sum() == pytest.approx(whole.lengths.sum())
+
+
+def test_struts_on_a_map_are_cut_where_a_part_ends() -> None:
+    wall = CylinderMap(10, 12, 4)
+    ring = bd.Pos(0, 0, 3) * (bd.Cylinder(14, 6) - bd.Cylinder(10, 6))
+    half = fill(ring, "sc", 4.0, 0.3, on=wall)
+    rails = 2 * 19 * 6.0  # along the axis, at the inner and the outer wall
+    spokes = 2 * 19 * 4.0  # at heights 0 and 4; the third row is cut off
+    rings = 2 * 2 * 19 * (10 + 14) * np.sin(np.pi / 19)
+    assert half.lengths.sum() == pytest.approx(rails + spokes + rings)
+    assert half.nodes[half.extremities, 2] == pytest.approx(np.full(2 * 19, 6.0))
 
 
 @in_each_way
@@ -259,6 +283,13 @@ def test_points_within_the_tolerance_of_the_surface_are_in_the_region() -> None:
             out = 2 * side - 1
             points[:, axis] = BOX[side, axis] + out * region.tolerance * np.array([0.9, 1.1])
             assert region.contains(points).tolist() == [True, False]
+
+
+def test_points_beyond_an_edge_are_as_far_off_as_they_are_from_it() -> None:
+    region = MeshRegion(box_mesh(), 0.1)
+    corner = BOX[1]
+    off = np.array([[0.07, 0.07, 0.0], [0.05, 0.05, 0.05], [0.08, 0.08, 0.0], [0.06, 0.06, 0.06]])
+    assert region.contains(corner + off).tolist() == [True, True, False, False]
 
 
 def test_a_cavity_is_outside_and_overlapping_parts_are_inside() -> None:

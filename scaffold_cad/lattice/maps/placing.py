@@ -18,6 +18,7 @@ from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice.clipping import clipped
 from scaffold_cad.lattice.crumbs import without_crumbs
 from scaffold_cad.lattice.maps.cellmap import CellMap, extents
+from scaffold_cad.lattice.maps.chords import Chords
 from scaffold_cad.lattice.maps.grading import CellSize, graded, mean_size
 from scaffold_cad.lattice.maps.seams import (
     SAME_PLACE,
@@ -121,6 +122,43 @@ def lattice_on(
     """
     check_kind(mapping, CellMap, name="mapping")
     cell = as_cell(cell)
+    chords, drawn_together = _placed(mapping, cell, size, counts, dangling)
+    skeleton = Skeleton(chords.nodes, chords.edges, 1.0)
+    if drawn_together and len(overlapping_half_edges(skeleton.nodes, skeleton.edges)):
+        skeleton = skeleton.cleaned(weld_distance=0.0).skeleton
+    skeleton = skeleton.with_radii(radii_at(skeleton.nodes, radius))
+    lattice = MappedLattice(skeleton, chords.stretch, chords.counts)
+    _log.info(
+        "%d x %d x %d cells of %r: struts are %.3g to %.3g times as long as in a cell of %s mm",
+        *chords.counts,
+        cell.name,
+        lattice.least_stretch,
+        lattice.largest_stretch,
+        " x ".join(f"{one:.3g}" for one in chords.cell),
+    )
+    return lattice
+
+
+def chords_on(mapping: CellMap, cell: UnitCell, size: CellSize) -> Chords:
+    """Return the struts of a cell on a map, and the curves that they are chords of.
+
+    Raises
+    ------
+    OptionError, SkeletonError
+        As `lattice_on` does.
+    """
+    check_kind(mapping, CellMap)
+    return _placed(mapping, cell, size, None, True)[0]
+
+
+def _placed(
+    mapping: CellMap,
+    cell: UnitCell,
+    size: CellSize | None,
+    counts: Counts | None,
+    dangling: bool,
+) -> tuple[Chords, bool]:
+    """Return the struts of a cell on a map, and whether nodes of one patch are drawn together."""
     whole = extents(mapping)  # (3,)
     grading = None if size is None or not callable(size) else graded(mapping, size)
     numbers = _counts(mapping, cell, whole, size, counts)
@@ -146,23 +184,22 @@ def lattice_on(
     )
     target, drawn_together = seams(placed)
     kept, edges = _each_once(target, struts)
-    real = nodes[struts.edges[:, 1]] - nodes[struts.edges[:, 0]]
-    stretch = length(real) / length(spans * mean)
     used, ends = np.unique(edges, return_inverse=True)
-    skeleton = Skeleton(nodes[used], ends.reshape(-1, 2), 1.0)
-    if drawn_together and len(overlapping_half_edges(skeleton.nodes, skeleton.edges)):
-        skeleton = skeleton.cleaned(weld_distance=0.0).skeleton
-    skeleton = skeleton.with_radii(radii_at(skeleton.nodes, radius))
-    lattice = MappedLattice(skeleton, stretch[kept], numbers)
-    _log.info(
-        "%d x %d x %d cells of %r: struts are %.3g to %.3g times as long as in a cell of %s mm",
-        *numbers,
-        cell.name,
-        lattice.least_stretch,
-        lattice.largest_stretch,
-        " x ".join(f"{one:.3g}" for one in mean),
+    first = struts.edges[kept, 0]
+    real = nodes[struts.edges[kept, 1]] - nodes[first]
+    chords = Chords(
+        nodes[used],
+        ends.reshape(-1, 2),
+        mapping=mapping,
+        grading=grading,
+        first=struts.nodes[first] / numbers,
+        spans=spans[kept] / numbers,
+        patch=patch[first],
+        stretch=length(real) / length(spans[kept] * mean),
+        counts=numbers,
+        cell=mean,
     )
-    return lattice
+    return chords, drawn_together
 
 
 def _counts(
