@@ -484,9 +484,9 @@ def test_lattices_of_which_more_than_a_fifth_are_stubs_are_refused() -> None:
     with pytest.raises(BrepError, match=r"61 of 125 struts end free .*need a fifth at most.*whole"):
         LatticeBox("bcc", 10.0, 21, 21, 21, 1.2)
     with pytest.raises(BrepError, match=r'keep="whole" .*, dangling=False for no loose ends'):
-        LatticeFill(bd.Sphere(12), "octet", 8, 0.5)
-    whole = LatticeFill(bd.Sphere(12), "octet", 8, 0.5, keep="whole")
-    bound = LatticeFill(bd.Sphere(12), "octet", 8, 0.5, dangling=False)
+        LatticeFill(bd.Sphere(12.5), "octet", 8, 0.5)
+    whole = LatticeFill(bd.Sphere(12.5), "octet", 8, 0.5, keep="whole")
+    bound = LatticeFill(bd.Sphere(12.5), "octet", 8, 0.5, dangling=False)
     assert bound.volume < whole.volume
 
 
