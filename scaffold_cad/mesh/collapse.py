@@ -32,6 +32,7 @@ def without_short_edges(
     is_open: bool = False,
     near: Bools | None = None,
     order: Callable[[TriangleMesh, Edges], Edges] | None = None,
+    longest: Lengths = np.inf,
 ) -> TriangleMesh:
     """Return a closed mesh with its edges shorter than `shortest` at their middles drawn together.
 
@@ -44,6 +45,7 @@ def without_short_edges(
     near : (v,) bool; only edges between two of these vertices are drawn together
     order : function that returns those of a mesh's edges that may be drawn together, the end first
         that keeps its place; with it edges stay too that would turn a triangle over
+    longest : edges stay whose drawing together would make others longer than this, with `order`
     """
     while True:
         edges = _short_edges(mesh, shortest)
@@ -54,7 +56,7 @@ def without_short_edges(
         if is_open:
             edges = _beside_border(mesh, edges)
         if order is not None:
-            edges = edges[_stay_up(mesh, edges)]
+            edges = edges[_stay_up(mesh, edges, longest)]
         chosen = _independent(mesh.triangles, edges)
         if len(chosen) == 0:
             return mesh
@@ -86,8 +88,11 @@ def _beside_border(mesh: TriangleMesh, edges: Edges) -> Edges:
     return np.where(ends[:, 1:], edges[:, ::-1], edges)
 
 
-def _stay_up(mesh: TriangleMesh, edges: Edges) -> Bools:
-    """Return which edges, drawn together at their first end, turn no triangle by much, (k,)."""
+def _stay_up(mesh: TriangleMesh, edges: Edges, longest: Lengths) -> Bools:
+    """Return which edges, drawn together at their first end, leave good triangles, (k,).
+
+    None is turned by much, and no side is longer than `longest`.
+    """
     corner = mesh.triangles.reshape(-1)
     by_vertex = np.argsort(corner, kind="stable")
     count = np.bincount(corner, minlength=len(mesh.vertices))
@@ -105,6 +110,9 @@ def _stay_up(mesh: TriangleMesh, edges: Edges) -> Bools:
     )
     found = np.ones(len(edges), dtype=np.bool_)
     found[of_edge[stays][dot(before, now) < LEAST_TURN]] = False
+    end = mesh.vertices[fixed[stays]]
+    long = length(b - end) > lengths_at(longest, (b + end) / 2)
+    found[of_edge[stays][long]] = False
     return found
 
 

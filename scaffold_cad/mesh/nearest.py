@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from scipy.spatial import cKDTree
 
-from scaffold_cad.base.arrays import Floats, Points, UnitVectors
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, UnitVectors
 from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 NEAREST = 8
 """How many triangles are looked at for the one nearest to a point."""
+
+
+FACING = 0.5
+"""Least cosine of the angle between a direction and a triangle that faces it."""
 
 
 class NearestPlace:
@@ -20,22 +26,40 @@ class NearestPlace:
         self._corners = mesh.vertices[mesh.triangles]  # (t, 3, 3)
         self._tree = cKDTree(self._corners.mean(axis=1))
 
-    def nearest(self, points: Points) -> Points:
-        """Return the nearest place of the mesh to each of `points` (n, 3), among near triangles."""
-        return self.with_normals(points)[0]
+    def nearest(self, points: Points, facing: UnitVectors | None = None) -> Points:
+        """Return the nearest place of the mesh to each of `points` (n, 3), among near triangles.
+
+        Parameters
+        ----------
+        facing : (n, 3) directions that triangles are to face, where one of the near ones does: the
+            place is then not beyond a sharp edge
+        """
+        return self._found(points, facing)[0]
 
     def with_normals(self, points: Points) -> tuple[Points, UnitVectors]:
         """Return the nearest places to `points` (n, 3), and the normals of their triangles."""
+        places, triangles = self._found(points, None)
+        return places, self._normals[triangles]
+
+    def _found(self, points: Points, facing: UnitVectors | None) -> tuple[Points, Ints]:
+        """Return the nearest places (n, 3) and their triangles (n,)."""
         count = min(NEAREST, len(self._corners))
         _, triangles = self._tree.query(points, k=count)
         triangles = triangles.reshape(len(points), count)
         every = np.repeat(points, count, axis=0)
         feet = nearest_on_triangles(every, self._corners[triangles.reshape(-1)])
         gaps = length(feet - every).reshape(-1, count)
+        if facing is not None:
+            faces: Bools = dot(self._normals[triangles], facing[:, None]) > FACING  # (n, count)
+            gaps = np.where(faces | ~faces.any(axis=1, keepdims=True), gaps, np.inf)
         row, best = np.arange(len(points)), gaps.argmin(axis=1)
-        a, b, c = np.moveaxis(self._corners[triangles[row, best]], 1, 0)
         places: Points = feet.reshape(-1, count, 3)[row, best]
-        return places, normalize(np.cross(b - a, c - a))
+        return places, triangles[row, best]
+
+    @cached_property
+    def _normals(self) -> UnitVectors:
+        a, b, c = np.moveaxis(self._corners, 1, 0)
+        return normalize(np.cross(b - a, c - a) + np.finfo(float).tiny)
 
 
 def nearest_on_triangles(points: Points, corners: Floats) -> Points:

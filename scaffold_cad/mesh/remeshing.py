@@ -20,7 +20,7 @@ from scaffold_cad.base.arrays import (
 from scaffold_cad.base.topology import edges_of_sides, sides_of
 from scaffold_cad.base.vectors import dot, length, normalize, sums_by_row
 from scaffold_cad.errors import MeshError
-from scaffold_cad.mesh.collapse import Lengths, lengths_at, without_short_edges
+from scaffold_cad.mesh.collapse import LEAST_TURN, Lengths, lengths_at, without_short_edges
 from scaffold_cad.mesh.decimation import decimated
 from scaffold_cad.mesh.nearest import NearestPlace
 from scaffold_cad.mesh.quadmesh import QuadMesh
@@ -35,9 +35,9 @@ LONGEST, SHORTEST = 4 / 3, 4 / 5
 that is split are not drawn together again (Botsch and Kobbelt, A remeshing approach to
 multiresolution modeling, 2004)."""
 
-QUAD_SIDE = 2.5
+QUAD_SIDE = 2.85
 """Wanted side of triangles, in sides of a square as large as one of the quads that each is cut
-into; found by trial: triangles made anew come out a little larger."""
+into; found by trial: √(6 √3) = 2.6 if all were equilateral and as large as asked."""
 
 FINE = 0.25
 """Sides of triangles, in wanted ones, below which a mesh is first made coarser at once."""
@@ -72,10 +72,17 @@ def quadrangulated(mesh: TriangleMesh, size: Lengths) -> QuadMesh:
     side = size if callable(size) else as_number(size, "size of quads")
     even = remeshed(mesh, _times(QUAD_SIDE, side))
     quads = three_quads_each(even.mesh)
-    places = even.surface.nearest(quads.vertices)
-    edges, _ = _edges(even.mesh.triangles)
-    middles = len(even.mesh.vertices) + np.flatnonzero(even.sharp.along(even.mesh, edges))
-    places[middles] = even.sharp.nearest(quads.vertices[middles])
+    normals = _vertex_normals(quads.vertices, quads.triangles)
+    edges, of_side = _edges(even.mesh.triangles)
+    runs = even.sharp.runs(even.mesh)
+    run = runs.of(edges)
+    count, centers = len(even.mesh.vertices), len(even.mesh.vertices) + len(edges)
+    vertices = quads.vertices.copy()
+    middles = vertices[count:centers]  # a view
+    middles[run >= 0] = runs.middles[run[run >= 0]]
+    vertices[centers:] = middles[of_side].mean(axis=1)  # they give way to arcs
+    places = even.surface.nearest(vertices, normals)
+    places[count:centers][run >= 0] = middles[run >= 0]
     return quads.moved(places)
 
 
@@ -139,8 +146,11 @@ def remeshed(mesh: TriangleMesh, size: Lengths) -> Remeshed:
     for _ in range(ROUNDS):
         mesh = split_to(mesh, _times(LONGEST, size), sharp)
         least = _times(SHORTEST, size)
-        mesh = without_short_edges(mesh, least, is_open=is_open, order=sharp.ordered)
-        mesh = _turned(_turned(mesh))
+        longest = _times(LONGEST, size)
+        mesh = without_short_edges(
+            mesh, least, is_open=is_open, order=sharp.ordered, longest=longest
+        )
+        mesh = _turned(_turned(mesh, sharp), sharp)
         mesh = _relaxed(mesh, target, sharp)
     return Remeshed(mesh, target, sharp)
 
@@ -170,12 +180,17 @@ def split_to(mesh: TriangleMesh, longest: Lengths, sharp: SharpEdges | None = No
     while True:
         edges, of_side = _edges(mesh.triangles)
         ends = mesh.vertices[edges]  # (e, 2, 3)
-        long = length(np.diff(ends, axis=1)[:, 0]) > lengths_at(longest, ends.mean(axis=1))
+        spans, middles = length(np.diff(ends, axis=1)[:, 0]), ends.mean(axis=1)
+        if sharp is not None:
+            runs = sharp.runs(mesh)
+            run = runs.of(edges)
+            along = run >= 0
+            spans[along], middles[along] = runs.lengths[run[along]], runs.middles[run[along]]
+        long = spans > lengths_at(longest, middles)
         if not long.any():
             return mesh
         middle = len(mesh.vertices) + np.cumsum(long) - 1
-        middles = ends[long].mean(axis=1) if sharp is None else sharp.middles(mesh, edges[long])
-        vertices = np.concatenate([mesh.vertices, middles])
+        vertices = np.concatenate([mesh.vertices, middles[long]])
         new = np.where(long, middle, -1)[of_side]  # (t, 3)
         mesh = TriangleMesh(vertices, _halved(mesh.triangles, new))
 
@@ -206,7 +221,7 @@ def _halved(rows: Triangles, middles: Ints) -> Triangles:
     return np.concatenate([np.stack(corners, axis=1)[chosen] for chosen, corners in parts])
 
 
-def _turned(mesh: TriangleMesh) -> TriangleMesh:
+def _turned(mesh: TriangleMesh, sharp: SharpEdges) -> TriangleMesh:
     """Return the mesh with edges turned where the angles that face them are more than π together.
 
     Edges of the shape stay, and so do those beside one that is turned.
@@ -220,7 +235,8 @@ def _turned(mesh: TriangleMesh) -> TriangleMesh:
     p, q, r, s = (mesh.vertices[k] for k in (a, b, c, d))
     angles = _angle(r, p, q) + _angle(s, q, p)
     normals = normalize(_double_areas(mesh.vertices, rows) + np.finfo(float).tiny)
-    flat = dot(normals[one], normals[other]) > SHARP
+    is_run = sharp.runs(mesh).of(np.stack([a, b], axis=1)) >= 0
+    flat = (dot(normals[one], normals[other]) > SHARP) & ~is_run
     # Both new triangles face the way the old ones do.
     ahead = normals[one] + normals[other]
     proper = (dot(np.cross(s - r, q - r), ahead) > 0) & (dot(np.cross(p - r, s - r), ahead) > 0)
@@ -257,17 +273,30 @@ def _relaxed(mesh: TriangleMesh, target: NearestPlace, sharp: SharpEdges) -> Tri
     valency = np.bincount(ends[:, 0], minlength=len(held))
     around = sums_by_row(mesh.vertices[ends[:, 1]], ends[:, 0], len(held))
     around /= np.maximum(valency, 1)[:, None]
-    normals = _vertex_normals(mesh)
+    normals = _vertex_normals(mesh.vertices, mesh.triangles)
     step = around - mesh.vertices
     moved = mesh.vertices + 0.7 * (step - dot(step, normals)[:, None] * normals)
-    moved = np.where(held[:, None], mesh.vertices, target.nearest(moved))
-    return TriangleMesh(moved, mesh.triangles)
+    moved = target.nearest(moved, normals)
+    held |= sharp.on(moved)
+    return _without_turning(mesh, np.where(held[:, None], mesh.vertices, moved))
 
 
-def _vertex_normals(mesh: TriangleMesh) -> UnitVectors:
+def _without_turning(mesh: TriangleMesh, moved: Points) -> TriangleMesh:
+    """Return the mesh with its vertices moved, but those of triangles that this turns by much."""
+    before = normalize(_double_areas(mesh.vertices, mesh.triangles) + np.finfo(float).tiny)
+    while True:
+        after = normalize(_double_areas(moved, mesh.triangles) + np.finfo(float).tiny)
+        turned = mesh.triangles[dot(before, after) < LEAST_TURN]
+        if (moved[turned] == mesh.vertices[turned]).all():
+            return TriangleMesh(moved, mesh.triangles)
+        moved = moved.copy()
+        moved[turned] = mesh.vertices[turned]
+
+
+def _vertex_normals(vertices: Points, triangles: Triangles) -> UnitVectors:
     """Return the unit normal at each vertex, the mean of its triangles' by area, (v, 3)."""
-    areas = np.repeat(_double_areas(mesh.vertices, mesh.triangles), 3, axis=0)
-    total = sums_by_row(areas, mesh.triangles.reshape(-1), len(mesh.vertices))
+    areas = np.repeat(_double_areas(vertices, triangles), 3, axis=0)
+    total = sums_by_row(areas, triangles.reshape(-1), len(vertices))
     return normalize(total + np.finfo(float).tiny)
 
 

@@ -30,6 +30,7 @@ from scaffold_cad import (
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.filling import between_faces, face_map, mesh_map
+from scaffold_cad.lattice.maps.quads import QuadSurface
 from scaffold_cad.skeleton import Skeleton
 
 
@@ -176,6 +177,19 @@ def test_quads_are_as_large_as_a_function_of_position_asks() -> None:
     assert lattice.component_count == 1
     with pytest.raises(OptionError, match="the cell size is -1 mm at"):
         mesh_map(ball, 2.0, size=lambda points: np.full(len(points), -1.0))
+
+
+@pytest.mark.parametrize("thickness", [1.0, -0.5])
+def test_layers_on_parts_with_sharp_edges_lean_where_cells_would_fold(thickness: float) -> None:
+    corner = Box(20, 10, 10) + Pos(-5, 0, 10) * Box(10, 10, 10)
+    layer = mesh_map(corner, thickness, size=1.5)
+    lattice = tile("bcc", counts=1, radius=0.1, on=layer)
+    check_skeleton(lattice)
+    assert lattice.component_count == 1
+    leaned = layer.surface
+    straight = QuadSurface.of(QuadMesh(leaned.vertices, leaned.quads))
+    turned = np.flatnonzero((leaned.normals * straight.normals).sum(axis=1) < 1 - 1e-9)
+    assert len(turned) < len(leaned.normals) / 2  # the others rise along the normals
 
 
 def test_quads_are_taken_as_they_are() -> None:

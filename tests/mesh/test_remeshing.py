@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import build123d as bd
 import numpy as np
 import pytest
 import trimesh
@@ -17,6 +18,7 @@ from scaffold_cad.mesh.remeshing import (
 from scaffold_cad.mesh.sharpedges import SharpEdges, sharp_edges
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.mesh.welding import welded
+from scaffold_cad.products.surfaces import triangles_of
 
 
 def as_mesh(mesh: trimesh.Trimesh) -> TriangleMesh:
@@ -149,8 +151,7 @@ def test_quads_of_a_cylinder_keep_its_rims() -> None:
     assert mesh.signed_volume == pytest.approx(rod.volume, rel=0.02)
     ends = quads.vertices[sharp_edges(mesh)]  # (k, 2, 3)
     np.testing.assert_allclose(np.abs(ends[:, :, 2]), 15, atol=1e-6)
-    # Here and there a chord of the rim stands for some of its edges.
-    assert (np.abs(np.hypot(ends[..., 0], ends[..., 1]) - 10) < 0.02).mean() > 0.9
+    np.testing.assert_allclose(np.hypot(ends[..., 0], ends[..., 1]), 10, atol=0.02)
 
 
 def test_edges_across_a_circle_are_not_halved_without_end() -> None:
@@ -159,14 +160,32 @@ def test_edges_across_a_circle_are_not_halved_without_end() -> None:
     assert quads.euler_characteristic == 2
 
 
-def test_middles_of_edges_go_onto_sharp_ones_where_both_halves_are_shorter() -> None:
-    angle = 2 * np.pi / 64 * np.arange(64)
+def test_runs_along_sharp_edges_go_from_vertex_to_next_vertex() -> None:
     rod = trimesh.creation.cylinder(10, 30, sections=64)
     sharp = SharpEdges(TriangleMesh(rod.vertices, rod.faces))
     coarse = trimesh.creation.cylinder(10, 30, sections=4)
-    mesh = TriangleMesh(coarse.vertices, coarse.faces)
-    middles = sharp.middles(mesh, sharp_edges(mesh))
-    on_rims = np.abs(np.abs(middles[:, 2]) - 15) < 1e-9
-    assert on_rims.sum() == 8
-    expected = 10 * np.cos(angle[1] / 2)  # chords of the finer circle are within it
-    assert np.hypot(*middles[on_rims, :2].T).min() > expected - 1e-9
+    runs = sharp.runs(TriangleMesh(coarse.vertices, coarse.faces))
+    assert len(runs.keys) == 8
+    assert not runs.can_shrink.any()  # the rims would be no circles
+    np.testing.assert_allclose(np.abs(runs.middles[:, 2]), 15)
+    np.testing.assert_allclose(np.hypot(*runs.middles[:, :2].T), 10, rtol=2e-3)
+    np.testing.assert_allclose(runs.lengths, 16 * 2 * 10 * np.sin(np.pi / 64))
+
+
+@pytest.mark.parametrize("size", [1.0, 1.25, 1.5, 1.75, 2.5])
+def test_quads_of_a_part_with_a_hole_keep_its_edges(size: float) -> None:
+    block = bd.Box(20, 20, 10) - bd.Cylinder(4, 10)
+    surface = triangles_of(block)
+    quads = quadrangulated(surface, size)
+    quads.check_closed()
+    assert quads.euler_characteristic == 0
+    corners = quads.vertices[quads.quads]  # (f, 4, 3)
+    ahead = np.roll(corners, -1, axis=1) - corners
+    turns = np.cross(ahead, -np.roll(ahead, 1, axis=1))  # (f, 4, 3)
+    flat = np.ptp(corners[..., 2], axis=1) < 1e-6
+    assert (turns[flat, :, 2] * corners[flat, :, 2] > 0).all()  # none is turned over
+    at_rim = np.isclose(np.hypot(*quads.vertices[:, :2].T), 4, atol=0.02)
+    on_rim = at_rim & np.isclose(np.abs(quads.vertices[:, 2]), 5)
+    top = np.sort(np.arctan2(*quads.vertices[on_rim & (quads.vertices[:, 2] > 0), :2].T))
+    assert np.diff(top, append=top[0] + 2 * np.pi).max() < 2 * size / 4
+    np.testing.assert_allclose(quads.signed_volume, block.volume, rtol=0.02)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,7 +11,8 @@ from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, Quads, UnitVe
 from scaffold_cad.base.topology import sides_of
 from scaffold_cad.base.vectors import dot, normalize, sums_by_row
 from scaffold_cad.errors import MeshError
-from scaffold_cad.lattice.maps.surfaces import Height, SurfaceMap
+from scaffold_cad.lattice.maps.leaning import leaned
+from scaffold_cad.lattice.maps.surfaces import Height, SurfaceMap, heights_at
 from scaffold_cad.mesh.quadmesh import QuadMesh
 
 SHARP = 0.6
@@ -73,6 +74,8 @@ class QuadSurface(Frozen):
 class QuadMap(SurfaceMap):
     """Cells on the quads of a mesh, as many in each: w runs along the vertices' normals.
 
+    Where cells would fold, as beside sharp edges, it leans away from these.
+
     A cell must meet itself when it is turned by a quarter or mirrored, as cubic ones do; others
     fit where no vertex is irregular.
 
@@ -84,7 +87,12 @@ class QuadMap(SurfaceMap):
 
     def __init__(self, mesh: QuadMesh, thickness: Height, offset: Height = 0.0) -> None:
         """Take the quads of a mesh; thickness and offset are those of `SurfaceMap`."""
-        super().__init__(QuadSurface.of(mesh), thickness, offset)
+        surface = QuadSurface.of(mesh)
+        super().__init__(surface, thickness, offset)
+        low = heights_at(self.offset, surface.vertices, "offset")
+        high = low + heights_at(self.thickness, surface.vertices, "thickness")
+        normals = leaned(surface.vertices, surface.quads, surface.normals, low, high)
+        self._keep(surface=replace(surface, normals=normals))
 
 
 def vertex_normals(mesh: QuadMesh) -> UnitVectors:
