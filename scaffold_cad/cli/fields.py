@@ -10,6 +10,7 @@ from typing import Any
 
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.cli import sizes
+from scaffold_cad.cli.nets import NetFile
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io.fields import FIELD_SUFFIXES, read_field
 
@@ -30,6 +31,20 @@ class FieldFile:
     path: Path
     name: str | None
 
+    def read(self) -> Any:
+        """Return the field.
+
+        Raises
+        ------
+        FormatError
+            If the file cannot be read, or holds several fields and none is named.
+        """
+        try:
+            return read_field(self.path, self.name)
+        except FormatError as error:
+            told = str(error).replace("need name= one of them", "need FILE:NAME")
+            raise FormatError(told) from None
+
 
 def number(text: str) -> float | FieldFile:
     """Return a number, or the file that holds it for each place."""
@@ -47,8 +62,8 @@ def size(text: str) -> Floats | FieldFile:
     return _file(text) or sizes.size(text)
 
 
-def with_fields(options: argparse.Namespace) -> argparse.Namespace:
-    """Return options with the fields that files hold in place of these.
+def with_contents(options: argparse.Namespace) -> argparse.Namespace:
+    """Return options with the fields and nets that files hold in place of these.
 
     Raises
     ------
@@ -56,7 +71,9 @@ def with_fields(options: argparse.Namespace) -> argparse.Namespace:
         If a file cannot be read, or holds several fields and none is named.
     """
     read = {
-        name: _field(value) for name, value in vars(options).items() if isinstance(value, FieldFile)
+        name: value.read()
+        for name, value in vars(options).items()
+        if isinstance(value, FieldFile | NetFile)
     }
     return argparse.Namespace(**{**vars(options), **read})
 
@@ -65,10 +82,3 @@ def _file(text: str) -> FieldFile | None:
     """Return the file that a text names, or None."""
     found = FILE.fullmatch(text)
     return FieldFile(Path(found[1]), found[2]) if found else None
-
-
-def _field(file: FieldFile) -> Any:
-    try:
-        return read_field(file.path, file.name)
-    except FormatError as error:
-        raise FormatError(str(error).replace("need name= one of them", "need FILE:NAME")) from None

@@ -15,6 +15,7 @@ from scaffold_cad.cli import (
     latticeradius,
     latticestruts,
     latticetiles,
+    nets,
     processes,
     shapes,
     sizes,
@@ -80,7 +81,13 @@ def add_parser(
 def _add_cells(parser: argparse.ArgumentParser) -> None:
     """Add what struts there are: cells or foams, and how thick."""
     what = parser.add_mutually_exclusive_group(required=True)
-    what.add_argument("--cell", help="unit cell; `scaffold-cad cells` lists them")
+    what.add_argument(
+        "--cell",
+        type=nets.cell,
+        metavar="NAME",
+        help="unit cell; `scaffold-cad cells` lists them; or a net of a Systre file: nets.cgd, "
+        "nets.cgd:NAME for one of several",
+    )
     foams.add_arguments(what, parser)
     parser.add_argument(
         "--size",

@@ -16,7 +16,7 @@ from scaffold_cad.cli.progress import Progress
 from scaffold_cad.filling.fill import lattice_around
 from scaffold_cad.io.stacks import write_layers
 from scaffold_cad.lattice import PeriodicLattice
-from scaffold_cad.lattice.registry import unit_cell
+from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.layers import slices
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -66,7 +66,7 @@ def write(
         what: Any = round_struts(where, **shapes.round_options(options))
         struts = len(where.edges)
     else:
-        cell = unit_cell(options.cell)
+        cell = as_cell(options.cell)
         corners = where.vertices if isinstance(where, TriangleMesh) else where
         bounds = np.stack([corners.min(axis=0), corners.max(axis=0)])
         given_struts = shapes.round_options(options)
@@ -88,7 +88,7 @@ def write(
 
 def fills(box: Points, options: argparse.Namespace) -> bool:
     """Return whether whole cells fill a box (2, 3), so that nothing is to be cut off."""
-    cell = unit_cell(options.cell)
+    cell = as_cell(options.cell)
     if cell.is_net or not np.array_equal(cell.axes, np.eye(3)):
         return False
     lattice: PeriodicLattice = lattice_around(

@@ -5,12 +5,12 @@ from __future__ import annotations
 import argparse
 import logging
 
-import numpy as np
-
 from scaffold_cad.cli import shapes
 from scaffold_cad.cli.maps import map_of
 from scaffold_cad.errors import OptionError
 from scaffold_cad.filling import solve_radius
+from scaffold_cad.lattice.registry import as_cell
+from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import solidified
@@ -38,7 +38,7 @@ def radius(options: argparse.Namespace) -> float:
         made = build_scaffold(skeleton, collars=True) if square else round_struts(skeleton, **given)
         return float(solidified(made).manifold.volume())
 
-    size = np.broadcast_to(options.size, 3)
+    size = cell_size(as_cell(options.cell), options.size)
     if not square and not given:
         found = solve_radius(options.cell, size, options.density, measured=True)
     else:

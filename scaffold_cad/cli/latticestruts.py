@@ -21,7 +21,7 @@ from scaffold_cad.lattice import CellMap, UnitCell, lattice_on
 from scaffold_cad.lattice.maps import BoxMap
 from scaffold_cad.lattice.maps.cellmap import extents
 from scaffold_cad.lattice.maps.grading import mean_size
-from scaffold_cad.lattice.registry import unit_cell
+from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -82,7 +82,7 @@ def check_cells(part: TriangleMesh | None, options: argparse.Namespace) -> int:
     mapping = map_of_sizes(part, options)
     if mapping is not None:
         return _check_mapped(mapping, options)
-    cell = unit_cell(options.cell)
+    cell = as_cell(options.cell)
     counts, _ = cells_around(_bounds(part, options), cell, cell_size(cell, options.size))
     return _check_memory(math.prod(counts), cell, options)
 
@@ -116,12 +116,12 @@ def _counts(mapping: CellMap, options: argparse.Namespace) -> dict[str, tuple[in
 def _cell_sizes(mapping: CellMap, options: argparse.Namespace) -> Floats:
     """Return the size of a cell, (3,), mm; the mean one where sizes vary."""
     size = options.size
-    return mean_size(mapping, size) if callable(size) else cell_size(unit_cell(options.cell), size)
+    return mean_size(mapping, size) if callable(size) else cell_size(as_cell(options.cell), size)
 
 
 def _check_mapped(mapping: CellMap, options: argparse.Namespace) -> int:
     """Return how many cells go on a map; refuse what memory may not hold."""
-    cell, sizes = unit_cell(options.cell), _cell_sizes(mapping, options)
+    cell, sizes = as_cell(options.cell), _cell_sizes(mapping, options)
     return _check_memory(mapping.patches * int(np.prod(extents(mapping) / sizes)), cell, options)
 
 

@@ -11,7 +11,7 @@ from scaffold_cad.base.summaries import counted
 from scaffold_cad.cli import latticelayers, processes, shapes, source, tiled
 from scaffold_cad.errors import OptionError
 from scaffold_cad.filling.fill import lattice_around
-from scaffold_cad.lattice.registry import unit_cell
+from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.layers import slices
 from scaffold_cad.solid.rounds import SIDES
@@ -45,7 +45,7 @@ def run(options: argparse.Namespace, sides: int) -> None:
     need("joblib", "work on tiles")
     from scaffold_cad.tiles import tiles
 
-    cell = unit_cell(options.cell)
+    cell = as_cell(options.cell)
     size = cell_size(cell, options.size)
     given = shapes.round_options(options)
     lattice = lattice_around(options.box, cell, size, options.radius, **given)

@@ -13,7 +13,7 @@ from multiprocessing import get_context
 from typing import TextIO
 
 from scaffold_cad.base.arguments import as_count
-from scaffold_cad.cli.fields import with_fields
+from scaffold_cad.cli.fields import with_contents
 from scaffold_cad.cli.flags import with_flags, with_measures
 from scaffold_cad.cli.streams import each_file, streamed
 from scaffold_cad.errors import FormatError, ScaffoldCadError
@@ -58,7 +58,7 @@ def _run_one(options: argparse.Namespace, folder: str, several: bool = False) ->
         print(f"{options.input}:")
 
     def work() -> int:
-        return options.run(with_fields(options)) or 0  # most commands give none: they are done
+        return options.run(with_contents(options)) or 0  # most commands give none: they are done
 
     named = str(options.input) if several else ""
     return _guarded(work, folder, named, options)

@@ -56,6 +56,33 @@ def test_a_trimmed_box_measures_as_asked(tmp_path: Path) -> None:
     np.testing.assert_allclose(loaded(out).bounds, [[0, 0, 0], [16, 16, 24]], atol=1e-5)
 
 
+NETS = Path(__file__).parents[2] / "examples/skeletons/nets.cgd"
+
+
+def test_a_net_of_a_file_is_a_cell(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    given = ["--size", "8", "--radius", "0.5"]
+    out = tmp_path / "box.json"
+    of_net = ["lattice", "--cell", f"{NETS}:dia", *given]
+    assert main([*of_net, "--box", "20", "--beams", "-o", str(out)]) == 0
+    struts = read_skeleton(out)
+    inner = struts.nodes[struts.valency == 4]
+    assert len(inner) > 30
+    np.testing.assert_allclose(struts.lengths.max(), np.sqrt(3) / 4 * 8 * np.sqrt(2))
+    assert main([*of_net, "--cylinder", "20x24x6", "-o", str(tmp_path / "sleeve.stl")]) == 0
+    assert loaded(tmp_path / "sleeve.stl").volume > 0
+    layers = [*of_net, "--box", "20", "--layer", "2", "-o", str(tmp_path / "box.cli")]
+    assert main(layers) == 0
+    capsys.readouterr()
+    for name, told in (
+        (str(NETS), "nets.cgd holds nets pcu, dia; need FILE:NAME of one of them"),
+        (f"{NETS}:srs", "pcu, dia, and 0 are called 'srs'; need FILE:NAME of one of them"),
+        (str(tmp_path / "none.cgd"), "none.cgd cannot be read: there is no such file"),
+    ):
+        asked = ["lattice", "--cell", name, *given, "--box", "20", "-o", str(tmp_path / "b.stl")]
+        assert main(asked) == 2
+        assert told in capsys.readouterr().err
+
+
 def test_cells_stand_on_tubes_and_spheres(tmp_path: Path) -> None:
     out = tmp_path / "part.stl"
     assert main([*BCC, "--cylinder", "20x24x8", "-o", str(out)]) == 0
