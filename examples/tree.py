@@ -1,6 +1,6 @@
 """A simple tree with unit radii (figure 7 of the paper).
 
-Three branch points of valency 4 and one of valency 3: four quads an edge and one an extremity.
+Three branch points of valency 4 and one of valency 3: four quads per edge and one per extremity.
 """
 
 from pathlib import Path

@@ -60,7 +60,9 @@ def run_apart(function: Callable[..., Arrays], path: Path, *arguments: str) -> A
         said = run.stderr.decode("utf-8", errors="replace").strip().splitlines()[-1:]
         if run.returncode == REFUSED and said:
             raise FormatError(said[0])
-        raise FormatError(f"{path} cannot be read: its library ended at it; need a sound file")
+        raise FormatError(
+            f"{path} cannot be read: the library that reads it crashed; need a sound file"
+        )
 
 
 def main() -> int:

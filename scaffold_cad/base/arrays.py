@@ -153,7 +153,7 @@ def as_radii(values: ArrayLike, name: str, count: int, places: Points | None = N
     if radii.ndim == 0:
         radii = np.full(count, float(radii))
     if radii.shape != (count,):
-        raise SkeletonError(f"{name} has shape {radii.shape}; need ({count},), one a node")
+        raise SkeletonError(f"{name} has shape {radii.shape}; need ({count},), one per node")
     bad = np.flatnonzero(~(np.isfinite(radii) & (radii > 0)))
     if len(bad):
         at = "" if places is None else f" at {place_text(places[bad[0]])}"
@@ -164,7 +164,7 @@ def as_radii(values: ArrayLike, name: str, count: int, places: Points | None = N
 def as_edge_radii(values: ArrayLike, name: str, count: int, places: Points | None = None) -> Floats:
     """Return a read-only copy of `values` as (count, 2) float64, all finite and > 0.
 
-    One number stands for all of them, and one a row, (count,), for both ends of an edge.
+    One number stands for all of them, and one per row, (count,), for both ends of an edge.
 
     Raises
     ------
@@ -178,7 +178,7 @@ def as_edge_radii(values: ArrayLike, name: str, count: int, places: Points | Non
     elif radii.shape == (count,):
         radii = np.stack([radii, radii], axis=1)
     if radii.shape != (count, 2):
-        raise SkeletonError(f"{name} has shape {radii.shape}; need ({count}, 2), two an edge")
+        raise SkeletonError(f"{name} has shape {radii.shape}; need ({count}, 2), two per edge")
     bad = np.flatnonzero(~(np.isfinite(radii) & (radii > 0)).all(axis=1))
     if len(bad):
         at = "" if places is None else f" near {place_text(places[bad[0]])}"

@@ -116,7 +116,7 @@ class PointField:
         if len(places) == 0 or numbers.shape != (len(places),):
             raise OptionError(
                 f"values of the field have shape {numbers.shape} for points of shape "
-                f"{places.shape}; need one a point"
+                f"{places.shape}; need one per point"
             )
         bad = np.flatnonzero(~np.isfinite(numbers))
         if len(bad):
@@ -165,5 +165,5 @@ def _check_single(places: Points, numbers: Floats) -> None:
         first, second = one[bad[0]], other[bad[0]]
         raise OptionError(
             f"the field is {numbers[first]:.9g} and {numbers[second]:.9g} at "
-            f"{place_text(places[first])}; need one value a place"
+            f"{place_text(places[first])}; need one value at each place"
         )

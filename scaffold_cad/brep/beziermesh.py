@@ -31,7 +31,7 @@ FLATNESS_TOLERANCE = 1e-8
 
 @dataclass(frozen=True, eq=False)
 class BezierMesh(Frozen):
-    """A mesh of Bézier patches of one degree d, one a quad.
+    """A mesh of Bézier patches of one degree d, one per quad.
 
     The first index of a patch's control points follows the quad's first side, from corner 0 to
     corner 1, the second its last side, from corner 0 to corner 3. Neighboring patches have the

@@ -1,4 +1,4 @@
-"""The command `scaffold-cad`: one module a subcommand, no geometry.
+"""The command `scaffold-cad`: one module per subcommand, no geometry.
 
 Exit codes: 0 done, 1 not printable (`check`), 2 bad input (one line on standard error says what),
 130 interrupted. What was repaired or must be known is logged on standard error; results go to
@@ -62,8 +62,8 @@ def parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParse
     parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
     add_completion(parser)
     common = argparse.ArgumentParser(add_help=False)
-    common.add_argument("-q", "--quiet", action="store_true", help="log nothing but errors")
-    common.add_argument("-v", "--verbose", action="store_true", help="log what is tried, too")
+    common.add_argument("-q", "--quiet", action="store_true", help="log only errors")
+    common.add_argument("-v", "--verbose", action="store_true", help="log also what is tried")
     common.add_argument(
         "--config", type=Path, metavar="FILE", help="TOML file with options, in tables by command"
     )

@@ -36,8 +36,8 @@ def add_parser(
         "cells",
         parents=[common],
         help="list the unit cells of lattices",
-        description="A line a cell: its name, the valency of its nodes, Maxwell's count "
-        "(below 0 it carries by bending), its relative density for thin struts of radius r in a "
+        description="A line per cell: its name, the valency of its nodes, Maxwell's count "
+        "(below 0 struts carry by bending), its relative density for thin struts of radius r in a "
         "cell of size a, and what it is.",
     )
     parser.add_argument(
@@ -51,14 +51,14 @@ def add_parser(
         "--stiffness",
         type=float,
         metavar="DENSITY",
-        help="print their moduli at this relative density instead, as parts of what the material "
-        "would give: of Young along x y z, of shear yz xz xy, and of bulk",
+        help="print their moduli at this relative density instead, over that density and the "
+        "Young's modulus of the material: Young's along x y z, shear yz xz xy, and bulk",
     )
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
-    """Print a line a cell, or write the page."""
+    """Print a line per cell, or write the page."""
     known = cells()
     if options.stiffness is not None:
         with told_as(**{"relative density": "--stiffness"}):

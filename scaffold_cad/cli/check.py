@@ -62,29 +62,34 @@ def add_parser(
     parser.add_argument(
         "--skeleton", type=Path, metavar="FILE", help="skeleton of the struts of a mesh file"
     )
-    parser.add_argument("--process", choices=PROCESSES, default="sls", help="default: sls")
-    parser.add_argument("--material", choices=MATERIALS, help="for the mass of the part")
+    parser.add_argument(
+        "--process", choices=PROCESSES, default="sls", help="printing process (default: sls)"
+    )
+    parser.add_argument("--material", choices=MATERIALS, help="material, for the mass of the part")
     parser.add_argument(
         "--direction",
         type=_direction,
         default=(0.0, 0.0, 1.0),
         metavar="X,Y,Z",
-        help='direction of building, or "best" (default: 0,0,1; --direction=-1,0,0)',
+        help='build direction, or "best" (default: 0,0,1; as in --direction=-1,0,0)',
     )
     parser.add_argument(
-        "--no-supports", action="store_true", help="what needs supports cannot be printed"
+        "--no-supports", action="store_true", help="faces that need supports are failures"
     )
     limits = parser.add_argument_group("limits, instead of those of the process")
     for name, (option, unit, meaning) in LIMITS.items():
         limits.add_argument(option, dest=name, type=float, metavar=unit, help=meaning)
     limits.add_argument(
-        "--overhang", type=float, metavar="DEG", help="angle to the plate below which faces hang"
+        "--overhang",
+        type=float,
+        metavar="DEG",
+        help="angle to the plate, degrees, below which faces need supports",
     )
     limits.add_argument(
         "--build-volume",
         type=sizes.three_sizes,
         metavar="XxYxZ",
-        help="greatest size of a part, mm: 250x210x210, or 200 for a cube",
+        help="size of the build volume, mm: 250x210x210, or 200 for a cube",
     )
     parser.add_argument("--json", action="store_true", help="print the report as JSON")
     parser.add_argument(

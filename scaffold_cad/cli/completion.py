@@ -14,7 +14,7 @@ def add_completion(parser: argparse.ArgumentParser) -> None:
         "--print-completion",
         action=_Print,
         choices=SHELLS,
-        help="print what completes commands and flags in a shell (extra `completion`)",
+        help="print a script that completes commands and flags in a shell (extra `completion`)",
     )
 
 

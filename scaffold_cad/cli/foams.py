@@ -41,9 +41,11 @@ def add_arguments(what: argparse._MutuallyExclusiveGroup, parser: argparse.Argum
     )
     group = parser.add_argument_group("foams")
     group.add_argument(
-        "--count", type=int, metavar="N", help="random points, one a cell, in place of --size"
+        "--count", type=int, metavar="N", help="random points, one per cell, in place of --size"
     )
-    group.add_argument("--seed", type=int, metavar="S", help="of the random points (default: 0)")
+    group.add_argument(
+        "--seed", type=int, metavar="S", help="seed of the random points (default: 0)"
+    )
     group.add_argument(
         "--regularity",
         type=float,
@@ -59,7 +61,7 @@ def add_arguments(what: argparse._MutuallyExclusiveGroup, parser: argparse.Argum
     group.add_argument(
         "--periodic",
         action="store_true",
-        help="the foam of a box meets itself on opposite faces (--foam voronoi)",
+        help="make the foam of a box periodic: it meets itself on opposite faces (--foam voronoi)",
     )
 
 
@@ -86,7 +88,7 @@ def foam(region: TriangleMesh | Points, options: argparse.Namespace) -> Skeleton
     Raises
     ------
     OptionError
-        If an option is out of its range, or memory may not hold so many cells.
+        If an option is out of its range, or memory may not hold that many cells.
     """
     corners = region.vertices if isinstance(region, TriangleMesh) else region
     count = _cell_count(corners, options) if options.count is None else options.count

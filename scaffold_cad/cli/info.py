@@ -32,7 +32,7 @@ def add_parser(
 
 
 def run(options: argparse.Namespace) -> None:
-    """Print the counts of the skeleton as it is built, or of the solid, one a line."""
+    """Print the counts of the skeleton as it is built, or of the solid, one per line."""
     try:
         rows = _skeleton_rows(options)
     except FormatError as error:

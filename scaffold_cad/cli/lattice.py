@@ -65,7 +65,7 @@ def add_parser(
     parser.add_argument(
         "--beams",
         action="store_true",
-        help="write no solid but the struts: a 3MF beam lattice, or JSON",
+        help="write the struts as beams, no solid: a 3MF beam lattice, or JSON",
     )
     streams.add_output(
         parser,
@@ -117,7 +117,7 @@ def _add_place(parser: argparse.ArgumentParser) -> None:
         "--box",
         type=sizes.box,
         metavar="XxYxZ",
-        help="size of a box from 0, mm: 40x40x20, or 40 for a cube",
+        help="size of a box with a corner at the origin, mm: 40x40x20, or 40 for a cube",
     )
     where.add_argument(
         "--inside", type=Path, metavar="PART", help="closed part: .step .brep .stl .3mf .obj .ply"

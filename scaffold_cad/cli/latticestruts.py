@@ -108,7 +108,7 @@ def _on_map(mapping: CellMap, options: argparse.Namespace) -> Skeleton:
 
 
 def _counts(mapping: CellMap, options: argparse.Namespace) -> dict[str, tuple[int, int, int]]:
-    """Return how many cells each quad of a surface that is made anew has: one, and some upwards."""
+    """Return how many cells each quad of a remeshed surface has: one, and some upwards."""
     high = _cell_sizes(mapping, options)[2]
     return {"counts": (1, 1, max(1, round(float(extents(mapping)[2] / high))))}
 

@@ -40,20 +40,23 @@ def add_maps(where: argparse._MutuallyExclusiveGroup, parser: argparse.ArgumentP
         ".obj .ply",
     )
     parser.add_argument(
-        "--face-number", type=int, metavar="N", help="which face, from 0, in the order of the file"
+        "--face-number",
+        type=int,
+        metavar="N",
+        help="number of the face, from 0, in the order of the file",
     )
     parser.add_argument(
         "--to-face",
         type=int,
         metavar="N",
-        help="fill what is between the face and this one of the same file",
+        help="fill the space between the face and this face of the same file",
     )
     parser.add_argument(
         "--thickness",
         type=fields.number,
         metavar="T",
-        help="of the layer on a face or a surface, mm, a number or a file as for --radius; < 0 for "
-        "its back",
+        help="thickness of the layer on a face or a surface, mm, a number or a file as for "
+        "--radius; < 0 for its back side",
     )
 
 

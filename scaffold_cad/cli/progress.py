@@ -93,7 +93,7 @@ def counted_line(name: str, done: int, begun: int, total: int, taken: float) -> 
     Examples
     --------
     >>> counted_line("tiles", 30, 10, 50, 40.0)
-    'tiles: 30 of 50, 0.5 a second, about 40 s left'
+    'tiles: 30 of 50, 0.5 per second, about 40 s left'
     """
     line = f"{name}: {done} of {total}"
     if done <= begun or taken <= 0:

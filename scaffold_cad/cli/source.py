@@ -42,7 +42,7 @@ def add_input(parser: argparse.ArgumentParser, several: bool = False) -> None:
         "input",
         metavar="INPUT",
         nargs="+" if several else None,
-        help="files with skeletons, each of which is worked on; - for standard input"
+        help="files with skeletons, one or several; - for standard input"
         if several
         else "file with a skeleton; - for standard input",
     )
@@ -73,20 +73,23 @@ def add_arguments(parser: argparse.ArgumentParser, several: bool = False) -> Non
         type=float,
         metavar="TOL",
         help="drop joints that the shape does not need within TOL mm, and those closer together "
-        "than their radius whether it needs them or not",
+        "than their radius in any case",
     )
     parser.add_argument(
         "--turn",
         action="append",
         type=sizes.turn,
         metavar="AXIS:DEGREES",
-        help="turn around an axis through the origin, as in z:90; for several turns several times",
+        help="rotate about an axis through the origin by degrees, as in z:90; repeat it for more "
+        "rotations",
     )
     parser.add_argument(
-        "--mirror", choices=tuple(AXES), help="mirror along an axis, after the turns"
+        "--mirror", choices=tuple(AXES), help="mirror along an axis, after the rotations"
     )
     parser.add_argument(
-        "--strict", action="store_true", help="refuse a file that needs repair instead of repairing"
+        "--strict",
+        action="store_true",
+        help="refuse a file that needs repair instead of repairing it",
     )
 
 
@@ -108,7 +111,7 @@ def add_max_nodes(parser: argparse.ArgumentParser, what: str = "file") -> None:
         "--max-nodes",
         type=int,
         metavar="N",
-        help=f"refuse a {what} with more nodes, as a guard of memory (default: {MAX_NODES})",
+        help=f"refuse a {what} with more nodes, to protect memory (default: {MAX_NODES})",
     )
 
 
@@ -118,7 +121,7 @@ def max_nodes(options: argparse.Namespace) -> int:
 
 
 def check_memory(options: argparse.Namespace, cells: int, nodes: int, struts: int) -> None:
-    """Raise if a lattice of so many cells, nodes and struts may not fit into memory."""
+    """Raise if a lattice with these numbers of cells, nodes and struts may not fit into memory."""
     most = max_nodes(options)
     if nodes > most:
         raise OptionError(

@@ -42,7 +42,7 @@ def add_parser(
         help="solve the struts as beams: displacements, stresses, buckling; size their radii",
         description="WHERE is xmin, xmax, ymin, ymax, zmin or zmax (the nodes at that side), node "
         "numbers from 0 such as 4,7,9, or a bound such as z<5. Linear beams with rigid joints: "
-        "up to 40 percent too soft where struts are fat.",
+        "up to 40 percent too soft where struts are thick.",
     )
     source.add_arguments(parser)
     parser.add_argument(

@@ -42,7 +42,7 @@ def check(options: argparse.Namespace) -> None:
         check_target(options.output)
         if options.output.suffix.lower() != ".npy":
             raise FormatError(
-                f"cannot write {options.output}: --tiles write a row a strut, as .npy"
+                f"cannot write {options.output}: --tiles write a row per strut, as .npy"
             )
 
 

@@ -40,8 +40,8 @@ def add_arguments(
         "--tiles",
         type=Path,
         metavar="FOLDER",
-        help=f"make {of} tile by tile; the tiles' files stay in FOLDER, and the same command goes "
-        "on where it was ended",
+        help=f"make {of} tile by tile; the tiles' files stay in FOLDER, and the same command "
+        "resumes where it stopped",
     )
     parser.add_argument("--block", type=float, metavar="N", help=f"size {block}")
     parser.add_argument(

@@ -47,7 +47,7 @@ def add_parser(
         metavar="PAGE",
         help="page to write, .html (default: a temporary file)",
     )
-    parser.add_argument("--no-open", action="store_true", help="open no browser")
+    parser.add_argument("--no-open", action="store_true", help="do not open a browser")
     parser.add_argument(
         "--as",
         dest="product",

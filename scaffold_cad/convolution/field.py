@@ -78,9 +78,9 @@ class ConvolutionField:
     At extremities the edge goes on, with the node's radius, so far that the surface of a long
     strut ends one radius beyond the node.
 
-    Where the radius changes by 0.1 mm a mm the surface is 1 % outside the radii, at 0.2 it is 4 %,
-    and where an edge grows so fast that its thick end's kernel reaches its thin end, the surface
-    there is the thick end's. At branch points the fields of the edges add up to a blend; that of
+    Where the radius changes by 0.1 mm per mm the surface is 1 % outside the radii, by 0.2 it is
+    4 %, and where an edge grows so fast that its thick end's kernel reaches its thin end, it is the
+    surface of the thick end. At branch points the fields of the edges add up to a blend; that of
     the compact kernel never reaches farther than `width` radii.
 
     Raises

@@ -122,7 +122,7 @@ def fill(
     elif origin is None and axes is None:
         struts, sizes = _on_map(on, cell, size)
     else:
-        raise OptionError("origin or axes are given with a map; need them for none")
+        raise OptionError("origin or axes are given with a map; need them left out")
     shortest = least_length(shortest, SHORTEST_FRACTION * float(sizes.min()))
     if keep == "whole":
         struts = struts.kept(space.contains(struts.middles))
@@ -168,7 +168,7 @@ def struts_touching(
     elif origin is None and axes is None:
         struts, _ = _on_map(on, cell, size)
     else:
-        raise OptionError("origin or axes are given with a map; need them for none")
+        raise OptionError("origin or axes are given with a map; need them left out")
     touching = np.asarray(space.contains(struts.nodes)[struts.edges].any(axis=1))
     touching[space.crossings(struts.nodes, struts.edges)[0]] = True
     if not touching.any():

@@ -38,7 +38,7 @@ def voronoi_foam(
 
     Parameters
     ----------
-    count : random points in the region, one a cell; or points of one's own (n, 3), mm
+    count : random points in the region, one per cell; or points of one's own (n, 3), mm
     region : a box (its lowest and highest corner, mm), a build123d solid, a closed triangle mesh,
         or a function, see `fill`
     radius : mm; one number, or a function of positions (n, 3) that returns radii (n,)

@@ -121,7 +121,7 @@ def mesh_map(
     Parameters
     ----------
     mesh : a quad mesh, whose quads are taken as they are; or a triangle mesh of any library or a
-        build123d shape, which is made anew in quads of about `size`, one a cell (`counts=(1, 1,
+        build123d shape, which is remeshed in quads of about `size`, one per cell (`counts=(1, 1,
         k)`); edges between faces at 60° and more are kept
     thickness, offset : of the layer, see `face_map`
     size : of the quads, mm, or a function of positions (n, 3) that returns (n,) sizes, as a `Field`
@@ -144,7 +144,7 @@ def mesh_map(
     """
     if isinstance(mesh, QuadMesh) and size is None:
         return QuadMap(mesh, thickness, offset)
-    name = "size of the quads that the surface is made anew with"
+    name = "size of the quads"
     side = partial(sizes_at, size) if callable(size) else as_number(size, name)
     surface = without_repeated_corners(welded(triangles_of(mesh)))
     return QuadMap(quadrangulated(surface, side), thickness, offset)

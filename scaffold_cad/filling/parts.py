@@ -95,7 +95,7 @@ def lattice_part(
     size : of one cell, mm: three numbers, or one for a cell that is not distorted
     radius : of the struts, mm; one number, or a function of positions (n, 3) that returns (n,)
     skin : thickness of the closed wall at the body's surface, mm; none by default. Where the body
-        is more tightly curved than that, making it takes some 3 ms a triangle
+        is more tightly curved than that, making it takes some 3 ms per triangle
     section : of the struts, "square" or "round"; by default as `sides` say, else square
     sides : of the struts: 4 for square ones, 8 or another multiple of 4 for round ones; by default
         16 where the section is round
@@ -127,7 +127,7 @@ def lattice_part(
     True
     """
     if skin is not None and not 0 < as_real(skin, "skin") < np.inf:
-        raise OptionError(f"skin is {skin:g} mm; need > 0, or none")
+        raise OptionError(f"skin is {skin:g} mm; need > 0, or None")
     if skin is None and (drain is not None or drain_places is not None):
         raise OptionError("drain holes are given without a skin; need one")
     if drain is None and drain_places is not None:

@@ -91,7 +91,7 @@ def lattice_solid(
 
     Its faces are those of the body, the same moved inwards by the skin, whole cylinders and the
     like in quarters, and those of the struts: round ones are true cylinders up to where they meet
-    the skin. It can be written as STEP. OCCT takes some 20 to 35 ms a strut. Where it fails,
+    the skin. It can be written as STEP. OCCT takes some 20 to 35 ms per strut. Where it fails,
     `lattice_part` makes the same of triangles.
 
     Parameters

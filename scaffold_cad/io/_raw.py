@@ -127,7 +127,7 @@ def _as_raw_edge_radii(values: ArrayLike, count: int) -> Floats:
     if radii.shape == (count,):
         radii = np.stack([radii, radii], axis=1)
     if radii.shape != (count, 2):
-        raise SkeletonError(f"edge_radii have shape {radii.shape}; need ({count}, 2), two an edge")
+        raise SkeletonError(f"edge_radii have shape {radii.shape}; need ({count}, 2), two per edge")
     check_believable(radii, "of an edge has radii")
     return radii
 
@@ -135,7 +135,7 @@ def _as_raw_edge_radii(values: ArrayLike, count: int) -> Floats:
 def _as_raw_radii(values: ArrayLike, count: int) -> Floats:
     radii = as_floats(values, "radii")
     if radii.shape != (count,):
-        raise SkeletonError(f"radii have shape {radii.shape}; need ({count},), one a node")
+        raise SkeletonError(f"radii have shape {radii.shape}; need ({count},), one per node")
     check_believable(radii, "has radius")
     return radii
 

@@ -1,4 +1,4 @@
-"""Rows of text made of whole arrays: numbers as digits in columns of bytes, a row a line.
+"""Rows of text made of whole arrays: numbers as digits in columns of bytes, a row per line.
 
 A byte 0 stands for nothing and is taken out at the end: so rows may be of different lengths.
 """

@@ -45,7 +45,7 @@ def _elements(path: Path, atoms: dict[str, object], count: int) -> list[str] | N
     if not isinstance(values, list):
         return None
     if len(values) != count:
-        raise FormatError(f"{path} has {len(values)} elements; need {count}, one an atom")
+        raise FormatError(f"{path} has {len(values)} elements; need {count}, one per atom")
     known = dict(enumerate(SYMBOLS, start=1))
     return [value if isinstance(value, str) else known.get(value, "") for value in values]
 
@@ -55,5 +55,5 @@ def _rows(path: Path, values: list[object], width: int, name: str) -> np.ndarray
     if len(values) % width:
         raise FormatError(f'{path} has {len(values)} numbers in "{name}"; need {width} a row')
     if not all(isinstance(value, int | float) for value in values):
-        raise FormatError(f'{path} has something else than numbers in "{name}"; need numbers')
+        raise FormatError(f'{path} has values that are not numbers in "{name}"; need numbers')
     return np.asarray(values).reshape(-1, width)

@@ -156,8 +156,8 @@ class Content:
         patches = self.patches()
         if patches is None:
             raise FormatError(
-                f"STEP and BREP files need a B-rep, which a {self.kind} has not; need a Scaffold, "
-                "RoundStruts, a QuadMesh, a BezierMesh or a build123d shape"
+                f"STEP and BREP files need a B-rep, which a {self.kind} does not have; need a "
+                "Scaffold, RoundStruts, a QuadMesh, a BezierMesh or a build123d shape"
             )
         return brep.brep_of_patches(patches)
 

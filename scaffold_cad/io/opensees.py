@@ -64,7 +64,7 @@ def read_opensees(path: Path) -> RawSkeleton:
         elif words[0] in ("fix", "load", "sp"):
             held.append((line, words))
         elif words[0] in ("for", "foreach", "while", "source", "fixX", "fixY", "fixZ"):
-            _log.warning("%s, line %d: '%s' is not worked out", path, line, words[0])
+            _log.warning("%s, line %d: '%s' is not evaluated", path, line, words[0])
     for line, words in struts:
         if len(words) < 5:
             raise line_error(path, line, f"{' '.join(words)!r}", _ELEMENT)

@@ -36,7 +36,7 @@ def read_points_edges(path: Path) -> RawSkeleton:
     """Read an object with a list of points, x, y, z or x, y, and one of edges, pairs of points.
 
     Points are called ``points``, ``nodes``, ``vertices`` and the like, edges ``edges``, ``lines``,
-    ``members`` and the like; edges count from 0. ``radii`` is one number, or one a point, or one
+    ``members`` and the like; edges count from 0. ``radii`` is one number, or one per point, or one
     an edge; ``edge_radii``, ``diameters`` and ``areas`` are those of edges. ``unit`` names the
     unit, else lengths are mm.
     """
@@ -91,7 +91,7 @@ def _radii(
                     of_edges = np.vectorize(radius_of_area, otypes=[float])(of_edges)
     if of_edges is not None:
         if of_edges.shape not in {(), (edges,), (edges, 2)}:
-            raise FormatError(f"{path} has radii of shape {of_edges.shape}; need one an edge")
+            raise FormatError(f"{path} has radii of shape {of_edges.shape}; need one per edge")
         if of_edges.shape == ():
             of_edges = np.full(edges, of_edges)
     return nodes, of_edges

@@ -87,7 +87,7 @@ def _of_text(path: Path, data: bytes) -> Points:
     rows = _VERTEX.findall(data)
     facets = len(re.findall(rb"\bendfacet\b", data, re.IGNORECASE))
     if len(rows) != 3 * facets or not facets:
-        raise FormatError(f"{path} has {len(rows)} vertices of {facets} facets; need 3 a facet")
+        raise FormatError(f"{path} has {len(rows)} vertices of {facets} facets; need 3 per facet")
     try:
         return np.array(rows, dtype=np.float64)
     except ValueError as error:

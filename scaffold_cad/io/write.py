@@ -92,7 +92,7 @@ def write(
     >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
     >>> with TemporaryDirectory() as folder:
     ...     write(build_scaffold(strut), Path(folder, "strut.stl"))
-    ...     Path(folder, "strut.stl").stat().st_size  # 84 bytes, and 50 a triangle
+    ...     Path(folder, "strut.stl").stat().st_size  # 84 bytes, and 50 per triangle
     684
     """
     path, what = _target(path, what), built(what)

@@ -1,4 +1,4 @@
-"""Random points in a region, one a cell of a foam: evenly spread or as dense as sizes ask."""
+"""Random points in a region, one per cell of a foam: evenly spread or as dense as sizes ask."""
 
 from __future__ import annotations
 

@@ -102,7 +102,7 @@ class UnitCell(Frozen):
         valency = " and ".join(str(n) for n in self.valencies)
         return (
             f"{self.name}: {self.description} Struts a cell {self.strut_count}, "
-            f"nodes a cell {self.site_count}, valency {valency}, "
+            f"nodes per cell {self.site_count}, valency {valency}, "
             f"Maxwell's count {self.maxwell_number}, "
             f"relative density about {self.density_coefficient:.4g} (r/a)²."
         )
@@ -118,12 +118,12 @@ class UnitCell(Frozen):
 
     @property
     def strut_count(self) -> int:
-        """Number of struts a cell of an endless lattice."""
+        """Number of struts per cell of an endless lattice."""
         return len(self.motif.struts)
 
     @property
     def site_count(self) -> int:
-        """Number of nodes a cell of an endless lattice."""
+        """Number of nodes per cell of an endless lattice."""
         return len(self.motif.sites)
 
     @property

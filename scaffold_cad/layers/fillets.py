@@ -32,7 +32,7 @@ PIECE = 4.0
 """Length of the pieces that struts are looked at in, in their radii and fillets."""
 
 AS_PARTS = 16
-"""How many sections of struts a section of a piece takes as long as, about."""
+"""Time of a section of a piece, in sections of struts, roughly."""
 
 
 class FilletSections:

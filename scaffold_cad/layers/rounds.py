@@ -29,7 +29,7 @@ NARROW = 0.05
 steps along the axis."""
 
 STEEP = 1e-3
-"""Rise of an axis, mm a mm, from which polygons of its sections are made larger, see `swell`."""
+"""Rise of an axis, mm per mm, from which polygons of its sections are made larger, see `swell`."""
 
 
 def swell(steps: Floats) -> Floats:

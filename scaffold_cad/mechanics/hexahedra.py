@@ -1,4 +1,4 @@
-"""Hexahedra of a scaffold: four an edge, which conform at every valency and in every loop.
+"""Hexahedra of a scaffold: four per edge, which conform at every valency and in every loop.
 
 At a node with center C each side (v, w) of a section, or arc of a partition, gets one point m
 outside it. The faces (C, v, m, w) are each shared by the two struts that share the side: so the

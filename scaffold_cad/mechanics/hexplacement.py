@@ -24,7 +24,7 @@ FREE_REACH = 0.8
 
 
 def scaffold_plan(scaffold: Scaffold, pieces: int) -> Plan:
-    """Return the sections of a scaffold: two an edge, which it shares at nodes."""
+    """Return the sections of a scaffold: two per edge, which it shares at nodes."""
     refined, sides = scaffold.refined, section_sides(scaffold)
     rim = surface_points(scaffold, sides)
     owner = np.concatenate([scaffold.node_of_vertex, sides.node])

@@ -79,7 +79,7 @@ class Support:
     fixed: str = "all"
     """Which freedoms: "all" (clamped), "pinned" (x y z), or names such as "x z ry"."""
     displacement: ArrayLike = 0.0
-    """Where they are moved to, mm and rad: one number, or one a freedom in `fixed`."""
+    """Where they are moved to, mm and rad: one number, or one per freedom in `fixed`."""
 
     def __post_init__(self) -> None:
         _freedoms(self.fixed)

@@ -11,7 +11,7 @@ from scaffold_cad.mechanics.hexahedra import Hexahedra, sets_by_owner
 
 
 def card(name: str, *fields: float | int | None) -> str:
-    """Return a card of 16 characters a field, four a line."""
+    """Return a card of 16 characters per field, four per line."""
     texts = [_wide(field) for field in fields]
     lines = [texts[k : k + 4] for k in range(0, len(texts), 4)]
     starts = [f"{name + '*':<8}"] + ["*" + " " * 7] * (len(lines) - 1)

@@ -214,5 +214,5 @@ def _groups(groups: ArrayLike | None, count: int) -> Ints:
         return np.arange(count)
     given = as_indices(groups, "groups", OptionError)
     if given.shape != (count,):
-        raise OptionError(f"groups has shape {given.shape}; need ({count},), one a strut")
+        raise OptionError(f"groups has shape {given.shape}; need ({count},), one per strut")
     return np.unique(given, return_inverse=True)[1].reshape(-1)

@@ -112,7 +112,7 @@ def _middle_struts(law: Homogenized, lattice: Skeleton) -> Ints:
     middles = lattice.nodes[lattice.edges].mean(axis=1)
     distance, edge = KDTree(middles).query(ends.mean(axis=1))
     if np.max(distance) > 1e-6 * law.size.max():
-        raise MeshError(f"cell {law.cell.name!r} has a strut that its tiling lacks")
+        raise MeshError(f"cell {law.cell.name!r} has a strut that is missing in its tiling")
     return np.asarray(edge, dtype=np.intp)
 
 

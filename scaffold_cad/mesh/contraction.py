@@ -260,7 +260,7 @@ def _beside(marks: Bools, corners: Ints) -> Bools:
 
 
 def _by_corner(triangles: Ints, count: int) -> tuple[Ints, Ints]:
-    """Return where the corners (3 t,) of each of so many vertices begin in a list, and the list."""
+    """Return where the corners (3 t,) of each vertex begin in a list, and the list."""
     rows = np.arange(len(triangles) + 1)
     table = csr_array((rows[:-1], triangles, rows), shape=(len(triangles), count)).tocsc()
     return table.indptr.astype(np.intp), table.data

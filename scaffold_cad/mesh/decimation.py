@@ -90,7 +90,7 @@ def _again(
 
 
 def _pieces(corners: Ints, count: int) -> Ints:
-    """Return the connected piece that each of so many vertices is of, (v,)."""
+    """Return the connected piece to which each of `count` vertices belongs, (v,)."""
     a, b, c = corners
     ends = np.append(a, b), np.append(b, c)
     links = coo_array((np.ones(len(ends[0]), dtype=np.int8), ends), shape=(count, count))

@@ -100,7 +100,7 @@ class QuadMesh(Frozen, Shown):
 
     @cached_property
     def triangles(self) -> Triangles:
-        """Two triangles a quad, shape (2 f, 3), split along its shorter diagonal.
+        """Two triangles per quad, shape (2 f, 3), split along its shorter diagonal.
 
         Where only the other diagonal gives two triangles that are not folded onto each other, as
         in a quad with a corner that points inwards, that one is taken. At a tie it is the first:

@@ -1,4 +1,4 @@
-"""Triangle meshes made anew with triangles of one size, and cut into quads."""
+"""Remeshing: triangle meshes with triangles of one size, and quads cut from these."""
 
 from __future__ import annotations
 
@@ -37,7 +37,8 @@ multiresolution modeling, 2004)."""
 
 QUAD_SIDE = 2.85
 """Wanted side of triangles, in sides of a square as large as one of the quads that each is cut
-into; found by trial: √(6 √3) = 2.6 if all were equilateral and as large as asked."""
+into: remeshed triangles come out a little larger than wanted. `python -m
+tests.benchmarks.remeshing` measures it."""
 
 FINE = 0.25
 """Sides of triangles, in wanted ones, below which a mesh is first made coarser at once."""
@@ -49,7 +50,7 @@ EVEN_ACROSS = 60
 """Most triangles along the longest side of a surface whose large ones are cut."""
 
 MOST_TRIANGLES = 2_000_000
-"""Most triangles of a mesh made anew."""
+"""Most triangles of a remeshed mesh."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +68,7 @@ class Remeshed(Frozen):
 def quadrangulated(mesh: TriangleMesh, size: Lengths) -> QuadMesh:
     """Return the surface in quads about as large as squares of `size` mm, or that at their places.
 
-    It is made anew with triangles of one size, and each is cut into three quads.
+    It is remeshed with triangles of one size, and each is cut into three quads.
     """
     side = size if callable(size) else as_number(size, "size of quads")
     even = remeshed(mesh, _times(QUAD_SIDE, side))
@@ -132,7 +133,7 @@ def remeshed(mesh: TriangleMesh, size: Lengths) -> Remeshed:
     """
     areas = length(_double_areas(mesh.vertices, mesh.triangles)) / 2
     if not areas.sum() > 0:
-        raise MeshError("the mesh has no area; need one to make it anew")
+        raise MeshError("the mesh has no area; need one to remesh it")
     sides = lengths_at(size, mesh.vertices[mesh.triangles].mean(axis=1))
     if float((areas / (sides**2 * 0.433)).sum()) > MOST_TRIANGLES:
         raise MeshError(

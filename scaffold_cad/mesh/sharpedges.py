@@ -1,4 +1,4 @@
-"""Sharp edges of a shape, for meshes of it that are made anew."""
+"""Sharp edges of a shape, which remeshing keeps."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from their chords would leave quads beside them no room."""
 
 @dataclass(frozen=True, eq=False)
 class Runs(Frozen):
-    """What runs from vertex to next vertex along the sharp edges, in a mesh made anew."""
+    """What runs from vertex to next vertex along the sharp edges, in a remeshed mesh."""
 
     keys: Ints
     """Its ends as lower · v + higher of v vertices, ascending, shape (k,)."""
@@ -74,7 +74,7 @@ class SharpEdges:
         return self._places(points)[1]
 
     def runs(self, mesh: TriangleMesh) -> Runs:
-        """Return what runs along sharp edges from one vertex of a mesh made anew to the next."""
+        """Return what runs along sharp edges from one vertex of a remeshed mesh to the next."""
         vertex, reach = self._stations(mesh)
         chain = np.searchsorted(self._bounds, reach, side="right") - 1
         count = np.bincount(chain, minlength=len(self._closed))

@@ -25,7 +25,7 @@ It lies between the rounding of a hull's facets (1e-15) and the height of the fl
 three directions 0.01° apart cut off (1e-9). A coplanar star becomes a flat hull of two sides.
 """
 FEW = 32
-"""Up to so many directions, all triples of them are tried as facets."""
+"""Most directions of which all triples are tried as facets."""
 HEIGHT_BYTES = 32
 """What the height of a direction above a plane takes where it is calculated."""
 

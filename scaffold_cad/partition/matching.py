@@ -17,8 +17,8 @@ from scaffold_cad.partition.multigraph import EDGES_EACH
 
 # How clearances change with these constants: `python -m tests.benchmarks.tuning`.
 PENALTIES, PHASE = (1.0, 2.0, 4.0, 6.0), 40
-"""Gain lost by the square of the edges missing at, or too many for, a direction: in turn, for
-so many steps each. A low one lets the search wander, a high one brings it to an end."""
+"""Gain lost by the square of the edges missing at, or too many for, a direction; each in turn for
+`PHASE` steps. A low one lets the search wander, a high one brings it to an end."""
 OF_FOUR = np.array([[2, 1, 1], [1, 2, 1], [1, 1, 2], [0, 2, 2], [2, 0, 2], [2, 2, 0]])
 """How often each of the three pairs of opposite edges among four directions can be taken."""
 TENURE = (1, 1, 2, 8, 3, 1, 14, 5, 2)
@@ -68,7 +68,7 @@ def _all_of_four(ends: Ints, first: Floats, second: Floats, count: int) -> tuple
 
 
 class _TabuSearch:
-    """The state of M searches, one a star."""
+    """The state of M searches, one per star."""
 
     def __init__(self, ends: Ints, first: Floats, second: Floats, valency: int, count: int) -> None:
         stars, edges = first.shape

@@ -53,7 +53,7 @@ def check_boolean(operation: Operation, operands: Sequence[Shape], result: Shape
     A union has at least the volume of its largest operand and at most that of all of them, and so
     on. Where the result has what it would have if the operands were apart, or nothing, and their
     boxes are not apart, a point is sought that shows that it is wrong. Operands without volume are
-    not looked at.
+    not checked.
 
     Parameters
     ----------

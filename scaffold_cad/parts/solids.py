@@ -26,7 +26,7 @@ _Kind = TypeVar("_Kind")
 
 
 class ScaffoldSolid(SkeletonPart):
-    """The coarse solid around a skeleton: one face a quad of its scaffold.
+    """The coarse solid around a skeleton: one face per quad of its scaffold.
 
     Each extremity has a `RigidJoint` "extremity 7", named after its node: z leaves the strut, x
     points to the middle of a side of its section.

@@ -39,7 +39,7 @@ def drainage_finding(surface: TriangleTopology, process: Process) -> Finding:
     high = surface.mesh.vertices.max(axis=0) + process.least_opening
     shape = np.ceil((high - low) / step).astype(np.intp) + 1
     if np.prod(shape, dtype=np.float64) > MOST_CELLS:
-        text = f"not looked at: the part is too large for steps of {step:.2g} mm"
+        text = f"not checked: the part is too large for steps of {step:.2g} mm"
         return Finding("drainage", "build", "note", None, text)
     centers, volumes = _pockets(surface, low, shape, step)
     count = len(volumes)

@@ -101,7 +101,7 @@ class Report(Frozen):
             if finding.name == name:
                 return finding
         known = ", ".join(finding.name for finding in self.findings)
-        raise KeyError(f"{name!r} was not looked at; there are {known}")
+        raise KeyError(f"{name!r} was not checked; the findings are {known}")
 
     def __contains__(self, name: str) -> bool:
         return any(finding.name == name for finding in self.findings)

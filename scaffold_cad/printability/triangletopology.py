@@ -50,7 +50,7 @@ class TriangleTopology:
 
     @cached_property
     def sides(self) -> Edges:
-        """Directed sides, three a triangle of `triangles`, shape (3 s, 2)."""
+        """Directed sides, three per triangle of `triangles`, shape (3 s, 2)."""
         return sides_of(self.mesh.triangles[self.triangles])
 
     @cached_property

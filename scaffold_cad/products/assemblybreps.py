@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from build123d import Shape
 
 HIDDEN = 1 + 1e-9
-"""Balls up to so many radii of a node are taken for a part of it."""
+"""Radius of a ball, in radii of its node, up to which it is taken for a part of the node."""
 
 
 def assembly_brep(

@@ -38,9 +38,9 @@ def to_brep(
 
     Parameters
     ----------
-    what : a scaffold or a quad mesh, one face a quad; round struts, a cylinder or a cone a strut
-        and four patches a strut at each node. For solids meshes are closed and outward; for shells
-        neighboring quads must agree in direction
+    what : a scaffold or a quad mesh, one face per quad; round struts, a cylinder or a cone per
+        strut and four patches per strut at each node. Meshes of solids are closed and outward; in
+        those of shells neighboring quads must agree in direction
     kind : "solid" or "shell"
     overlaps : what becomes of struts that overlap: "refuse" them, "unite" them, with plane
         triangles as faces where round struts overlap and instead of all square ones, or "allow"

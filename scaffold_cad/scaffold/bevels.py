@@ -314,7 +314,7 @@ def _warn(bends: _Bends, tight: Bools) -> None:
     place = ", ".join(f"{x:g}" for x in bends.place[first])
     _log.warning(
         "%s too sharply for the length of the struts, as at [%s] mm, where struts of %.3g and "
-        "%.3g mm meet at %.3g°: the quads thin there (to_solid unites these struts instead)",
+        "%.3g mm meet at %.3g°: quads are thinner there (to_solid unites these struts instead)",
         counted(int(tight.sum()), "joint bends", "joints bend"),
         place,
         *bends.room[first],

@@ -277,7 +277,7 @@ def _closed_sleeves(scaffold: Sleeved, sleeves: Ints, sides: Ints) -> Points:
 
 
 def tubes_of(scaffold: Sleeved) -> Bodies:
-    """Return each sleeve with its ends closed as a body, one an edge of the refined skeleton."""
+    """Return each sleeve with its ends closed as a body, one per edge of the refined skeleton."""
     refined, vertices = scaffold.refined, scaffold.mesh.vertices
     edge = scaffold.refinement.edge_of_edge
     axis = refined.nodes[refined.edges]  # (m', 2, 3)

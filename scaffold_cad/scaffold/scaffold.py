@@ -67,7 +67,7 @@ class ScaffoldOptions:
 class Scaffold(Frozen, Shown):
     """The coarsest all-quad mesh with quadrilateral sections around a skeleton.
 
-    Four quads an edge, one an extremity; N + 2 vertices a branch point of valency N, four a
+    Four quads per edge, one per extremity; N + 2 vertices per branch point of valency N, four per
     joint or an extremity. A sharp bend, of less than 39°, has eight quads more: a bevel.
 
     Examples
@@ -182,7 +182,7 @@ def build_scaffold(
     >>> from scaffold_cad import Skeleton, build_scaffold
     >>> tips = [[9, 0, 0], [0, 9, 0], [0, 0, 9]]
     >>> tripod = Skeleton([[0, 0, 0], *tips], [[0, 1], [0, 2], [0, 3]], 1.0)
-    >>> len(build_scaffold(tripod).mesh.quads)  # 4 an edge, 1 an extremity
+    >>> len(build_scaffold(tripod).mesh.quads)  # 4 per edge, 1 per extremity
     15
     """
     check_skeleton(skeleton)
@@ -275,7 +275,7 @@ def _refined_corners(stars: Stars, refinement: Refinement) -> Ints:
 def _number_vertices(refined: Skeleton, stars: Stars) -> tuple[Ints, Ints]:
     """Return the node of each vertex (v,), and the first vertex of each joint and extremity (n',).
 
-    The partition vertices of all branch points come first, then four a joint or extremity.
+    The partition vertices of all branch points come first, then four per joint or extremity.
     """
     others = np.flatnonzero(refined.valency < 3)
     first_vertex = np.full(len(refined.nodes), -1, dtype=np.intp)
@@ -305,7 +305,7 @@ def _place_vertices(
 
 
 def _quads(refined: Skeleton, sleeves: Ints) -> Quads:
-    """Return four quads an edge, then one an extremity, (4 m' + k, 4)."""
+    """Return four quads per edge, then one per extremity, (4 m' + k, 4)."""
     sides = sleeve_quads(sleeves[:, 0], sleeves[:, 1])  # (m', 4, 4)
     closing = refined.leaving_extremities
     # Seen from outside: against the edge's direction at its start, along it at its end.

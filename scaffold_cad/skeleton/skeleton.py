@@ -272,7 +272,7 @@ class Skeleton(Frozen, Shown, Editing):
 
         Parameters
         ----------
-        edge_radii : (m, 2) at both ends of each edge, (m,) one an edge, or one number, mm
+        edge_radii : (m, 2) at both ends of each edge, (m,) one per edge, or one number, mm
         radii : (n,) or one number, of the nodes, mm; by default the largest of their struts'
 
         Examples

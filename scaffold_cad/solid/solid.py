@@ -197,8 +197,8 @@ def _clean_union(
 ) -> Solidified | None:
     """Return the first union without a fault, its voids filled, or None.
 
-    Struts near a fault are made anew and all others as they were, so that nothing changes where
-    all is well: with thousands of struts no try would be without any fault.
+    Struts near a fault are built again and all others stay as they were, so that nothing changes
+    where all is well: with thousands of struts no attempt would be without any fault.
 
     Parameters
     ----------

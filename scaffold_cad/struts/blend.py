@@ -29,7 +29,7 @@ class Stars(Frozen):
     radii: Floats
     """Radius of each strut in the plane across it through the node, mm, shape (M, N)."""
     slopes: Floats
-    """Growth of each strut's radius along it, mm a mm, shape (M, N)."""
+    """Growth of each strut's radius along it, mm per mm, shape (M, N)."""
     blends: Floats
     """Fillet radius ρ that is asked for, mm, > 0, shape (M,)."""
     balls: Floats
@@ -52,7 +52,7 @@ class Stars(Frozen):
         balls: ArrayLike = 0.0,
         most: ArrayLike = np.inf,
     ) -> Stars:
-        """Return the stars of `partitions` with numbers for all, or one a node or a strut.
+        """Return the stars of `partitions` with numbers for all, or one per node or strut.
 
         Raises
         ------

@@ -14,7 +14,7 @@ T across the circle's plane, the same on both sides of the joint but for λ, so 
 one tangent plane there. For equal arcs of a circle it is a torus to a few parts in 10⁷.
 
 With the quintics of `quarter` for e there are four patches of degree 5 around and 3 along between
-circles, and four faces a curve, splines of two continuous derivatives less along: C1.
+circles, and four faces per curve, splines of two continuous derivatives less along: C1.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ class Curves(Frozen):
 
     @staticmethod
     def none(runs: int) -> Curves:
-        """Return no curves among so many runs."""
+        """Return curves for a number of runs none of which is curved."""
         empty, rows = np.empty(0), np.empty((0, 3))
         no_numbers = np.empty(0, dtype=np.intp)
         return Curves(

@@ -79,7 +79,7 @@ class Union(Frozen):
     radii: Floats
     """Radius of each strut in the plane across it through the node, mm, shape (M, N)."""
     slopes: Floats
-    """Growth of the radius along the strut, mm a mm, shape (M, N)."""
+    """Growth of the radius along the strut, mm per mm, shape (M, N)."""
     balls: Floats
     """Radius of the ball, mm, 0 at nodes without a ball, shape (M,)."""
     blends: Floats

@@ -1,4 +1,4 @@
-"""The B-rep of round struts: a cylinder or a cone a strut, four patches a strut at each node, ends.
+"""The B-rep of round struts: cylinders and cones, four patches per strut at each node, ends.
 
 Every ring is an exact circle about its strut. The patches of a node share their arcs and spokes,
 and each collar's four arcs are shared with the strut's one face.

@@ -70,7 +70,7 @@ class Runs(Frozen):
 
     @cached_property
     def slopes(self) -> Floats:
-        """Growth of the radius along each half-run, mm a mm, shape (2 k,)."""
+        """Growth of the radius along each half-run, mm per mm, shape (2 k,)."""
         taper = (self.radii[:, 1] - self.radii[:, 0]) / self.lengths
         return np.stack([taper, -taper], axis=1).reshape(-1)
 

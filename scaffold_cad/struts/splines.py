@@ -76,7 +76,7 @@ class Spline(Frozen):
 
 @lru_cache
 def spline(pieces: int) -> Spline:
-    """Return the splines with so many pieces."""
+    """Return the splines with a number of pieces."""
     return Spline(pieces)
 
 

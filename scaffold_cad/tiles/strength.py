@@ -3,7 +3,7 @@
 What a strut carries depends on all others, so the equations are solved for all nodes at once, in
 one process: but no skeleton of the whole is made there, and no array of all struts. Condensing each
 tile to the nodes that it shares would not be less: a block of n³ BCC cells keeps full matrices of
-some 1.3 n kB a strut, and the whole matrix has 0.65 kB: `docs/large.md` has what is measured.
+some 1.3 n kB per strut, and the whole matrix has 0.65 kB: `docs/large.md` has what is measured.
 """
 
 from __future__ import annotations

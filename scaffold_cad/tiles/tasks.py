@@ -1,4 +1,4 @@
-"""Works done tile by tile: a file a tile, a manifest of them, and one file of all.
+"""Works done tile by tile: a file per tile, a manifest of them, and one file of all.
 
 Tasks run through joblib: one after the other, in processes of this machine
 (``joblib.parallel_config(n_jobs=2)``), or on a cluster (``joblib.parallel_config("dask")``). A task

@@ -99,7 +99,7 @@ def tiles(what: Skeleton | PeriodicLattice, *, block: ArrayLike) -> SkeletonTile
     if len(parts) > MANY and FEWEST * len(parts) > len(what.edges):
         raise OptionError(
             f"block={parts.block.min():g} (mm) makes {len(parts)} tiles of {len(what.edges)} "
-            f"struts; need {block_size(what, FEWEST):.3g} mm or more, for {FEWEST} struts a tile"
+            f"struts; need {block_size(what, FEWEST):.3g} mm or more, for {FEWEST} struts per tile"
         )
     return parts
 

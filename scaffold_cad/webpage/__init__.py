@@ -1,6 +1,6 @@
 """Pages for browsers and notebooks that need nothing else: models in layers, drawn with WebGL.
 
-The script that draws is our own and takes some 10 kB a page: a notebook keeps one page a cell.
+The script that draws is our own and takes some 10 kB per page: a notebook keeps one page per cell.
 """
 
 from scaffold_cad.base.notebook import register_drawer

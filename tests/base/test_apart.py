@@ -47,7 +47,9 @@ def test_an_error_of_the_package_is_raised_again(path: Path) -> None:
 
 
 def test_a_process_that_ends_is_an_error(path: Path) -> None:
-    with pytest.raises(FormatError, match=r"numbers\.txt cannot be read: its library ended at it"):
+    with pytest.raises(
+        FormatError, match=r"numbers\.txt cannot be read: the library that reads it crashed"
+    ):
         run_apart(ends, path)
 
 

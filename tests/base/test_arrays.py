@@ -101,8 +101,8 @@ def test_points_that_are_none_are_refused(values: Any, message: str) -> None:
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ([1.0], r"radii has shape \(1,\); need \(2,\), one a node"),
-        ([[1.0, 2.0]], r"radii has shape \(1, 2\); need \(2,\), one a node"),
+        ([1.0], r"radii has shape \(1,\); need \(2,\), one per node"),
+        ([[1.0, 2.0]], r"radii has shape \(1, 2\); need \(2,\), one per node"),
         ([1.0, 0.0], "node 1 has radius 0 mm; need > 0"),
         ([-0.5, 1.0], r"node 0 has radius -0\.5 mm; need > 0"),
         ([1.0, np.nan], "node 1 has radius nan mm; need > 0"),

@@ -75,7 +75,7 @@ def test_wrong_grids_are_refused_by_name(values: Floats, bounds: Floats, message
 
 
 def test_wrong_points_are_refused_by_name() -> None:
-    with pytest.raises(OptionError, match="need one a point"):
+    with pytest.raises(OptionError, match="need one per point"):
         PointField([[0, 0, 0]], [1.0, 2.0])
     with pytest.raises(OptionError, match=r"the field is inf at \[1.0, 0.0, 0.0\] mm"):
         PointField([[0, 0, 0], [1, 0, 0]], [1.0, np.inf])

@@ -31,7 +31,7 @@ Times of other machines do not compare with those above; sizes do."""
 
 
 def main() -> None:
-    """Measure and print a line a row."""
+    """Measure and print a line per row."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("names", nargs="*", help="measure only rows whose name holds one of these")
     parser.add_argument("--no-peers", action="store_true", help="measure this package only")

@@ -39,7 +39,7 @@ def _written(writer: object, what: PeriodicLattice) -> str:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "beams.3mf"
         writer(what, path)  # type: ignore[operator]
-        return f"{path.stat().st_size / what.strut_count:.2g} bytes a beam"
+        return f"{path.stat().st_size / what.strut_count:.2g} bytes per beam"
 
 
 def block_of(count: int) -> LatticeTiles:
@@ -63,4 +63,4 @@ def in_tiles(parts: LatticeTiles, work: Work) -> str:
     own = parts.lattice.strut_count
     size = sum(file.bytes for file in manifest.files) / own
     gain = walls[0] / walls[1]
-    return f"{size:.0f} bytes a strut; two processes {gain:.2f} times as fast as one"
+    return f"{size:.0f} bytes per strut; two processes {gain:.2f} times as fast as one"

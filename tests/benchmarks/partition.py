@@ -32,7 +32,7 @@ LATTICES = {
 
 def quality(stars: int, families: list[str]) -> None:
     """Print the relative clearance of random stars."""
-    print("family          valency  median   1 %   worst  most arcs  ms a star")
+    print("family          valency  median   1 %   worst  most arcs  ms per star")
     for family in families:
         for valency in VALENCIES:
             found, seconds = timed(family, stars, valency, "dual")

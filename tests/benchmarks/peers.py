@@ -11,7 +11,7 @@ SIDES = 8
 
 
 def manifold_union(skeleton: Skeleton) -> None:
-    """Unite a cylinder a strut and a ball a node by manifold3d."""
+    """Unite a cylinder per strut and a ball per node by manifold3d."""
     import manifold3d
 
     parts = [
@@ -28,7 +28,7 @@ def manifold_union(skeleton: Skeleton) -> None:
 
 
 def build123d_fuse(skeleton: Skeleton) -> None:
-    """Fuse a cylinder a strut and a ball a node by build123d."""
+    """Fuse a cylinder per strut and a ball per node by build123d."""
     import build123d as bd
 
     parts: list[bd.Solid] = [

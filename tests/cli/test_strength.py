@@ -127,7 +127,7 @@ def test_strength_by_tiles_is_that_of_one_process(
     ("words", "said"),
     [
         (["--size", "1"], "--size is not for --tiles"),
-        (["-o", "sized.json"], "--tiles write a row a strut, as .npy"),
+        (["-o", "sized.json"], "--tiles write a row per strut, as .npy"),
         (["--fix", "7"], "--fix names node 7; need 0 to 1"),
     ],
 )

@@ -88,7 +88,7 @@ def test_radii_may_be_left_out_and_further_keys_are_ignored(tmp_path: Path) -> N
         (changed(edges=[[0, 10**30]]), "edges has dtype object; need whole numbers"),
         (changed(edges=[[0, 1, 0]]), r"edges has shape \(1, 3\); need \(n, 2\)"),
         (changed(edges=[[0], [0, 1]]), "edges is not an array of indices"),
-        (changed(radii=[1]), r"bad\.json: radii have shape \(1,\); need \(2,\), one a node"),
+        (changed(radii=[1]), r"bad\.json: radii have shape \(1,\); need \(2,\), one per node"),
         (changed(radii=["1", "x"]), "radii is not an array of numbers"),
         (changed().replace("10.5", "NaN"), r"bad\.json: NaN is not a JSON number"),
         (changed().replace("10.5", "1e999"), r"nodes\[1\] is \[inf, 0\.0, 0\.0\]; need finite"),

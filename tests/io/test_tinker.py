@@ -35,7 +35,7 @@ def test_atoms_of_known_elements_are_balls_and_their_bonds_sticks(tmp_path: Path
 
 def test_chemical_json_has_an_element_for_each_atom(tmp_path: Path) -> None:
     text = CJSON.replace(b'"atoms": {', b'"atoms": {"elements": {"number": [6]}, ')
-    with pytest.raises(FormatError, match="has 1 elements; need 3, one an atom"):
+    with pytest.raises(FormatError, match="has 1 elements; need 3, one per atom"):
         read_raw(written(tmp_path, "bent.cjson", text))
 
 

@@ -12,7 +12,7 @@ from scaffold_cad.lattice.morecells import reentrant_cell, reentrant_honeycomb
 from scaffold_cad.lattice.registry import _CELLS
 from scaffold_cad.skeleton import check_skeleton
 
-# name: (nodes a cell, struts a cell, valencies, strut lengths in a cell of size 1)
+# name: (nodes per cell, struts per cell, valencies, strut lengths in a cell of size 1)
 KNOWN = {
     "sc": (1, 3, (6,), {1.0}),
     "bcc": (2, 8, (8,), {np.sqrt(3) / 2}),

@@ -52,7 +52,7 @@ def test_gmsh_groups_are_struts_and_the_faces_of_ends(mesh: Hexahedra, tmp_path:
     assert dimension == 2
     faces = back.cells_dict["quad"]
     chosen = faces[back.cell_data_dict["gmsh:physical"]["quad"] == number]
-    corners = back.points[chosen]  # (4, 4, 3): four faces a section
+    corners = back.points[chosen]  # (4, 4, 3): four faces per section
     np.testing.assert_allclose(corners[..., 1], 9.0)
     a, b, c, d = np.moveaxis(corners, 1, 0)
     areas = np.linalg.norm(np.cross(c - a, d - b), axis=1) / 2

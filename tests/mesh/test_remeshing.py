@@ -1,4 +1,4 @@
-"""Surfaces made anew: even sides, closed, on the old surface, borders kept, cut into quads."""
+"""Surfaces remeshed: even sides, closed, on the old surface, borders kept, cut into quads."""
 
 from __future__ import annotations
 

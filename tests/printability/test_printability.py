@@ -579,7 +579,7 @@ def test_a_report_is_a_table_and_json_with_the_same_findings() -> None:
         assert finding.text in table
         assert finding.name in report
         assert report[finding.name] is finding
-    with pytest.raises(KeyError, match="'color' was not looked at"):
+    with pytest.raises(KeyError, match="'color' was not checked"):
         report["color"]
 
 

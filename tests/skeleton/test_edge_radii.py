@@ -43,7 +43,7 @@ def test_one_radius_a_strut_stands_for_both_ends() -> None:
 @pytest.mark.parametrize(
     ("sizes", "message"),
     [
-        ([1, 2], r"edge_radii has shape \(2,\); need \(3, 2\), two an edge"),
+        ([1, 2], r"edge_radii has shape \(2,\); need \(3, 2\), two per edge"),
         ([1, 0, 3], r"edge 1 near \[.*\] mm has radii \[0.0, 0.0\] mm; need > 0"),
         ([[1, 1], [1, np.nan], [1, 1]], r"edge 1 near \[.*\] mm has radii \[1.0, nan\] mm; need"),
     ],

@@ -97,7 +97,7 @@ def test_arrays_of_the_caller_are_copied() -> None:
             [1, 0],
             r"node 1 at \[1, 0, 0\] mm has radius 0 mm; need",
         ),
-        ([[0, 0, 0], [1, 0, 0]], [[0, 1]], [1], r"radii has shape \(1,\); need \(2,\), one a node"),
+        ([[0, 0, 0], [1, 0, 0]], [[0, 1]], [1], r"radii has shape \(1,\); need \(2,\), one per"),
         (
             [[0, 0, 0], [0, -1e30, 0]],
             [[0, 1]],

@@ -1,7 +1,7 @@
 """Beams of a 3MF file written, counted and measured as they stream by, and read by lib3mf.
 
 Run as ``python -m tests.validation.beams [--beams 1e8] [--lib3mf]``. Memory of the counting is the
-positions of all nodes in 32 bits; that of lib3mf is some 60 bytes a beam.
+positions of all nodes in 32 bits; that of lib3mf is some 60 bytes per beam.
 """
 
 from __future__ import annotations
@@ -113,7 +113,7 @@ def main() -> None:
         write(lattice, path)
         print(
             f"{lattice.strut_count} beams written: {time.process_time() - start:.0f} s, {_peak()}, "
-            f"{path.stat().st_size / lattice.strut_count:.2f} bytes a beam",
+            f"{path.stat().st_size / lattice.strut_count:.2f} bytes per beam",
             flush=True,
         )
         check(path, lattice)

@@ -62,7 +62,7 @@ FILLETS = 1.25
 STEP_APART = 0.02
 """Largest difference in volume of a STEP file and of the STL file, whose quads are split in two."""
 MOST_FACES = 4000
-"""Struts of a skeleton whose STEP file is made: one of facets has 32 faces a strut."""
+"""Struts of a skeleton whose STEP file is made: one of facets has 32 faces per strut."""
 JUDGED = "-"
 """What a process says when judges begin, and when they are done."""
 NOTE = "("

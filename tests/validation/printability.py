@@ -427,7 +427,7 @@ def skeleton_of(path: Path) -> Skeleton:
 
 
 def lines_of_reports() -> Iterator[str]:
-    """Yield a line a file: the verdict, and whether the slicers agree on parts and volume."""
+    """Yield a line per file: the verdict, and whether the slicers agree on parts and volume."""
     for path in files_of_skeletons():
         try:
             skeleton = skeleton_of(path)

@@ -1,6 +1,6 @@
 """The control net of a patched surface: which control points the patches of a quad mesh share.
 
-Control points are numbered through: one a vertex, then d − 1 an edge from its first vertex on,
+Control points are numbered through: one per vertex, then d − 1 per edge from its first vertex on,
 then (d − 1)² a quad. Neighboring patches meet because they have these in common.
 """
 

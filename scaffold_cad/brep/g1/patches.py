@@ -33,7 +33,7 @@ TURN_SAMPLES = 9
 """Points in each direction at which a patch is looked at for folds."""
 
 SAMPLE_LEVELS = 3
-"""Subdivisions after which the limit surface is sampled: 9 × 9 points a patch."""
+"""Subdivisions after which the limit surface is sampled: 9 × 9 points per patch."""
 
 
 @checks_keywords()
@@ -96,11 +96,11 @@ class Patches(Frozen):
 
 @checks_keywords()
 def smooth_patches(surface: QuadMesh, degree: int = 5, split: int | None = None) -> Patches:
-    """Return a quad mesh as smooth Bézier patches: one a quad, all joins G1.
+    """Return a quad mesh as smooth Bézier patches: one per quad, all joins G1.
 
     They follow the mesh's Catmull-Clark limit. Where one patch a quad would fold, the quads are cut
     in four; where that does not help a warning is logged. Whether patches far from each other cross
-    is not looked at here.
+    is not checked here.
 
     Parameters
     ----------

@@ -225,7 +225,7 @@ def _radius(path: Path, block: Block) -> float:
         return values[0]
     if kind in ("RECT", "BOX") and len(values) > 1:
         return radius_of_area(values[0] * values[1])
-    _log.warning("%s, line %d: a section %s has no radius that is known", path, block.line, kind)
+    _log.warning("%s, line %d: a section %s has no known radius", path, block.line, kind)
     return math.nan
 
 

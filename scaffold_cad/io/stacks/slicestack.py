@@ -41,7 +41,7 @@ def write_slice_stack(layers: Layers, path: Path) -> None:
     """
     if not layers.thickness > 0:
         raise FormatError(
-            "3MF slices need the thickness of the layers, which sections at heights have not "
+            "3MF slices need the thickness of the layers, which sections at heights do not have "
             "(slices(..., thickness=))"
         )
     bottom = float(layers.heights[0]) - layers.thickness / 2

@@ -55,7 +55,7 @@ DIRECTION = "DIRECTION('',(%s,%s,%s))"
 
 
 Column: TypeAlias = Ints | Floats | list[str]
-"""References, real numbers or texts, one a row."""
+"""References, real numbers or texts, one per row."""
 
 
 @dataclass

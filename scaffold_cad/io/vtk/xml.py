@@ -124,7 +124,7 @@ class XmlFile:
         """Return what a piece holds."""
         points = as_doubles(self.array(self.element(piece, "Points/DataArray")))
         if len(points) % 3:
-            raise FormatError(f"{self._path} has {len(points)} coordinates; need 3 a point")
+            raise FormatError(f"{self._path} has {len(points)} coordinates; need 3 per point")
         points = points.reshape(-1, 3)
         cells = "Lines" if self.root.get("type") == "PolyData" else "Cells"
         lines = Lines(

@@ -72,7 +72,8 @@ def self_intersections(
     weld : whether vertices at the very same position are the same corner, so that parts of a
         mesh may touch along equal vertices and edges. If not, corners are the same only where
         their vertex index is, and parts that touch are pairs
-    limit : stop after so many pairs, ≥ 1; 1 tells whether there are any
+    limit : number of pairs after which the search stops, ≥ 1; with 1 it tells whether there are
+        any
     parts : (t,) intp; the part that each triangle is of, where only pairs within a part matter
 
     Returns

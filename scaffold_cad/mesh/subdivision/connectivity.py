@@ -102,7 +102,7 @@ class Connectivity(Frozen):
         following = self.twin[(sides & ~3) | ((sides - 1) & 3)]
         side = np.full(self.count, -1, dtype=np.intp)
         side[self.quads.reshape(-1)[::-1]] = sides[::-1]
-        side = side[side >= 0]  # one a vertex: the first
+        side = side[side >= 0]  # one per vertex: the first
         first = side.copy()
         turn = np.empty(len(sides), dtype=np.intp)
         steps = 0
@@ -145,9 +145,9 @@ class Connectivity(Frozen):
     def subdivided(self) -> Connectivity:
         """Return the connectivity of the mesh whose quads are cut in four.
 
-        The old vertices come first, then one an edge and one a quad. Quad `4 i + k` is the part
+        The old vertices come first, then one per edge and one per quad. Quad `4 i + k` is the part
         of quad i at its corner k. Edges `2 i` and `2 i + 1` are the halves of edge i; then come
-        four a quad, from its sides to its middle.
+        four per quad, from its sides to its middle.
         """
         edge, count = self.edge_of_side, len(self.edges)
         at_edge = self.count + edge  # (f, 4)

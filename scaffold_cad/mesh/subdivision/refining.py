@@ -25,7 +25,7 @@ class Subdivision(Frozen):
     """A subdivided mesh, and where its quads come from."""
 
     mesh: QuadMesh
-    """The subdivided mesh: the vertices of the mesh before come first, then one an edge and one
+    """The subdivided mesh: the vertices of the mesh before come first, then one per edge and one
     a quad."""
     creases: Edges
     """Vertex pairs across which it stays sharp, shape (k, 2)."""

@@ -44,7 +44,7 @@ class _Ends(Frozen):
     radius: Floats
     """At the end, shape (e,), mm."""
     slope: Floats
-    """Growth of the radius outward, mm a mm, shape (e,)."""
+    """Growth of the radius outward, mm per mm, shape (e,)."""
     depth: Floats
     """Where the stretch begins in which the strut is cut off, below the end, shape (e,), mm."""
 

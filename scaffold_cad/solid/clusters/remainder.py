@@ -29,7 +29,7 @@ class Cuts(Frozen):
     radius: Floats
     """Radius of the strut there, shape (c,), mm."""
     slope: Floats
-    """Growth of the radius outward, mm a mm, shape (c,)."""
+    """Growth of the radius outward, mm per mm, shape (c,)."""
     node: Ints
     """Node of the remainder at the ring, `CUT` radii further, shape (c,)."""
 

@@ -121,7 +121,7 @@ def check_size(groups: float) -> None:
 
 
 def memory_of(groups: float) -> float:
-    """Return the memory that so many groups take, GB."""
+    """Return the memory that `count` groups take, GB."""
     return groups * GROUP_BYTES / 1e9
 
 

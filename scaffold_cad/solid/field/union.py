@@ -69,7 +69,7 @@ class FilletedUnion(Frozen):
 
         The distance is that to the balls along the strut's axis that touch its side: exact for
         round ends, and for flat ends too, where the rim is nearest to what is beyond both. It
-        grows by a mm a mm at most.
+        grows by 1 mm per mm at most.
         """
         side, place, along = self._parts(x, struts)
         if self.capped:

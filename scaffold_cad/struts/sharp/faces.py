@@ -1,4 +1,4 @@
-"""The B-rep of round struts with sharp nodes: one face a strut from edge to edge, and balls."""
+"""The B-rep of round struts with sharp nodes: one face per strut from edge to edge, and balls."""
 
 from __future__ import annotations
 

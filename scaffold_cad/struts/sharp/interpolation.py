@@ -20,7 +20,7 @@ than the first; if it cannot be, up to the second it is taken, and the tolerance
 
 @cache
 def knots_of(pieces: int) -> Knots:
-    """Return the knots of splines of so many pieces."""
+    """Return the knots of splines with a number of pieces."""
     counts = np.ones(pieces + 1, dtype=np.intp)
     counts[[0, -1]] = DEGREE + 1
     return Knots(np.linspace(0.0, 1.0, pieces + 1), counts)

@@ -28,7 +28,7 @@ SLIVER = 0.05
 thickest struts then end in the planes between them."""
 
 CLEAR, BESIDE = 1.06, 0.04
-"""How far collars stand from their node: so many times as far as the edges, and more radii.
+"""How far collars stand from their node: a multiple of the distance of the edges, plus radii.
 Polygons of 8 sides are 5 % larger than their circles."""
 
 STRAIGHT = 0.01

@@ -35,5 +35,5 @@ def test_vertices_at_the_steps_of_grid_edges_are_32_bit_numbers(place: list[floa
 
 
 def test_too_many_cells_a_side_are_refused() -> None:
-    with pytest.raises(OptionError, match=r"are 1\.02e\+09 a side; need at most 524288"):
+    with pytest.raises(OptionError, match=r"are 1\.02e\+09 per side; need at most 524288"):
         lattice_over(np.zeros(3), np.full(3, 1e6), 1e-3, power=False)
