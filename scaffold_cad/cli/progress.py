@@ -99,4 +99,4 @@ def counted_line(name: str, done: int, begun: int, total: int, taken: float) -> 
     if done <= begun or taken <= 0:
         return line
     rate = (done - begun) / taken
-    return f"{line}, {rate:.3g} a second, about {(total - done) / rate:.0f} s left"
+    return f"{line}, {rate:.3g} per second, about {(total - done) / rate:.0f} s left"
