@@ -345,7 +345,7 @@ def test_a_long_stage_counts_what_is_done_on_a_terminal_and_clears_it() -> None:
     with Progress(terminal).stage("struts", 100, "struts"):
         list(counted("blends", slow(), [10] * 6))
     shown = terminal.getvalue().split("\r\x1b[K")
-    pattern = r"struts: 100 struts, \d s so far; blends: \d0 of 60, .* a second, about \d s left"
+    pattern = r"struts: 100 struts, \d s so far; blends: \d0 of 60, .* per second, about \d s left"
     assert re.fullmatch(pattern, shown[1])
     assert shown[-1] == ""
     assert running() is None
