@@ -41,10 +41,10 @@ def add_parser(
         help="the solid inside the scaffold, the scaffold's edges as struts, its bare quads, or "
         "hexahedra for finite elements: .inp .bdf .msh .vtu",
     )
-    hexahedra.add_arguments(parser)
-    shapes.add_arguments(parser)
     shapes.add_overlaps_argument(parser)
     processes.add_process(parser)
+    shapes.add_arguments(parser)
+    hexahedra.add_arguments(parser)
     tiled.add_arguments(parser, of="an .stl file")
     parser.set_defaults(run=run)
 

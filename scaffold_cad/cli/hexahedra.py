@@ -25,10 +25,11 @@ _log = logging.getLogger(__name__)
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of hexahedra."""
-    parser.add_argument(
+    elements = parser.add_argument_group("hexahedra")
+    elements.add_argument(
         "--along", type=int, metavar="N", help="hexahedra along each strut's straight part"
     )
-    parser.add_argument(
+    elements.add_argument(
         "--layers", type=int, metavar="N", help="layers of hexahedra around the core of struts"
     )
 

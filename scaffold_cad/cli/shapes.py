@@ -50,8 +50,7 @@ _log = logging.getLogger(__name__)
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the shape; `check` looks at them and `struts` reads them."""
     add_scaffold_arguments(parser)
-    add_round_arguments(parser)
-    parser.add_argument(
+    add_round_arguments(parser).add_argument(
         "--socket",
         action="append",
         type=sizes.socket,
@@ -63,24 +62,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def add_scaffold_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments that `scaffold_from` and `frame_radius` read."""
-    parser.add_argument(
+    square = parser.add_argument_group("square struts")
+    square.add_argument(
         "--strut-radius",
         type=float,
         metavar="R",
         help=f"radius of a frame's struts, mm (default: {FRAME_RADIUS} of the median radius)",
     )
-    parser.add_argument(
+    square.add_argument(
         "--fit",
         choices=get_args(Fit),
         help="how large branch points are: so that no strut is cut thin (default: enclose), or as "
         "in the paper",
     )
-    parser.add_argument(
+    square.add_argument(
         "--section",
         choices=get_args(Section),
         help="which square section stands for a circle of the radius (default: circumscribed)",
     )
-    parser.add_argument(
+    square.add_argument(
         "--collars",
         action="store_true",
         help="straight struts of constant section, as an engineer's: without it they widen from "
@@ -89,17 +89,19 @@ def add_scaffold_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_round_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments that `round_options` and `round_sides` read."""
-    parser.add_argument(
+def add_round_arguments(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
+    """Add the arguments that `round_options` and `round_sides` read, and return their group."""
+    struts = parser.add_argument_group("round struts")
+    struts.add_argument(
         "--round",
         action="store_true",
         help="round struts: cylinders and cones on the edges, with blends at the nodes",
     )
-    add_strut_arguments(parser)
+    add_strut_arguments(struts)
+    return struts
 
 
-def add_strut_arguments(parser: argparse.ArgumentParser) -> None:
+def add_strut_arguments(parser: argparse._ActionsContainer) -> None:
     """Add the arguments of round struts: those that `round_options` reads, and their sides."""
     parser.add_argument(
         "--blend",

@@ -41,7 +41,7 @@ def add_parser(
     source.add_arguments(parser, several=True)
     streams.add_output(parser, "file to write: .cli .3mf .svg, or .zip with PNG images")
     add_layer_arguments(parser, required=True)
-    shapes.add_strut_arguments(parser)
+    shapes.add_strut_arguments(parser.add_argument_group("round struts"))
     parser.add_argument(
         "--inside", type=Path, metavar="PART", help="closed part that the struts are cut to"
     )

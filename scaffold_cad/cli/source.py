@@ -54,28 +54,29 @@ def add_input(parser: argparse.ArgumentParser, several: bool = False) -> None:
 def add_arguments(parser: argparse.ArgumentParser, several: bool = False) -> None:
     """Add the arguments that `skeleton_from` reads."""
     add_input(parser, several)
-    parser.add_argument(
+    what = parser.add_argument_group("the skeleton that is read")
+    what.add_argument(
         "--radius",
         type=fields.number,
         metavar="R",
         help=f"radius of every node, mm (instead of the file's): {fields.ABOUT}",
     )
-    add_max_nodes(parser)
-    add_units(parser)
-    parser.add_argument(
+    add_max_nodes(what)
+    add_units(what)
+    what.add_argument(
         "--join",
         type=float,
         metavar="TOL",
         help="make nodes where struts cross, or end on others, within TOL mm",
     )
-    parser.add_argument(
+    what.add_argument(
         "--simplify",
         type=float,
         metavar="TOL",
         help="drop joints that the shape does not need within TOL mm, and those closer together "
         "than their radius in any case",
     )
-    parser.add_argument(
+    what.add_argument(
         "--turn",
         action="append",
         type=sizes.turn,
@@ -83,17 +84,17 @@ def add_arguments(parser: argparse.ArgumentParser, several: bool = False) -> Non
         help="rotate about an axis through the origin by degrees, as in z:90; repeat it for more "
         "rotations",
     )
-    parser.add_argument(
+    what.add_argument(
         "--mirror", choices=tuple(AXES), help="mirror along an axis, after the rotations"
     )
-    parser.add_argument(
+    what.add_argument(
         "--strict",
         action="store_true",
         help="refuse a file that needs repair instead of repairing it",
     )
 
 
-def add_units(parser: argparse.ArgumentParser) -> None:
+def add_units(parser: argparse._ActionsContainer) -> None:
     """Add the arguments that say how long the unit of the input is."""
     parser.add_argument(
         "--units",
@@ -105,7 +106,7 @@ def add_units(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_max_nodes(parser: argparse.ArgumentParser, what: str = "file") -> None:
+def add_max_nodes(parser: argparse._ActionsContainer, what: str = "file") -> None:
     """Add the argument that guards memory; `max_nodes` gives its value."""
     parser.add_argument(
         "--max-nodes",

@@ -36,15 +36,16 @@ def add_arguments(
     of : what is made tile by tile
     block : what `--block` is the size of, and its unit
     """
-    parser.add_argument(
+    tiles = parser.add_argument_group("tiles")
+    tiles.add_argument(
         "--tiles",
         type=Path,
         metavar="FOLDER",
         help=f"make {of} tile by tile; the tiles' files stay in FOLDER, and the same command "
         "resumes where it stopped",
     )
-    parser.add_argument("--block", type=float, metavar="N", help=f"size {block}")
-    parser.add_argument(
+    tiles.add_argument("--block", type=float, metavar="N", help=f"size {block}")
+    tiles.add_argument(
         "--jobs",
         type=int,
         metavar="N",
