@@ -74,15 +74,15 @@ def with_measures(message: str, words: Sequence[str]) -> str:
     >>> with_measures("--size is 0 mm; need > 0", ["lattice", "--size", "0"])
     '--size is 0 mm; need > 0'
     """
-    if "--" in message:
-        return message
-    given = []
+    given = {}
     for word, after in zip(words, [*words[1:], ""][: len(words)], strict=True):
         flag, _, value = word.partition("=")
         measure = value or after
         if flag.startswith("--") and flag not in GUARDS and NUMBER.fullmatch(measure):
-            given.append(f"{flag} {measure}")
-    return f"{message} (asked for: {', '.join(given)})" if given else message
+            given[flag] = measure
+    if not given or message.startswith("--") or any(flag in message for flag in given):
+        return message
+    return f"{message} (asked for: {', '.join(map(' '.join, given.items()))})"
 
 
 def _flag(name: str) -> str:

@@ -7,6 +7,7 @@ import logging
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from scaffold_cad.base.arguments import as_number
 from scaffold_cad.brep import BREP_SUFFIXES, read_brep
 from scaffold_cad.cli import (
     fields,
@@ -41,6 +42,9 @@ if TYPE_CHECKING:
 
 LATTICE_SIDES = 8
 """Sides of round struts where none are given: few, for a lattice has thousands of struts."""
+
+LENGTHS = ("skin", "drain", "wall")
+"""Options that are lengths > 0, mm, where they are given."""
 
 _log = logging.getLogger(__name__)
 
@@ -144,18 +148,23 @@ def _add_skin(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Fill, build and write."""
     foams.check(options)
-    if options.density is not None:
+    for name in LENGTHS:
+        if getattr(options, name) is not None:
+            as_number(getattr(options, name), source.flag_of(name))
+    if options.tiles is None:
+        tiled.refuse(options)
+        if options.layer is None:
+            source.refuse(options, ["pixel", "text"], "is for layers; need --layer")
+            check_writable(options.output, solid=not options.beams, skeleton=options.beams)
+            _check_combination(options)
+    if options.density is not None:  # it takes seconds
         options.radius = latticeradius.radius(options)
     if options.tiles is not None:
         latticetiles.run(options, LATTICE_SIDES)
         return
-    tiled.refuse(options)
     if options.layer is not None:
         _write_layers(options)
         return
-    source.refuse(options, ["pixel", "text"], "is for layers; need --layer")
-    check_writable(options.output, solid=not options.beams, skeleton=options.beams)
-    _check_combination(options)
     product = _product(options, Progress())
     made = isinstance(product, Scaffold | RoundStruts)
     write(product, options.output, **(_written_with(options) if made else {}))
