@@ -26,6 +26,7 @@ from scaffold_cad.solid.clusters.facets import SIDES, Faceted, faceted
 from scaffold_cad.solid.clusters.growth import Core, unproved
 from scaffold_cad.solid.clusters.hollow import hollow
 from scaffold_cad.solid.clusters.sags import Sags
+from scaffold_cad.solid.clusters.spans import Spans, no_spans, whole_runs
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
 from scaffold_cad.solid.field.pieces import Pieces, pieces_of
 from scaffold_cad.struts.faces import bored, end_rings, faces_of, run_names
@@ -64,6 +65,8 @@ class _Part(Frozen):
     """Pieces of curves in clusters, (p,)."""
     fillets: Floats
     """Fillet radius of each node, mm, (n,)."""
+    spans: Spans
+    """Stretches of runs in clusters."""
 
 
 def mixed_brep(struts: RoundStruts) -> AnalyticBrep:
@@ -128,7 +131,17 @@ def _part(struts: RoundStruts, fillets: Floats, core: Core, sags: Sags | None = 
     facets = _saying(facets, np.where(pieces.volumes[piece] < 0, VOID, BODY))
     if made.clusters is None:
         none, nodes, every = np.zeros(0, np.intp), np.ones_like(core.nodes), np.ones_like(core.zone)
-        return _Part(facets, np.full(count, -1), 0, made.mesh, none, nodes, every, fillets)
+        return _Part(
+            facets,
+            np.full(count, -1),
+            0,
+            made.mesh,
+            none,
+            nodes,
+            every,
+            fillets,
+            whole_runs(struts.runs),
+        )
     rest = made.clusters.rest
     beside, corners = _exact(rest.struts, rest.open_at)
     exact = _named(beside.faces, struts, made)
@@ -143,6 +156,7 @@ def _part(struts: RoundStruts, fillets: Floats, core: Core, sags: Sags | None = 
         made.clusters.nodes,
         made.clusters.pieces,
         made.clusters.reached,
+        made.clusters.spans,
     )
 
 
@@ -173,6 +187,7 @@ def _exact(struts: RoundStruts, open_at: Bools) -> tuple[_Part, Ints]:
         np.zeros_like(open_at),
         np.zeros(len(struts.curves.pieces), dtype=np.bool_),
         np.zeros(len(open_at)),
+        no_spans(),
     )
     return part, corners
 

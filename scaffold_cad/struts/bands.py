@@ -114,6 +114,19 @@ def enlargement(twist: Floats, sides: int) -> Floats:
     return ratio
 
 
+def polygon_wall(sides: int) -> float:
+    """Return how thick walls are between polygons of `sides` sides that begin alike.
+
+    It is a part of the distance of their circles.
+
+    Examples
+    --------
+    >>> round(polygon_wall(16), 4)
+    0.9935
+    """
+    return float(np.cos(np.pi / sides) * enlargement(np.zeros(1), sides)[0])
+
+
 def polygon_slack(sides: int) -> float:
     """Return how far polygons of `sides` sides reach beyond their circles at most, in radii."""
     step = 2 * np.pi / sides

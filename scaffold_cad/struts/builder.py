@@ -158,9 +158,12 @@ def _built(
     outer : what they are the inside of, whose fillets and curves theirs follow
     blended : (n,) bends that are blends in any case
     """
+    if outer is not None:
+        runs = outer.runs.within(skeleton)
+    else:
+        runs = straight_runs(skeleton) if like is None else like.runs.moved(skeleton)
     if options.is_sharp:
-        return sharp_struts(skeleton, options)
-    runs = straight_runs(skeleton) if like is None else like.runs.moved(skeleton)
+        return sharp_struts(skeleton, options, runs)
     plan = _planned(skeleton, runs, options, like, outer, blended)
     wall = None if outer is None else outer.options.wall
     solved = [] if outer is None or wall is None else list(hollow_nodes(outer, runs, wall))

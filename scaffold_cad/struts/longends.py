@@ -17,7 +17,7 @@ REACH = 3.0
 """Length of chain whose links are drawn together at least, in lengths of the end."""
 
 STUMP = 0.1
-"""What is left inside of the last link of a branch that is shorter than its end."""
+"""What is left inside of a branch that is shorter than its end, as a part of its length."""
 
 SPARE = 1e-6
 """What a strut is to be longer than its ends, as a part of them."""
@@ -54,7 +54,9 @@ def with_long_ends(skeleton: Skeleton, at_ends: Floats) -> tuple[Skeleton, Float
             if _drawn(skeleton, chain, float(at_ends[end]), nodes, radii):
                 continue
             if _at_branch_point(skeleton, chain):
-                at_ends[end] = (1.0 - STUMP) * skeleton.lengths[edge]
+                links = [link for link, _ in chain]
+                at_ends[end] = (1.0 - STUMP) * skeleton.lengths[links].sum()
+                _drawn(skeleton, chain, float(at_ends[end]), nodes, radii)
             else:
                 near = place_text(skeleton.nodes[end])
                 raise OptionError(
@@ -62,7 +64,12 @@ def with_long_ends(skeleton: Skeleton, at_ends: Floats) -> tuple[Skeleton, Float
                     f"than its closed ends of {cut[edge].max():g} mm, in it or in links that "
                     "follow it (ends='open' has none)"
                 )
-    return Skeleton(nodes, skeleton.edges, skeleton.radii, radii), at_ends
+    drawn = Skeleton(nodes, skeleton.edges, skeleton.radii, radii)
+    # Chains that bend lead less far.
+    last, at = np.nonzero(is_end)
+    node = skeleton.edges[last, at]
+    at_ends[node] = np.minimum(at_ends[node], drawn.lengths[last] * (1 - SPARE))
+    return drawn, at_ends
 
 
 def _at_branch_point(skeleton: Skeleton, chain: list[tuple[int, int]]) -> bool:

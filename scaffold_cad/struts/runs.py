@@ -79,6 +79,14 @@ class Runs(Frozen):
         """The half-runs that leave each node."""
         return incidence(self.edges, len(self.nodes))
 
+    def within(self, skeleton: Skeleton) -> Runs:
+        """Return the same runs on the same graph with its nodes a little elsewhere.
+
+        They lead straight from end to end, whatever joints they pass.
+        """
+        radii = _radii_at_ends(skeleton, self)
+        return Runs.of(skeleton.nodes, self.edges, radii, self.run_of_edge)
+
     def moved(self, skeleton: Skeleton) -> Runs:
         """Return the runs of the same graph with its nodes elsewhere.
 
@@ -96,8 +104,7 @@ class Runs(Frozen):
                 f"node {bent[0]} was a straight joint in like, and bends now; need like with a "
                 "bend there"
             )
-        radii = _radii_at_ends(skeleton, self)
-        return Runs.of(skeleton.nodes, self.edges, radii, self.run_of_edge)
+        return self.within(skeleton)
 
     def radii_at(self, half_runs: Ints, distances: Floats) -> Floats:
         """Return the radius of half-runs (h,) at distances (h,) from their nodes, mm, (h,)."""

@@ -285,6 +285,21 @@ def _blocks(struts: RoundStruts, sides: int) -> tuple[Ints, int]:
     return starts, int(sizes.sum())
 
 
+def first_alike(struts: RoundStruts, sides: int) -> Ints:
+    """Return the same vertex of the first node of the same shape, for those of blends, (v,)."""
+    straight = struts.straight
+    starts, count = _blocks(straight, sides)
+    found = np.arange(count)
+    for group in straight.blended:
+        _, first, of = np.unique(group.shape_of, return_index=True, return_inverse=True)
+        block = np.arange(
+            int(block_size(np.array(group.half_runs.shape[1]), levels_of(sides), sides))
+        )
+        own, alike = starts[group.nodes], starts[group.nodes[first[of.reshape(-1)]]]
+        found[own[:, None] + block] = alike[:, None] + block
+    return found
+
+
 def levels_of(sides: int) -> int:
     """Return the intervals of a patch from its arc to its collar."""
     return max(2, round(LEVELS * sides / 16))

@@ -42,8 +42,9 @@ def without_wall(skeleton: Skeleton, wall: float, at_ends: Floats) -> Skeleton:
     if len(thin):
         radius = skeleton.edge_radii[thin[0]].min()
         near = skeleton.nodes[skeleton.edges[thin[0]]].mean(axis=0)
+        steep = f" ({across[thin[0]]:.3g} mm across the axis of a taper)" if radius > wall else ""
         raise OptionError(
-            f"wall is {wall:g} mm, and edge {thin[0]} near {place_text(near)} has radius "
+            f"wall is {wall:g} mm{steep}, and edge {thin[0]} near {place_text(near)} has radius "
             f"{radius:g} mm; need a wall that is thinner than each radius"
         )
     skeleton, at_ends = with_long_ends(skeleton, at_ends)

@@ -65,6 +65,28 @@ def test_a_branch_shorter_than_the_wall_is_a_stump() -> None:
     assert walls.min() > 0.8
 
 
+TRIPOD = [[0, 0, 0], [12, 0, 0], [-6, 10, 0], [-6, -10, 0]]
+
+
+@pytest.mark.parametrize("bend", [0.0, 0.1])
+@pytest.mark.parametrize("wall", [0.3, 0.7])
+def test_a_chain_of_short_links_on_a_branch_point_is_closed(bend: float, wall: float) -> None:
+    nodes = [*TRIPOD, [0, 0, 0.2], [0, bend, 0.4], [0, 0, 0.6]]
+    edges = [[0, 1], [0, 2], [0, 3], [0, 4], [4, 5], [5, 6]]
+    mesh = round_mesh(round_struts(Skeleton(nodes, edges, 1.0), wall=wall), 16)
+    check_as_written(mesh)
+    assert thicknesses(mesh).min() > 0.9 * wall
+
+
+def test_links_that_are_straight_outside_only_have_an_inside() -> None:
+    nodes = [*TRIPOD[:3], [0, 0, 0.2], [0, 0.06, 0.4], [0, 0, 0.6]]
+    edges = [[0, 1], [0, 2], [0, 3], [3, 4], [4, 5]]
+    struts = round_struts(Skeleton(nodes, edges, 1.0), wall=0.4)
+    assert struts.inner is not None
+    assert np.array_equal(struts.inner.runs.edges, struts.runs.edges)
+    check_as_written(round_mesh(struts, 16))
+
+
 def test_a_chain_shorter_than_its_ends_is_refused_with_its_place() -> None:
     short = chain(np.array([0.0, 0.2, 0.4, 0.8]))
     with pytest.raises(OptionError, match=r"edge 0 near \[0, 0, 0\] mm is 0\.2 mm long; need more"):

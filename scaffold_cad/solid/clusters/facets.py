@@ -22,7 +22,6 @@ from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
 from scaffold_cad.solid.clusters.growth import Clusters, Core, bodies_of, clusters_of
 from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.seams import seamed
-from scaffold_cad.solid.clusters.spans import no_spans
 from scaffold_cad.solid.clusters.surface import TRIES, field_of, grown, report_filled
 from scaffold_cad.solid.field import FieldStruts
 from scaffold_cad.solid.field.pieces import without_voids
@@ -78,7 +77,7 @@ def faceted(
     core : what is in clusters in any case
     sags : how far the sides of triangles of fields may be inside of round surfaces
     """
-    seeds, bodies = no_spans(), cache(partial(bodies_of, struts))
+    seeds, bodies = core.spans, cache(partial(bodies_of, struts))
     for _ in range(TRIES):
         clusters = clusters_of(struts, bodies, fillets, Slack(SLACK), core, seeds)
         if clusters is None or len(clusters.rest.run) == 0:

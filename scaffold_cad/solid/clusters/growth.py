@@ -70,6 +70,8 @@ class Core(Frozen):
     zone: Bools
     """Pieces of curves and nothing beside them: those that are a field on the other side of a
     wall, shape (p,)."""
+    spans: Spans
+    """Stretches of runs: those that are a field on the other side of a wall."""
 
     def with_nodes(self, nodes: Bools) -> Core:
         """Return the same with more nodes (n,)."""
@@ -78,6 +80,10 @@ class Core(Frozen):
     def with_zone(self, pieces: Bools) -> Core:
         """Return the same with more pieces (p,) in the zone."""
         return replace(self, zone=self.zone | pieces)
+
+    def with_spans(self, spans: Spans) -> Core:
+        """Return the same with other spans."""
+        return replace(self, spans=spans)
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +180,7 @@ def unproved(struts: RoundStruts) -> Core:
     used = struts.collar.reshape(-1, 2).sum(axis=1)
     found[runs.edges[used > runs.lengths]] = True
     folded = ~proved(struts.curves)
-    return Core(found, folded, np.zeros_like(folded))
+    return Core(found, folded, np.zeros_like(folded), no_spans())
 
 
 def _settled(reaches: Reaches, core: Core, seeds: Spans) -> tuple[Bools, Zones, Spans, Floats]:
@@ -256,7 +262,7 @@ class _Found:
             near.append(
                 near_spans(self.struts.runs, pieces, own, other, radius[other] + gap, inner)
             )
-        return Core(at, folded, np.zeros_like(folded)), Spans.joined(near)
+        return Core(at, folded, np.zeros_like(folded), no_spans()), Spans.joined(near)
 
     def _pieces(self, slack: float) -> tuple[Pieces, Ints, Floats, Floats]:
         """Return all pieces, what they are, their radii without fillets, and their fillets."""

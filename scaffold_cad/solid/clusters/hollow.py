@@ -12,15 +12,17 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Floats, Ints, place_text
 from scaffold_cad.base.positions import in_single_precision
 from scaffold_cad.base.summaries import counted
+from scaffold_cad.base.vectors import dot
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.closing import shortened
 from scaffold_cad.solid.clusters.growth import Core
 from scaffold_cad.solid.clusters.sags import Sags
+from scaffold_cad.solid.clusters.spans import Spans
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
 from scaffold_cad.struts.model import RoundStruts
-from scaffold_cad.struts.runs import ball_ends
+from scaffold_cad.struts.runs import Runs, ball_ends
 from scaffold_cad.struts.surface import inside_of
 
 FINER = 5
@@ -44,6 +46,10 @@ class _Made(Protocol):
     @property
     def pieces(self) -> Bools:
         """Pieces of curves that are in fields, shape (p,)."""
+
+    @property
+    def spans(self) -> Spans:
+        """Stretches of runs that are in fields."""
 
     @property
     def fillets(self) -> Floats:
@@ -110,6 +116,17 @@ def _nodes_of(triangles: Ints, outside: _Made, inside: _Made) -> Ints:
     return node
 
 
+def _along(spans: Spans, runs: Runs, inside: Runs) -> Spans:
+    """Return the spans at nodes as those of the same runs inside, which may begin further on.
+
+    Others are where struts cross by their outsides, and perhaps not by their insides.
+    """
+    spans = spans.chosen((spans.low == 0) | (spans.high == runs.lengths[spans.run]))
+    way = inside.nodes[inside.edges[:, 0]] - runs.nodes[runs.edges[:, 0]]
+    shift = dot(way, runs.directions[::2])[spans.run]
+    return Spans(spans.run, spans.low - shift, spans.high - shift)
+
+
 def _both(
     struts: RoundStruts,
     inner: RoundStruts,
@@ -119,7 +136,9 @@ def _both(
 ) -> tuple[Surface, Surface]:
     """Return the surfaces outside and inside of hollow struts.
 
-    Of curves the same pieces are in fields on both sides, which follow edges and not the curve.
+    What is a field outside around nodes is one inside too: where cells cut off a part of the wall
+    the inside can move. Of curves the same pieces are fields on both sides, which follow edges and
+    not the curve.
     """
     wall, fillets = float(struts.options.wall or 0.0), wanted_fillets(struts)
     is_end = (struts.runs.valency == 1) & ~ball_ends(struts.skeleton, struts.runs)
@@ -128,7 +147,9 @@ def _both(
         outside = make(struts, fillets, core, sags)
         own = shortened(inner, core.nodes & is_end, wall)
         core = core.with_zone(outside.pieces)
-        inside = make(own, outside.fillets + wall, core, sags)
+        there = core.with_spans(_along(outside.spans, struts.runs, own.runs))
+        # Fields of fillets a wall wider would be parallel where struts meet at right angles only.
+        inside = make(own, outside.fillets, there, sags)
         more = (outside.nodes | inside.nodes) & is_end & ~core.nodes & is_open
         if not more.any() and np.array_equal(inside.pieces, outside.pieces):
             return outside, inside

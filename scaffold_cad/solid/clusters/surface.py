@@ -23,18 +23,18 @@ from scaffold_cad.solid.clusters.growth import Clusters, Core, bodies_of, cluste
 from scaffold_cad.solid.clusters.hollow import hollow
 from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.seams import seamed
-from scaffold_cad.solid.clusters.spans import Spans, no_spans
+from scaffold_cad.solid.clusters.spans import Spans, whole_runs
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
-from scaffold_cad.solid.clusters.walls import thickened
+from scaffold_cad.solid.clusters.walls import Walls, thickened
 from scaffold_cad.solid.field import FieldStruts
 from scaffold_cad.solid.field.pieces import without_voids
 from scaffold_cad.solid.field.written import field_as_written, report_thickened
 from scaffold_cad.struts.apart import Slack
-from scaffold_cad.struts.bands import polygon_slack
+from scaffold_cad.struts.bands import polygon_slack, polygon_wall
 from scaffold_cad.struts.curverings import rings_hold
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.sharp.surface import without_triangles
-from scaffold_cad.struts.surface import Shell, Triangulated, open_ends, shell_of
+from scaffold_cad.struts.surface import Shell, Triangulated, first_alike, open_ends, shell_of
 
 MARGIN = 1e-9
 """Least sine of the angle at which the triangles of a node are seen from it."""
@@ -72,8 +72,20 @@ class _Surface:
     """Fillet radius of each node, mm, shape (n,)."""
     node: Ints
     """Nodes that the first triangles are around, shape (t',)."""
+    spans: Spans
+    """Stretches of runs that are in fields."""
     exact: int
     """Number of the vertices that come first, of struts that are not fields."""
+    left: RoundStruts | None
+    """These struts."""
+
+    def alike(self, sides: int) -> Ints:
+        """Return the vertex of a node of the same shape for each vertex, (v,)."""
+        found = np.arange(len(self.mesh.vertices))
+        if self.left is not None:
+            first = first_alike(self.left, sides)
+            found[: len(first)] = first
+        return found
 
 
 def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> TriangleMesh:
@@ -103,10 +115,13 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
 
     outside, inside = hollow(struts, unmade, make, joined, factor)
     mesh, wall = joined(outside, inside), float(struts.options.wall or 0.0)
-    outer = np.arange(len(outside.mesh.triangles))
-    inner = len(outer) + np.arange(len(inside.mesh.triangles))
-    fixed = len(outside.mesh.vertices) + np.arange(inside.exact)
-    return thickened(mesh, outer, inner, fixed, wall, factor)
+    count, first = len(outside.mesh.triangles), len(outside.mesh.vertices)
+    outer, inner = np.split(np.arange(count + len(inside.mesh.triangles)), [count])
+    alike = np.arange(len(mesh.vertices))
+    alike[first : first + len(inside.mesh.vertices)] = first + inside.alike(sides)
+    return thickened(
+        Walls(mesh, outer, inner, first + inside.exact, alike), wall, polygon_wall(sides), factor
+    )
 
 
 def _unmade(struts: RoundStruts, sides: int) -> Core:
@@ -148,7 +163,7 @@ def _surface(
     """
     count = len(core.nodes)
     slack = Slack(polygon_slack(sides), np.zeros(count))
-    seeds, bodies = no_spans(), cache(partial(bodies_of, struts))
+    seeds, bodies = core.spans, cache(partial(bodies_of, struts))
     for _ in range(TRIES):
         clusters = clusters_of(struts, bodies, fillets, slack, core, seeds, MOST_FIELD)
         if clusters is None:
@@ -175,23 +190,32 @@ def _surface(
             if fields is not None:
                 report_thickened(fields, factor)
             report_filled(voids)
-            rings, fillets = shell.rings[own], clusters.reached
-            nodes, pieces = clusters.nodes, clusters.pieces
-            exact = len(shell.made.mesh.vertices)
-            return _Surface(mesh, ends[own], rings, nodes, pieces, fillets, around, exact)
+            return _Surface(
+                mesh,
+                ends[own],
+                shell.rings[own],
+                clusters.nodes,
+                clusters.pieces,
+                clusters.reached,
+                around,
+                clusters.spans,
+                len(shell.made.mesh.vertices),
+                left,
+            )
         _log.debug("%d of %d seams failed", len(failed), len(rest.cuts.node))
         core, seeds = grown(struts, clusters, failed)
     _log.info(
         "%s too little room for rings of their own: made as a field",
         counted(len(struts.skeleton.edges), "strut has", "struts have"),
     )
-    every = whole_struts(struts)
-    report_thickened(every, factor)
-    mesh, voids = without_voids(field_of(every, sides, sags, factor))
+    fields = whole_struts(struts)
+    report_thickened(fields, factor)
+    mesh, voids = without_voids(field_of(fields, sides, sags, factor))
     report_filled(voids)
     none = np.zeros((0, sides), dtype=np.intp)
     nodes, pieces = np.ones_like(core.nodes), np.ones_like(core.pieces)
-    return _Surface(mesh, none[:, 0], none, nodes, pieces, fillets, none[:, 0], 0)
+    every = whole_runs(struts.runs)
+    return _Surface(mesh, none[:, 0], none, nodes, pieces, fillets, none[:, 0], every, 0, None)
 
 
 def field_of(

@@ -1,27 +1,43 @@
 """Walls of hollow struts as thick as asked: the inside moves away from where the outside is near.
 
-Both surfaces are cut from grids, and fillets between struts at narrow angles are not exactly
-parallel, so walls are thin in places. There the vertices inside move away from the nearest place
-outside, but for those whose triangles would then cross others.
+Both surfaces are triangles, whose sides are inside of round surfaces, so walls are thin in places.
+There the vertices inside move away from the nearest place outside, but for those whose triangles
+would then cross others. Fillets of fields are not parallel outside and inside: where that makes a
+wall thicker than asked, the vertices of fields inside move toward the outside.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+from itertools import chain, repeat
+
 import numpy as np
 from scipy.spatial import cKDTree
 
-from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Triangles
 from scaffold_cad.base.positions import in_single_precision
-from scaffold_cad.base.vectors import length, normalize, sums_by_row
+from scaffold_cad.base.vectors import length
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.nearest import NearestPlace
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
-ENOUGH = 0.97
-"""What is thinner than this part of the wall is thickened."""
+ENOUGH = 0.976
+"""What is thinner than this part of the wall between two polygons is thickened."""
+
+TOO_MUCH = 1.03
+"""What is thicker than this, in walls, is thinned in fields."""
+
+ALIKE = 1.5
+"""What is thicker than asked by up to this, in walls, is thinned to the wall."""
+
+LUMP = 3.0
+"""What is thicker than this, in walls, stays: it is no wall, but a void that is filled."""
 
 ROUNDS = 6
 """Times that vertices move; each time other places may be the nearest ones."""
+
+THINNING = 2
+"""Times that walls in fields become thinner where they are too thick, before that."""
 
 BETWEEN = np.array([[1, 1, 1], [0, 1.5, 1.5], [1.5, 0, 1.5], [1.5, 1.5, 0]]) / 3
 """Where triangles are looked at: in their middles and at those of their sides."""
@@ -33,46 +49,87 @@ NEAR = 2.0
 """How far from the inside triangles are looked at, in walls."""
 
 TRIES = 6
-"""Times that vertices whose triangles cross are put back."""
+"""Times that vertices whose triangles cross are put back by a part of their way, before they are by
+all of it."""
 
 BACK = 0.4
 """What is left of their way each time."""
 
 
-def thickened(
-    mesh: TriangleMesh, outer: Ints, inner: Ints, fixed: Ints, wall: float, factor: float
-) -> TriangleMesh:
-    """Return hollow struts with walls that are hardly thinner than `wall` where they may move.
+@dataclass(frozen=True, eq=False)
+class Walls(Frozen):
+    """Hollow struts as triangles without crossings."""
+
+    mesh: TriangleMesh
+    """All of them."""
+    outer: Ints
+    """Numbers of the triangles outside."""
+    inner: Ints
+    """Numbers of those inside, which share no vertex with these."""
+    first: int
+    """Vertices inside are those of fields from this one on."""
+    alike: Ints
+    """Vertex of the first node of the same shape, itself for others, shape (v,)."""
+
+    @property
+    def moves(self) -> Bools:
+        """Vertices inside that may move: those of no other triangles, such as open ends, (v,)."""
+        found = np.zeros(len(self.mesh.vertices), dtype=np.bool_)
+        found[self.mesh.triangles[self.inner]] = True
+        found[np.delete(self.mesh.triangles, self.inner, axis=0)] = False
+        return found
+
+    @property
+    def looked_at(self) -> Triangles:
+        """Triangles inside that are looked at: of nodes of one shape, those of the first one."""
+        found = self.mesh.triangles[self.inner]
+        looked = (self.alike[found] == found).all(axis=1) & self.moves[found].any(axis=1)
+        return np.asarray(found[looked])
+
+
+def thickened(struts: Walls, wall: float, between: float, factor: float) -> TriangleMesh:
+    """Return hollow struts with walls that are hardly thinner than `wall`.
 
     Parameters
     ----------
-    mesh : free of crossings
-    outer, inner : numbers of its triangles outside, and of those inside, which share no vertex
-    fixed : vertices that stay where they are
+    between : thickness of walls between two polygons, as a part of that of their circles
     factor : what lengths are multiplied with in a file, in whose 32-bit numbers triangles are
         looked at
     """
-    moves = np.zeros(len(mesh.vertices), dtype=np.bool_)
-    moves[mesh.triangles[inner]] = True
-    moves[fixed] = False
-    if not moves.any():
-        return mesh
-    corners = _pieces(mesh.vertices[mesh.triangles[outer]], mesh.vertices[moves], wall)
+    faces, moves = struts.looked_at, struts.moves
+    looked = np.unique(faces)
+    if len(looked) == 0:
+        return struts.mesh
+    corners = struts.mesh.vertices[struts.mesh.triangles[struts.outer]]
+    corners = _pieces(corners, struts.mesh.vertices[looked[moves[looked]]], wall)
     outside = NearestPlace(
         TriangleMesh(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
     )
-    way = _moved(mesh, mesh.triangles[inner], outside, moves, wall) - mesh.vertices
+    aim = _Aim(outside, wall, ENOUGH * between * wall)
+    mesh = _placed(struts, _moved(struts.mesh, faces, moves, aim, 0), wall, factor)
+    of_field = moves & (np.arange(len(moves)) >= struts.first)
+    if not of_field.any():
+        return mesh
+    struts = replace(struts, mesh=mesh)
+    faces = faces[of_field[faces].any(axis=1)]
+    return _placed(struts, _moved(mesh, faces, of_field, aim, THINNING), wall, factor)
+
+
+def _placed(struts: Walls, vertices: Points, wall: float, factor: float) -> TriangleMesh:
+    """Return a mesh with its vertices at places (v, 3), but for those where it would cross."""
+    mesh = struts.mesh
+    way = np.where(struts.moves[:, None], (vertices - mesh.vertices)[struts.alike], 0.0)
     moved = mesh.vertices[way.any(axis=1)]
     near = mesh.triangles[_near(mesh.vertices[mesh.triangles], moved, wall)]
-    for _ in range(TRIES):
-        vertices = in_single_precision(mesh.vertices + way, factor) / factor
-        vertices = np.where(way.any(axis=1, keepdims=True), vertices, mesh.vertices)
-        written = in_single_precision(vertices, factor)
+    for back in chain(repeat(BACK, TRIES), repeat(0.0)):
+        placed = in_single_precision(mesh.vertices + way, factor) / factor
+        placed = np.where(way.any(axis=1, keepdims=True), placed, mesh.vertices)
+        written = in_single_precision(placed, factor)
         crossing = np.unique(self_intersections(TriangleMesh(written, near)))
         if len(crossing) == 0:
-            return TriangleMesh(vertices, mesh.triangles)
-        way[_beside(mesh, near[crossing])] *= BACK
-    return mesh
+            break
+        way[_beside(mesh, near[crossing])] *= back
+    return TriangleMesh(placed, mesh.triangles)
 
 
 def _pieces(corners: Floats, points: Points, wall: float) -> Floats:
@@ -102,60 +159,76 @@ def _near(corners: Floats, points: Points, wall: float) -> Bools:
     return np.asarray(far < reach)
 
 
-def _dents(vertices: Points, faces: Ints) -> Bools:
-    """Return which triangles (t, 3) inside may be nearer to the outside than their corners, (t,).
-
-    Seen from the wall these stand out: the normals of their corners lean toward their middles.
-    """
-    corners = vertices[faces]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    sums = sums_by_row(np.repeat(normal, 3, axis=0), faces.reshape(-1), len(vertices))
-    lean = (normalize(sums)[faces] * (corners - corners.mean(axis=1, keepdims=True))).sum(axis=2)
-    return np.asarray(lean.sum(axis=1) > 0)
-
-
 def _sides(corners: Floats) -> Floats:
     """Return the lengths of the sides of triangles (t, 3, 3), from each corner to the next."""
     return length(np.roll(corners, -1, axis=1) - corners)
 
 
-def _moved(
-    mesh: TriangleMesh, inner: Ints, outside: NearestPlace, moves: Bools, wall: float
-) -> Points:
-    """Return the vertices (v, 3) with those inside that are too near to the outside moved away."""
+@dataclass(frozen=True, eq=False)
+class _Aim:
+    """How thick walls are to be."""
+
+    outside: NearestPlace
+    """What they are measured to."""
+    wall: float
+    """As asked, mm."""
+    least: float
+    """What is enough, mm."""
+
+    def thicker(self, points: Points) -> Floats:
+        """Return how points are to move where walls are too thin, (k, 3), mm."""
+        way = points - self.outside.nearest(points)
+        far = length(way)
+        lacks: Bools = np.asarray((far < self.least) & (far > 0))
+        share = np.where(lacks, self.wall / np.where(lacks, far, 1.0) - 1.0, 0.0)
+        return np.asarray(share[:, None] * way)
+
+    def thinner(self, points: Points) -> Floats:
+        """Return how points are to move where walls are too thick, (k, 3), mm."""
+        way = points - self.outside.nearest(points)
+        share = length(way) / self.wall
+        wanted = 1.0 + (share - ALIKE).clip(0.0) * (LUMP - 1.0) / (LUMP - ALIKE)
+        lumps: Bools = np.asarray((share > TOO_MUCH) & (share < LUMP))
+        growth = np.where(lumps, wanted / np.where(lumps, share, 1.0) - 1.0, 0.0)
+        return np.asarray(growth[:, None] * way)
+
+
+def _moved(mesh: TriangleMesh, faces: Triangles, moves: Bools, aim: _Aim, thinning: int) -> Points:
+    """Return the vertices (v, 3) with some of those inside moved to where walls are as asked.
+
+    Parameters
+    ----------
+    faces : those that are looked at, (t, 3)
+    moves : (v,) vertices that may move
+    thinning : times that walls that are too thick become thinner, before others become thicker
+    """
     vertices = mesh.vertices.copy()
-    looked = np.flatnonzero(moves)
-    faces = inner[moves[inner].any(axis=1)]
+    looked = np.unique(faces)
+    looked = looked[moves[looked]]
+    some = np.zeros_like(moves)
+    for _ in range(thinning):
+        way = aim.thinner(vertices[looked])
+        vertices[looked] += way
+        some[looked] |= way.any(axis=1)
+    if thinning:
+        faces = faces[some[faces].any(axis=1)]
     for _ in range(ROUNDS):
+        looked = np.unique(faces)
+        looked = looked[moves[looked]]
         away = np.zeros_like(vertices)
-        away[looked] = _lacking(outside, vertices[looked], wall)
-        dents = faces[_dents(vertices, faces)]
+        away[looked] = aim.thicker(vertices[looked])
         for weights in BETWEEN:
-            way = _lacking(outside, weights @ vertices[dents], wall)
+            way = aim.thicker(weights @ vertices[faces])
             thin = np.flatnonzero(way.any(axis=1))
-            for corner, weight in zip(dents[thin].T, weights, strict=True):
+            for corner, weight in zip(faces[thin].T, weights, strict=True):
                 larger = (weight > 0) & (length(way[thin]) > length(away[corner]))
                 away[corner[larger]] = way[thin][larger]
         away[~moves] = 0.0
-        some: Bools = np.asarray(away.any(axis=1))
-        if not some.any():
-            break
         vertices += away
         # Where a vertex moved the next ones may be too near.
-        near = np.flatnonzero(some[faces].any(axis=1))
-        faces = faces[near]
-        looked = np.unique(faces)
-        looked = looked[moves[looked]]
+        moved: Bools = np.asarray(away.any(axis=1))
+        faces = faces[moved[faces].any(axis=1)]
     return vertices
-
-
-def _lacking(outside: NearestPlace, points: Points, wall: float) -> Floats:
-    """Return how points that are too near to the outside are to move, (k, 3), mm."""
-    way = points - outside.nearest(points)
-    far = length(way)
-    lacks: Bools = np.asarray((far < ENOUGH * wall) & (far > 0))
-    share = np.where(lacks, wall / np.where(lacks, far, 1.0) - 1.0, 0.0)
-    return np.asarray(share[:, None] * way)
 
 
 def _beside(mesh: TriangleMesh, triangles: Ints) -> Bools:

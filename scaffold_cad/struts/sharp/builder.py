@@ -9,13 +9,12 @@ from scaffold_cad.struts.apart import crossings
 from scaffold_cad.struts.curved import Curves
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.options import StrutOptions
-from scaffold_cad.struts.runs import at_balls, ball_collars, straight_runs
+from scaffold_cad.struts.runs import Runs, at_balls, ball_collars
 from scaffold_cad.struts.sharp.nodes import ring_starts, seams_of, sharp_nodes
 
 
-def sharp_struts(skeleton: Skeleton, options: StrutOptions) -> RoundStruts:
+def sharp_struts(skeleton: Skeleton, options: StrutOptions, runs: Runs) -> RoundStruts:
     """Return solid struts whose nodes are sharp; nodes that are not proved are crowded."""
-    runs = straight_runs(skeleton)
     x = ring_starts(runs)
     made = sharp_nodes(skeleton, runs, x)
     collar = ball_collars(skeleton, runs)

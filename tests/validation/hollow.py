@@ -1,0 +1,273 @@
+"""Hollow struts of kinds that overlap, as their STL and STEP files are read back.
+
+``python -m tests.validation.hollow [--count 200] [--seed 1] [--kinds NAME …]`` makes random
+skeletons with walls of 0.15 to 0.4 of the least radius, and prints what CGAL or OCCT finds wrong in
+a file, what is refused and why, where walls are thinner than 0.9 of what was asked for, and where
+the volume is not that of the places which are within a wall of the outside.
+"""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import signal
+import sys
+import tempfile
+import time
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
+
+import numpy as np
+import trimesh
+from build123d import import_step
+from scipy.spatial import cKDTree
+
+from scaffold_cad import RoundStruts, Skeleton, round_struts, write
+from scaffold_cad.base.arrays import Bools, Floats, Points
+from scaffold_cad.errors import ScaffoldCadError
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from tests.crossings import faults_by_cgal
+from tests.skeletons import polyline
+from tests.solids import contains
+from tests.validation import attacks
+from tests.validation.attacks import Random, chain, directions, star
+
+LEAST_WALL = 0.9
+"""Least wall over what was asked for."""
+
+APART = 0.01
+"""Largest difference in volume from a count of random points, beside its own error."""
+
+PLACES = 20_000
+"""Random points."""
+
+SIDES = 16
+"""Of polygons in files of meshes."""
+
+
+def dense_star(random: Random) -> Skeleton:
+    """Return a star of so many struts that they overlap far from its middle."""
+    return star(12 * directions(int(random.integers(8, 30)), random))
+
+
+def crotch(random: Random) -> Skeleton:
+    """Return two or three struts that leave a node at 4 to 25 degrees."""
+    angle, count = np.radians(random.uniform(4, 25)), int(random.integers(2, 4))
+    turn = angle * np.arange(count)
+    return star(25 * np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1))
+
+
+def short_links(random: Random) -> Skeleton:
+    """Return a strut whose ends are links shorter than its wall, some on a branch point."""
+    size = random.uniform(0.05, 0.4)
+    points = np.array([[0.0, 0, 0], [0, 0, size], [0, 0.3 * size, 2 * size], [0, 0, 3 * size]])
+    if random.random() < 0.5:
+        return chain(np.concatenate([points, [[2.0, 0, 15]], [[0.0, 3, 30]]]))
+    nodes = np.concatenate([points[::-1], 12 * directions(2, random)])
+    edges = np.concatenate([polyline(4), [[0, 4], [0, 5]]])
+    return Skeleton(nodes - points[-1], edges, 1.0)
+
+
+def dense_lattice(random: Random) -> Skeleton:
+    """Return cells of struts as thick as half their length."""
+    size, count = random.uniform(2.0, 3.5), 2
+    grid = np.stack(np.meshgrid(*[np.arange(count + 1)] * 3), axis=-1).reshape(-1, 3)
+    one, other = np.triu_indices(len(grid), 1)
+    near = np.abs(grid[one] - grid[other]).sum(axis=1) == 1
+    nodes = size * grid + random.normal(0, 0.1, grid.shape)
+    return Skeleton(nodes, np.column_stack([one, other])[near], 1.0)
+
+
+KINDS: dict[str, Callable[[Random], Skeleton]] = {
+    kind.__name__: kind
+    for kind in (dense_star, crotch, short_links, dense_lattice, attacks.fan, attacks.flat_star,
+                 attacks.swallowed, attacks.comb, attacks.knot, attacks.tree, attacks.zigzag,
+                 attacks.hairpin, attacks.crossing, attacks.planar, attacks.balls, attacks.members,
+                 attacks.foam, attacks.truss, attacks.helix, attacks.bundle)
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What is found of one file."""
+
+    fault: str
+    """"" for none."""
+    wall: float
+    """Least wall over that asked for."""
+    thin: float
+    """Share of places inside whose wall is thinner than `LEAST_WALL`."""
+    volume: float
+    """Volume over that of the places within a wall of the outside."""
+
+
+def outcome(made: RoundStruts, path: Path, parts: int, random: Random) -> Outcome:
+    """Return what is found of a file of hollow struts with closed ends."""
+    write(made, path, overlaps="unite", **({} if path.suffix == ".step" else {"sides": SIDES}))
+    fault = ""
+    wall = float(made.options.wall or 0.0)
+    if path.suffix == ".step":
+        shape = import_step(path)
+        fault = "" if shape.is_valid else "invalid"
+        volume = float(shape.volume)
+        points, corners = shape.tessellate(0.02 * wall, 0.1)
+        read = trimesh.Trimesh([tuple(point) for point in points], corners)
+    else:
+        raw = trimesh.load_mesh(path, process=False)
+        fault = faults_by_cgal(np.asarray(raw.vertices, np.float64), raw.faces)
+        read = trimesh.Trimesh(raw.vertices, raw.faces)
+        volume = float(read.volume)
+        if not read.is_watertight:
+            fault = fault or "not watertight"
+    shells = read.split(only_watertight=False)
+    outer = [shell for shell in shells if shell.volume > 0]
+    inner = [shell for shell in shells if shell.volume <= 0]
+    if len(outer) > parts:
+        fault = fault or f"{len(outer)} bodies for {parts}"
+    if not inner:
+        return Outcome(fault or "not hollow", 0.0, 1.0, 0.0)
+    outside, inside = trimesh.util.concatenate(outer), trimesh.util.concatenate(inner)
+    walls = np.concatenate(
+        [gaps(inside, outside, wall, random), gaps(outside, inside, wall, random)]
+    )
+    expected, error = eroded_volume(outside, wall, random)
+    ratio = volume / expected
+    if abs(ratio - 1.0) > APART + 3 * error / expected:
+        fault = fault or f"volume {ratio:.3f} of that of a wall"
+    least = float(walls.min()) / wall
+    if least < LEAST_WALL:
+        fault = fault or f"wall {least:.3f}"
+    return Outcome(fault, least, float((walls < LEAST_WALL * wall).mean()), ratio)
+
+
+def places_on(surface: trimesh.Trimesh, step: float, random: Random) -> tuple[Points, Floats]:
+    """Return random points of a surface some `step` apart, and corners; and their triangles."""
+    count = int(min(surface.area / step**2, 400_000)) + 100
+    points, faces = trimesh.sample.sample_surface(surface, count, seed=random)
+    every = np.arange(len(surface.faces))
+    return (
+        np.concatenate([points, *np.moveaxis(surface.triangles, 1, 0), surface.triangles_center]),
+        np.concatenate([faces, *[every] * 4]),
+    )
+
+
+def gaps(one: trimesh.Trimesh, other: trimesh.Trimesh, wall: float, random: Random) -> Floats:
+    """Return the distance of places of a surface from another one, of near triangles, mm."""
+    points, _ = places_on(one, 0.5 * wall, random)
+    return far_from(points, other, wall, random)
+
+
+def far_from(points: Points, other: trimesh.Trimesh, wall: float, random: Random) -> Floats:
+    """Return the distance of points from a surface, of near triangles, mm."""
+    near, faces = places_on(other, 0.3 * wall, random)
+    found = np.full(len(points), np.inf)
+    _, rows = cKDTree(near).query(points, k=6)
+    for row in rows.T:
+        feet = trimesh.triangles.closest_point(other.triangles[faces[row]], points)
+        found = np.minimum(found, np.linalg.norm(feet - points, axis=1))
+    return found
+
+
+def eroded_volume(outside: trimesh.Trimesh, wall: float, random: Random) -> tuple[float, float]:
+    """Return the volume of what is inside of a surface and within a wall of it, and its error.
+
+    Points are drawn beside the surface, and each counts as much as it is unlikely: one at depth d
+    below a triangle stands for all of its triangles that have it at most a wall away.
+    """
+    low, high = outside.bounds
+    cell = wall / 2
+    count = np.ceil((high - low) / cell).astype(int) + 2
+    near, _ = places_on(outside, 0.3 * wall, random)
+    # Boxes of the grid that have a part of the wall: those near the surface.
+    box = np.unique(np.floor((near - low) / cell).astype(np.int64) + 1, axis=0)
+    reach = np.arange(-3, 4)
+    around = np.stack(np.meshgrid(reach, reach, reach), axis=-1).reshape(-1, 3)
+    keys = np.unique((box @ _strides(count))[:, None] + around @ _strides(count))
+    chosen = keys[random.integers(len(keys), size=PLACES)]
+    strides = _strides(count)
+    place = np.stack([chosen // strides[0], chosen % strides[0] // strides[1],
+                      chosen % strides[1]], axis=1) - 1  # fmt: skip
+    points = low + cell * (place + random.random((PLACES, 3)))
+    is_in = contains(TriangleMesh(outside.vertices, outside.faces), points)
+    held: Bools = np.zeros(PLACES, dtype=np.bool_)
+    held[is_in] = far_from(points[is_in], outside, wall, random) <= wall
+    total, share = len(keys) * cell**3, float(held.mean())
+    return total * share, total * float(np.sqrt(share * (1 - share) / PLACES))
+
+
+def _strides(count: np.ndarray) -> np.ndarray:
+    wide = count.astype(np.int64) + 8
+    return np.array([wide[1] * wide[2], wide[2], 1])
+
+
+@contextmanager
+def limit(seconds: float) -> Iterator[None]:
+    """Raise a TimeoutError after so much time of the processor."""
+
+    def over(_: int, frame: FrameType | None) -> None:
+        raise TimeoutError(f"not done in {seconds:.0f} s")
+
+    before = signal.signal(signal.SIGPROF, over)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.signal(signal.SIGPROF, before)
+
+
+def main() -> int:
+    """Print the table; return whether a file is at fault."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--count", type=int, default=200)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seconds", type=float, default=60.0)
+    parser.add_argument("--kinds", nargs="*", choices=KINDS, default=list(KINDS))
+    parser.add_argument("--formats", nargs="*", default=[".stl", ".step"])
+    options = parser.parse_args()
+    logging.disable(logging.WARNING)
+    done: Counter[tuple[str, str, str]] = Counter()
+    walls: dict[tuple[str, str], list[float]] = defaultdict(list)
+    ratios: dict[tuple[str, str], list[float]] = defaultdict(list)
+    seconds: Counter[tuple[str, str]] = Counter()
+    for k in range(options.first, options.first + options.count):
+        name = list(KINDS)[k % len(KINDS)]
+        if name not in options.kinds:
+            continue
+        random = np.random.default_rng([options.seed, k])
+        skeleton = KINDS[name](random)
+        wall = random.uniform(0.15, 0.4) * float(skeleton.edge_radii.min())
+        for suffix in options.formats:
+            began = time.process_time()
+            try:
+                with limit(options.seconds), tempfile.TemporaryDirectory() as folder:
+                    made = round_struts(skeleton, wall=wall, ends=random.choice(["flat", "round"]))
+                    path = Path(folder) / f"solid{suffix}"
+                    found = outcome(made, path, skeleton.component_count, random)
+                result, text = ("faulty" if found.fault else "good"), found.fault
+                walls[name, suffix].append(found.wall)
+                ratios[name, suffix].append(found.volume)
+                text += f" ({found.thin:.2%} thin)" if found.thin else ""
+            except (ScaffoldCadError, TimeoutError) as error:
+                result, text = "refused", f"refused: {error}"
+            done[name, suffix, result] += 1
+            took = time.process_time() - began
+            seconds[name, suffix] = max(seconds[name, suffix], took)
+            if result != "good":
+                print(f"{name} {k} {suffix} wall {wall:.3f} {took:.0f} s: {text[:220]}", flush=True)
+    for (name, suffix), most in sorted(seconds.items()):
+        counts = [done[name, suffix, result] for result in ("good", "faulty", "refused")]
+        wall, ratio = walls[name, suffix], ratios[name, suffix]
+        print(f"{name:<14}{suffix:<6}{counts[0]:>4} good{counts[1]:>4} faulty{counts[2]:>4} refused"
+              f"  walls {min(wall, default=0):.3f}  volume {min(ratio, default=0):.3f} to "
+              f"{max(ratio, default=0):.3f}  {most:.1f} s at most")  # fmt: skip
+    return int(any(result == "faulty" for _, _, result in done))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
