@@ -20,6 +20,7 @@ from scaffold_cad.mesh.decimation import decimated
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
 from scaffold_cad.solid.clusters.growth import Clusters, Core, bodies_of, clusters_of
+from scaffold_cad.solid.clusters.remade import Remade
 from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.seams import seamed
 from scaffold_cad.solid.clusters.surface import TRIES, field_of, grown, report_filled
@@ -78,6 +79,7 @@ def faceted(
     sags : how far the sides of triangles of fields may be inside of round surfaces
     """
     seeds, bodies = core.spans, cache(partial(bodies_of, struts))
+    remade = Remade(lambda some: field_of(some, SIDES, sags))
     for _ in range(TRIES):
         clusters = clusters_of(struts, bodies, fillets, Slack(SLACK), core, seeds)
         if clusters is None or len(clusters.rest.run) == 0:
@@ -89,7 +91,7 @@ def faceted(
         points, starts = _polygons(left, half_runs), left.x[half_runs]
         rings = np.arange(len(points)).reshape(-1, SIDES)
         fields = cluster_struts(struts, clusters)
-        field, voids = without_voids(field_of(fields, SIDES, sags))
+        field, voids = without_voids(remade.surface(fields))
         made = seamed(field, cuts, points, rings, starts)
         if len(made.failed) == 0:
             report_filled(voids)

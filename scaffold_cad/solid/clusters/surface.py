@@ -21,6 +21,7 @@ from scaffold_cad.solid.clusters.ends import with_flat_ends
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
 from scaffold_cad.solid.clusters.growth import Clusters, Core, bodies_of, clusters_of, unproved
 from scaffold_cad.solid.clusters.hollow import hollow
+from scaffold_cad.solid.clusters.remade import Remade
 from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.seams import seamed
 from scaffold_cad.solid.clusters.spans import Spans, whole_runs
@@ -164,6 +165,7 @@ def _surface(
     count = len(core.nodes)
     slack = Slack(polygon_slack(sides), np.zeros(count))
     seeds, bodies = core.spans, cache(partial(bodies_of, struts))
+    remade = Remade(lambda some: field_of(some, sides, sags, factor))
     for _ in range(TRIES):
         clusters = clusters_of(struts, bodies, fillets, slack, core, seeds, MOST_FIELD)
         if clusters is None:
@@ -182,7 +184,7 @@ def _surface(
         mesh, failed = shell.made.mesh, np.zeros(0, dtype=np.intp)
         voids: list[float] = []
         if fields is not None:
-            field, voids = without_voids(field_of(fields, sides, sags, factor))
+            field, voids = without_voids(remade.surface(fields))
             mesh, failed = _joined(clusters, shell, field, factor)
         if len(failed) == 0:
             own = ends < count

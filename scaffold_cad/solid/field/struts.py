@@ -52,6 +52,10 @@ class FieldStruts(Frozen):
         """Size of cells at each end, as a part of that elsewhere, shape (m, 2)."""
         return np.where(self.flat, RIM, 1.0)
 
+    def chosen(self, keep: Bools) -> FieldStruts:
+        """Return some of them."""
+        return FieldStruts(self.ends[keep], self.radii[keep], self.flat[keep], self.blend[keep])
+
     def scaled(self, factor: float) -> FieldStruts:
         """Return the struts with all lengths multiplied."""
         return FieldStruts(factor * self.ends, factor * self.radii, self.flat, factor * self.blend)
