@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scaffold_cad.base.arrays import Ints, Points
+from scaffold_cad.base.counts import Count
 
 PAIRS_AT_ONCE = 1 << 16
 """Pairs of boxes looked at together: some 10 MB, however many boxes there are."""
@@ -54,8 +55,12 @@ def order_in_space(low: Points, high: Points) -> Ints:
     return np.argsort(_sorting_keys(*_on_grid(low, high)), kind="stable")
 
 
-def overlapping_neighbors(low: Points, high: Points) -> Iterator[tuple[Ints, Ints]]:
+def overlapping_neighbors(
+    low: Points, high: Points, count: Count | None = None
+) -> Iterator[tuple[Ints, Ints]]:
     """Do as `overlapping_boxes` for boxes that are in their order in space already.
+
+    Boxes whose pairs are yielded are counted in `count`.
 
     A block of pairs of one level of the tree gives a block of the next, and the latest goes
     first: only a few blocks a level ever wait.
@@ -67,6 +72,8 @@ def overlapping_neighbors(low: Points, high: Points) -> Iterator[tuple[Ints, Int
         level, i, j = waiting.pop()
         if level == len(tree.lows) - 1:
             proper = (i < j) & (j < len(low))
+            if count is not None:
+                count.done += int(((i == j) & (j < len(low))).sum())
             yield i[proper], j[proper]
         elif len(i) > PAIRS_AT_ONCE:
             middle = len(i) // 2

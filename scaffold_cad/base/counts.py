@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TypeVar
 
@@ -27,6 +28,25 @@ class Count:
 _running: list[Count] = []
 
 
+@contextmanager
+def counting(name: str, total: int) -> Iterator[Count]:
+    """Count things while the block runs, which tells how many are done.
+
+    Examples
+    --------
+    >>> with counting("boxes", 3) as count:
+    ...     count.done += 2
+    ...     print(running().done, "of", running().total)
+    2 of 3
+    """
+    count = Count(name, total)
+    _running.append(count)
+    try:
+        yield count
+    finally:
+        _running.remove(count)
+
+
 def counted(name: str, results: Iterable[T], sizes: Sequence[int]) -> Iterator[T]:
     """Yield results one after the other, and count what is done until then.
 
@@ -42,14 +62,10 @@ def counted(name: str, results: Iterable[T], sizes: Sequence[int]) -> Iterator[T
     a 1 of 4
     b 4 of 4
     """
-    count = Count(name, sum(sizes))
-    _running.append(count)
-    try:
+    with counting(name, sum(sizes)) as count:
         for result, size in zip(results, sizes, strict=True):
             count.done += size
             yield result
-    finally:
-        _running.remove(count)
 
 
 def running() -> Count | None:

@@ -8,6 +8,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, UnitVectors
+from scaffold_cad.base.blocks import blocks
+from scaffold_cad.base.counts import counted
 from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
@@ -17,6 +19,9 @@ NEAREST = 8
 
 FACING = 0.5
 """Least cosine of the angle between a direction and a triangle that faces it."""
+
+TRIANGLE_BYTES = 500
+"""What a point and a triangle near it take where they are looked at."""
 
 
 class NearestPlace:
@@ -43,6 +48,15 @@ class NearestPlace:
 
     def _found(self, points: Points, facing: UnitVectors | None) -> tuple[Points, Ints]:
         """Return the nearest places (n, 3) and their triangles (n,)."""
+        parts = list(blocks(len(points), NEAREST * TRIANGLE_BYTES))
+        made = (self._some(points[part], None if facing is None else facing[part]) for part in parts)
+        found = list(counted("nearest places", made, [part.stop - part.start for part in parts]))
+        none = np.zeros((0, 3)), np.zeros(0, dtype=np.intp)
+        places, triangles = zip(none, *found, strict=True)
+        return np.concatenate(places), np.concatenate(triangles)
+
+    def _some(self, points: Points, facing: UnitVectors | None) -> tuple[Points, Ints]:
+        """Do as `_found` for a few points."""
         count = min(NEAREST, len(self._corners))
         _, triangles = self._tree.query(points, k=count)
         triangles = triangles.reshape(len(points), count)

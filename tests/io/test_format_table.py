@@ -1,4 +1,4 @@
-"""The table of formats in the documentation says what files of each format hold, and come back as."""
+"""What the documentation says of formats: what their files hold, and come back as."""
 
 from __future__ import annotations
 

@@ -15,6 +15,7 @@ from scaffold_cad.base.arguments import as_count, as_number, check_kind, checks_
 from scaffold_cad.base.arrays import Bools, Edges, Ints, Points, Triangles
 from scaffold_cad.base.blocks import cut
 from scaffold_cad.base.boxes import order_in_space, overlapping_neighbors
+from scaffold_cad.base.counts import counting
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.intersections.certificates import depth_of, left_open, pierces
@@ -135,14 +136,15 @@ def _meeting_pairs(faces: Faces, part: Ints, tolerance: float | None) -> Iterato
     def sieved(block: tuple[Ints, Ints]) -> tuple[Edges, Bools]:
         return _neither_apart_nor_crossing(faces, part, tolerance, *block)
 
-    blocks = overlapping_neighbors(*boxes_of(faces.corners))
     several = len(part) > ONE_THREAD
-    for pairs, sure in (in_order if several else map)(sieved, blocks):
-        yield pairs[sure]
-        unsure = pairs[~sure]
-        for some in cut(unsure, row=1, within=EXACT_PAIRS_AT_ONCE):
-            meets = [meet_exactly(faces, i, j) for i, j in some.tolist()]
-            yield some[np.array(meets)]
+    with counting("triangles tested for crossings", len(part)) as count:
+        blocks = overlapping_neighbors(*boxes_of(faces.corners), count)
+        for pairs, sure in (in_order if several else map)(sieved, blocks):
+            yield pairs[sure]
+            unsure = pairs[~sure]
+            for some in cut(unsure, row=1, within=EXACT_PAIRS_AT_ONCE):
+                meets = [meet_exactly(faces, i, j) for i, j in some.tolist()]
+                yield some[np.array(meets)]
 
 
 def _neither_apart_nor_crossing(
