@@ -49,7 +49,8 @@ class NearestPlace:
     def _found(self, points: Points, facing: UnitVectors | None) -> tuple[Points, Ints]:
         """Return the nearest places (n, 3) and their triangles (n,)."""
         parts = list(blocks(len(points), NEAREST * TRIANGLE_BYTES))
-        made = (self._some(points[part], None if facing is None else facing[part]) for part in parts)
+        ways = (None if facing is None else facing[part] for part in parts)
+        made = (self._some(points[part], way) for part, way in zip(parts, ways, strict=True))
         found = list(counted("nearest places", made, [part.stop - part.start for part in parts]))
         none = np.zeros((0, 3)), np.zeros(0, dtype=np.intp)
         places, triangles = zip(none, *found, strict=True)
