@@ -3,8 +3,8 @@
 Which quads share an arc is decided by a b-matching on the spherical Delaunay triangulation of
 the directions: edges with short Voronoi arcs are better left out, since the arc's ends merge,
 and edges with long ones taken twice, since a vertex fits in the arc's middle. The gains that
-steer it are estimates (fitted to what relaxation reached on some 100 000 random choices), so
-several good choices are relaxed and the best is kept. Stars that stay poor get more choices.
+steer it are estimates (fitted to what relaxation reached on many random choices), so several
+good choices are relaxed and the best is kept. Stars that stay poor get more choices.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from scaffold_cad.partition.multigraph import Quadrangulations, quadrangulations
 from scaffold_cad.partition.relax import relaxed
 from scaffold_cad.partition.star import nearest_angles, unique_rows
 
-# How clearances change with the gains: `python -m tests.benchmarks.tuning`.
+# How clearances change with these constants: `python -m tests.benchmarks.tuning`.
 PERFECT = 0.9999
 """A lowest ratio that need not be improved."""
 MANY_ARCS, MOST_BURDEN = 0.003, 0.05
@@ -37,6 +37,12 @@ TINY_ARC = 0.1
 """Voronoi arcs shorter than this, in reaches, are hardly there: their ends should merge."""
 WIDE_GAP = 1.8
 """What the loss of gaps between two caps levels off at, in reaches."""
+ONCE, AGAIN = (0.82, 1.4, 0.8), (0.37, 0.51, 0.0)
+"""Weights of arcs, gaps and merging ends in the gain of taking an edge, and of taking it again.
+
+They are near those that `python -m tests.benchmarks.gains` fits to what relaxation reaches on
+random choices, in proportion, and are tuned on the clearances that come out.
+"""
 
 
 @dataclass(frozen=True)
@@ -223,6 +229,17 @@ def _gains(
     meshes: Triangulations, half_edges: Ints, stars: UnitVectors, reach: Floats
 ) -> tuple[Floats, Floats]:
     """Return what taking each edge once, and once more, is worth, both (M, E)."""
+    arc, gap, merging = measures(meshes, half_edges, stars, reach)
+    first, second = (
+        start + a * arc - b * gap - c * merging for start, (a, b, c) in ((1, ONCE), (-1, AGAIN))
+    )
+    return first, second
+
+
+def measures(
+    meshes: Triangulations, half_edges: Ints, stars: UnitVectors, reach: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """Return the Voronoi arc of each edge, its gap, and how much the arc's ends merge, (M, E)."""
     row = np.arange(len(stars))[:, None]
     tails, heads = _taken(meshes.tails, half_edges), _taken(meshes.heads, half_edges)
     left = meshes.centers[row, half_edges // 3]
@@ -231,8 +248,7 @@ def _gains(
     arc = _leveled(angle_between(left, right) / np.sqrt(near * far), LONG_ARC)
     apart = angle_between(stars[row, tails], stars[row, heads])
     gap = _leveled(apart / (near + far) - 1, WIDE_GAP)
-    merging = np.maximum(1 - arc / TINY_ARC, 0)
-    return 1 + 0.82 * arc - 1.4 * gap - 0.8 * merging, -1 + 0.37 * arc - 0.51 * gap
+    return arc, gap, np.maximum(1 - arc / TINY_ARC, 0)
 
 
 def _leveled(values: Floats, limit: float) -> Floats:

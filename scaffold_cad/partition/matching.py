@@ -22,7 +22,10 @@ PENALTIES, PHASE = (1.0, 2.0, 4.0, 6.0), 40
 OF_FOUR = np.array([[2, 1, 1], [1, 2, 1], [1, 1, 2], [0, 2, 2], [2, 0, 2], [2, 2, 0]])
 """How often each of the three pairs of opposite edges among four directions can be taken."""
 TENURE = (1, 1, 2, 8, 3, 1, 14, 5, 2)
-"""Steps for which a changed edge is left alone, in turn: unequal ones avoid going in circles."""
+"""Steps for which a changed edge is left alone, in turn: unequal ones avoid going in circles.
+
+One number for all, or none above 5, leaves more poor stars: `tests.benchmarks.tuning TENURE`.
+"""
 
 
 def good_matchings(

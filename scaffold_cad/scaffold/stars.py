@@ -29,7 +29,8 @@ APOTHEM: dict[Section, float] = {
     "area": float(np.sqrt(np.pi) / 2),
     "inscribed": float(np.sqrt(0.5)),
     # Between equal squares of corner distance 1 the Catmull-Clark limit is a tube of radius 2/3 at
-    # the corners and 11 √2/24 at the sides.
+    # the corners and 11 √2/24 at the sides: `tests/scaffold/test_stars.py` holds it against the
+    # limit of such a tube.
     "round": float(np.sqrt(0.5) / ((2 / 3 + 11 * np.sqrt(2) / 24) / 2)),
 }
 """Distance of a section's sides from its center, as a multiple of the radius."""

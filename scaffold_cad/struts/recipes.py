@@ -58,6 +58,7 @@ class Recipe:
         return max(len(stage.layout.weights) for stage in self.stages)
 
 
+# What each recipe and the numbers of the first are for: `python -m tests.benchmarks.recipes`.
 WHOLE, DENSE = Layout(1, 1, 5), Layout(1, 1, 7)
 CUT, FINE = Layout(2, 2, 4), Layout(4, 4, 4)
 SHORT = (

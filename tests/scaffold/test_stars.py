@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from scaffold_cad import Skeleton, build_scaffold, partition_sphere
+from scaffold_cad.mesh.subdivision import catmull_clark
+from scaffold_cad.mesh.subdivision.limits import limit
 from scaffold_cad.scaffold.stars import worst_clearance
 from tests.skeletons import ELBOW, JACK, K4, RING, STICK_FIGURE, STRUT, TRIPOD
 
@@ -30,3 +32,13 @@ def test_worst_clearance_is_the_smallest_of_all_partitions(skeleton: Skeleton) -
 @pytest.mark.parametrize("skeleton", [STRUT, ELBOW, RING], ids=["strut", "elbow", "ring"])
 def test_without_branch_points_there_is_no_clearance(skeleton: Skeleton) -> None:
     assert worst_clearance(skeleton, build_scaffold(skeleton).clearance) is None
+
+
+def test_the_round_section_is_the_one_whose_limit_has_the_radius() -> None:
+    chain = Skeleton([[0, 0, 2.0 * k] for k in range(9)], [[k, k + 1] for k in range(8)], 1.0)
+    tube = build_scaffold(chain, section="round").mesh
+    points = limit(catmull_clark(tube, 2).mesh).points
+    ring = points[np.abs(points[:, 2] - 8.0) < 1e-9]
+    radii = np.linalg.norm(ring[:, :2], axis=1)
+    assert len(ring) == 16
+    assert (radii.min() + radii.max()) / 2 == pytest.approx(1.0, abs=1e-3)
