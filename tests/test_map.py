@@ -88,3 +88,12 @@ def test_every_program_of_validation_is_named() -> None:
     ]
     named = re.findall(r"`(?:python -m tests\.validation|\.\.\.) ?\.(\w+)`", PAGE)
     assert [name for name in programs if name not in named] == []
+
+
+@pytest.mark.parametrize("script", ["tuning", "gains", "recipes", "remeshing", "quarter"])
+def test_tuned_numbers_name_the_script_that_makes_them(script: str) -> None:
+    name = f"tests.benchmarks.{script}"
+    texts = [path.read_text("utf-8") for path in wings.modules().values()]
+    assert any(name in " ".join(text.split()) for text in texts)
+    assert (wings.ROOT / "tests" / "benchmarks" / f"{script}.py").exists()
+    assert name in PAGE or f"`... .{script}`" in PAGE

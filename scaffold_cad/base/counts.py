@@ -1,4 +1,4 @@
-"""How many things of a long work are done, for whoever shows it; nobody looks unless asked."""
+"""How many things of a long work are done, for a line of progress; not counted otherwise."""
 
 from __future__ import annotations
 

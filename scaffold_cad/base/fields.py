@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 class Field(Frozen):
     """Numbers on a regular grid, linear between its places; outside, those of the nearest one.
 
-    A field is a function of positions: it may stand wherever one may, for a radius, a density,
+    A field is a function of positions, and can be used where one can: for a radius, a density,
     a cell size, a thickness or a region.
 
     Examples

@@ -111,5 +111,5 @@ def _without_slivers(part: Manifold, extent: float) -> Manifold:
     """Return the part without triangles that 32-bit coordinates up to `extent` cannot hold."""
     height = SLIVER * extent
     short = without_short_edges(manifolds.manifold_triangles(part), height)
-    # Made anew: of a boolean's result manifold3d keeps the slivers between the operands.
+    # Made again: of a boolean's result manifold3d keeps the slivers between the operands.
     return manifolds.to_manifold(short).simplify(height)

@@ -38,7 +38,7 @@ def voronoi_foam(
 
     Parameters
     ----------
-    count : random points in the region, one per cell; or points of one's own (n, 3), mm
+    count : random points in the region, one per cell; or your own points (n, 3), mm
     region : a box (its lowest and highest corner, mm), a build123d solid, a closed triangle mesh,
         or a function, see `fill`
     radius : mm; one number, or a function of positions (n, 3) that returns radii (n,)
@@ -113,11 +113,12 @@ def delaunay_foam(
     """Return the edges of the Delaunay tetrahedra of random points: a random truss.
 
     Tetrahedra count that have their circumcenter in the region: the others are flat ones at its
-    surface. Struts that leave the region go. The truss is in one piece: others are left out.
+    surface. Struts that leave the region are dropped. The truss is in one piece: others are left
+    out.
 
     Parameters
     ----------
-    count : random points in the region, or points of one's own (n, 3), mm
+    count : random points in the region, or your own points (n, 3), mm
     region, radius, seed, size, regularity, stretch, bounds, shortest : as for `voronoi_foam`
 
     Raises

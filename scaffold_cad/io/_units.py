@@ -43,7 +43,7 @@ _NAMES = {
 
 
 def length_of(name: str) -> float | None:
-    """Return the length of a unit, mm, or None if nobody knows it.
+    """Return the length of a unit, mm, or None if it is not known.
 
     Examples
     --------

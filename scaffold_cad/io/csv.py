@@ -291,7 +291,7 @@ def _tables(path: Path) -> list[_Table]:
 def _check_units(path: Path, tables: list[_Table]) -> None:
     """Raise where a column of lengths names no unit of length, or only some of them have one.
 
-    Columns without a unit are in mm, and beside places in another unit nobody means that.
+    Columns without a unit are in mm, which is not meant beside places in another unit.
     """
     lengths = [(table, name) for table in tables for name in _LENGTHS if name in table.columns]
     for table, name in lengths:

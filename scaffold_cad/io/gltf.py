@@ -160,7 +160,7 @@ def write_glb(mesh: TriangleMesh, path: Path) -> None:
     """Write `mesh` as glTF has it: in meters, y up, so (x, y, z) mm is at (x, z, -y) / 1000.
 
     Its positions are in mm, below a node that scales them: divided by 1000 their 32-bit numbers
-    would be rounded anew, and would not be those that were looked at for crossings.
+    would be rounded again, and would not be those that were checked for crossings.
     """
     turned = to_trimesh(TriangleMesh(mesh.vertices[:, [0, 2, 1]] * (1, 1, -1), mesh.triangles))
     scene = turned.scene()

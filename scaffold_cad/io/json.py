@@ -59,7 +59,7 @@ def write_json(content: Content, path: Path) -> None:
 
 @checks_keywords()
 def skeleton_to_json(skeleton: Skeleton) -> str:
-    """Return `skeleton` as text in our JSON format, one node, edge or radius a line.
+    """Return `skeleton` as text in our JSON format, one node, edge or radius per line.
 
     Numbers are written so that reading them gives the same float64.
     """

@@ -16,7 +16,7 @@ from scaffold_cad.io.register import register_reader
 _NODES = re.compile(rb'"nodes"\s*:\s*\[\s*\{')
 
 _OTHERS = (b'"point"', b'"markups"', b'"asset"', b'"node_list"')
-"""What spatial frames, markups and glTF have, and node-link JSON has not."""
+"""What spatial frames, markups and glTF have, and node-link JSON does not have."""
 
 
 def _recognizes(head: bytes) -> bool:

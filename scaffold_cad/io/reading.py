@@ -53,7 +53,7 @@ def read_skeleton(
     strict : whether to refuse what needs repair, and what a skeleton does not keep of the file;
         then no option of repair may be given
     weld_distance, split_contacts : options of `Skeleton.cleaned`
-    max_nodes : most nodes that are taken, as a guard of memory; any number if None
+    max_nodes : most nodes that are taken, to protect memory; any number if None
     units : of the file's lengths, where it names none: "um", "mm", "cm", "m", "in", "ft", ...; by
         default they are taken as mm
     scale : > 0; what lengths are multiplied with besides

@@ -40,7 +40,7 @@ def write_beams(model: BeamModel | BeamSolution, path: str | Path) -> None:
     """Write a beam model, with what holds and loads it, for another program.
 
     ========  ==========================================================================
-    .inp      CalculiX: four B32R elements a strut, as one bends too little; cones in four steps
+    .inp      CalculiX: four B32R elements per strut, as one bends too little; cones in 4 steps
     .bdf      Nastran: CBEAM, tapered PBEAML sections
     .tcl      OpenSees: ElasticTimoshenkoBeam; cones by their mean section
     .vtu      ParaView: lines with radii and, of a solution, all its results (needs meshio)

@@ -105,7 +105,7 @@ class BeamModel(Beams):
         return _summed_at_nodes(self.skeleton, self._clamped_ends())
 
     def stiffness_matrix(self) -> sparse.bsr_array:
-        """Return the stiffness of all nodes, held or not, 6 rows a node: x y z rx ry rz."""
+        """Return the stiffness of all nodes, held or not, 6 rows per node: x y z rx ry rz."""
         directions = self.skeleton.directions[::2]
         blocks = beam_blocks(self.spans, directions, self.stiffnesses)
         return assembled(self.skeleton.edges, blocks, len(self.skeleton.nodes))
@@ -217,7 +217,7 @@ class BeamSolution(Frozen):
 
     @property
     def compliance(self) -> float:
-        """Forces times ways, of loads on nodes and of moved supports, N mm.
+        """Forces times displacements, of loads on nodes and of moved supports, N mm.
 
         It is twice the strain energy where no weight acts.
         """
@@ -226,7 +226,7 @@ class BeamSolution(Frozen):
 
     @property
     def largest_displacement(self) -> float:
-        """Largest way of a node, mm."""
+        """Largest displacement of a node, mm."""
         return float(np.linalg.norm(self.displacements, axis=1).max())
 
     @property

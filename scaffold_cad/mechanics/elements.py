@@ -65,7 +65,7 @@ def beam_blocks(spans: Floats, directions: UnitVectors, stiffness: Stiffnesses) 
 
 
 def assembled(edges: Edges, blocks: Floats, count: int) -> sparse.bsr_array:
-    """Return the stiffness matrix of `count` nodes, 6 rows a node, of blocks (m, 2, 2, 6, 6)."""
+    """Return the stiffness matrix of `count` nodes, 6 rows per node, of blocks (m, 2, 2, 6, 6)."""
     rows = np.repeat(edges, 2, axis=1).reshape(-1)  # i i j j
     columns = np.tile(edges, (1, 2)).reshape(-1)  # i j i j
     key = rows * count + columns

@@ -34,7 +34,7 @@ def write_hexahedra(mesh: Hexahedra, path: str | Path) -> None:
     .inp      Abaqus, CalculiX (C3D8I): element sets STRUT_e and NODE_v, node sets END_v
     .msh      Gmsh 2.2: physical groups STRUT_e of hexahedra, END_v of the faces there
     .vtu      ParaView: cell data strut, node and quality, point data end
-    .bdf      Nastran (CHEXA): a PSOLID a strut, numbered from 1; material 1 is a stand-in; SETs of
+    .bdf      Nastran (CHEXA): one PSOLID per strut, from 1; material 1 is a stand-in; SETs of
               elements NODE_v and grid points END_v, named in comments
     ========  =======================================================================
 

@@ -41,7 +41,7 @@ def short(value: float) -> str:
 
 
 def hexahedra_cards(mesh: Hexahedra) -> Iterator[str]:
-    """Give the lines of a file of hexahedra: a PSOLID a strut, numbered from 1, of material 1.
+    """Give the lines of a file of hexahedra: one PSOLID per strut, numbered from 1, of material 1.
 
     Case control has SETs of the elements at each node and of the points in each end face.
     """

@@ -1,4 +1,4 @@
-"""Homogenized cells by hexahedra: right for fat struts too, where beams are too soft."""
+"""Homogenized cells by hexahedra: right for thick struts too, where beams are too soft."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def homogenized_solid(
 
     The struts of one cell are cut out of the hexahedra of 3 × 3 × 3 cells; points that are alike
     but for whole cells move alike. Nodes are as stiff as they are, so that the result holds for
-    fat struts; of slender ones `homogenized` says the same in less time.
+    thick struts; for slender ones `homogenized` gives the same in less time.
 
     Parameters
     ----------

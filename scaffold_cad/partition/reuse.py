@@ -1,4 +1,4 @@
-"""Known quads around other directions: the same combinatorics, the vertices placed anew."""
+"""Known quads around other directions: the same combinatorics, the vertices placed again."""
 
 from __future__ import annotations
 

@@ -114,7 +114,7 @@ def partition_spheres(
         another method finds none that is certified.
     like : (M, N, 4) intp, optional
         Quads to use instead of choosing them, those of other `Partitions`: the vertices are
-        placed anew, and `method` does not matter.
+        placed again, and `method` does not matter.
     near : (M, N + 2, 3) float64, optional
         With `like`: the vertices of those partitions. Where they will still do, the new ones
         stay beside them, so that small moves of the directions make small moves of the vertices.

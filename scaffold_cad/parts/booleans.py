@@ -1,7 +1,7 @@
 """Booleans of parts whose result OCCT gets wrong, noticed by their volumes.
 
 Where faces nearly coincide, as of round struts that meet in one plane, OCCT returns nothing, or the
-parts as they were, and tells nobody. Imports build123d, as the part objects do.
+parts as they were, without an error. Imports build123d, as the part objects do.
 """
 
 from __future__ import annotations

@@ -116,7 +116,7 @@ def _touched(surface: TriangleTopology, low: Points, shape: Ints, step: float) -
     parts = np.maximum(np.ceil(sides / step), 1).astype(np.intp)
     touched = np.zeros(shape, dtype=np.bool_)
     for count in np.unique(parts):
-        # Barycentric grid of `count` steps a side: points a cell apart, of which the ball spans
+        # Barycentric grid of `count` steps per side: points a cell apart, of which the ball spans
         # several, so that it finds no way between them.
         i, j = np.divmod(np.arange((count + 1) ** 2), count + 1)
         weights = np.stack([i, j, count - i - j], axis=1)[i + j <= count] / count

@@ -208,7 +208,7 @@ def assembly_solid(
     sides : ≥ 4, of the beams, whose sections have the area of their circles; a multiple of 4 for
         round struts
     flat_joints : whether beams with flat ends (cap "butt") have them where they meet other beams
-        too, as the letter of the standard has it: that leaves notches between them. By default
+        too, as the standard has it literally: that leaves notches between them. By default
         only free ends are flat, and beams meet in spheres
     make : what makes a RoundStruts or a Scaffold of a skeleton, such as `round_struts`, to stand
         for the beams, with blends and ends as it gives them; by default beams are cones between

@@ -19,7 +19,7 @@ def to_mesh_shape(what: Any) -> Face:
 
     It is what build123d's own `import_stl` returns: viewers show it and `export_stl` writes it,
     however many triangles there are. It is not a solid: it has no volume, booleans and fillets do
-    nothing good with it, and a STEP file of it holds triangles at best.
+    not work on it, and a STEP file of it holds triangles at best.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Where a scaffold is embedded: which struts keep to their own room, edge by edge.
+"""Where a scaffold is embedded: which struts stay apart from the others, edge by edge.
 
 Every strut is a *tube*: its sleeves, closed at both ends toward its nodes. The tubes tile the
 inside of the scaffold. No two faces meet outside shared edges if
@@ -89,7 +89,7 @@ SLEEVE_BYTES = 1280
 @checks_keywords()
 @dataclass(frozen=True, eq=False)
 class Embedding(Frozen):
-    """Which struts of a scaffold keep to their own room.
+    """Which struts of a scaffold stay apart from the others.
 
     Examples
     --------
@@ -134,7 +134,7 @@ class Embedding(Frozen):
 
 
 def embedding(scaffold: Sleeved) -> Embedding:
-    """Return which struts of `scaffold` keep to their own room.
+    """Return which struts of `scaffold` stay apart from the others.
 
     If they all do so with room for 32-bit coordinates, it says so; if not, they need no more room
     than for 64-bit ones.
@@ -151,7 +151,7 @@ def embedding(scaffold: Sleeved) -> Embedding:
 
 
 def _of_struts(scaffold: Sleeved, rounding: float) -> Embedding:
-    """Return which struts keep to their own room where vertices are off by `rounding`, mm."""
+    """Return which struts stay apart where vertices are off by `rounding`, mm."""
     edge_count = len(scaffold.skeleton.edges)
     within_cone = _within_cones(scaffold, rounding)
     uncrossed = np.ones(edge_count, dtype=np.bool_)

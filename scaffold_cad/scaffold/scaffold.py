@@ -124,7 +124,7 @@ class Scaffold(Frozen, Shown):
         return self.stars.clearance
 
     def embedding(self) -> Embedding:
-        """Return which struts keep to their own room; computed at the first call."""
+        """Return which struts stay apart from the others; computed at the first call."""
         return self._embedding
 
     @cached_property

@@ -284,7 +284,7 @@ class Skeleton(Frozen, Shown, Editing):
         return Skeleton(self.nodes, self.edges, radii, edge_radii)
 
     def with_edges(self, edges: ArrayLike) -> Skeleton:
-        """Return some of the edges, by number or by mark, and their nodes, numbered anew.
+        """Return some of the edges, by number or by mark, and their nodes, renumbered.
 
         Nodes are no thicker than the edges left, unless they were balls before.
         """

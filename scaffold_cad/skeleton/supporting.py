@@ -31,8 +31,8 @@ def self_supporting(
 
     A node is held if it stands on the plate, at the height of the lowest one, or if a strut that
     is steep enough leads up to it from a node that is held. Steep struts between held nodes stay,
-    and flat ones between two held nodes that are short enough to be bridged. The log says how many
-    go.
+    and flat ones between two held nodes that are short enough to be bridged. The log reports how
+    many are dropped.
 
     Parameters
     ----------

@@ -60,7 +60,7 @@ class FaultySurfaceError(MeshError):
     def __init__(self, message: str, places: Points) -> None:
         super().__init__(message)
         self.places = places
-        """Points near the faults, shape (k, 3), mm; none if nobody knows."""
+        """Points near the faults, shape (k, 3), mm; none where they are not known."""
 
 
 def clean_surface(manifold: Manifold) -> TriangleMesh:

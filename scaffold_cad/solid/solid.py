@@ -79,7 +79,7 @@ def to_solid(
 ) -> Manifold:
     """Return `what` as a watertight manifold3d solid.
 
-    What is proved to keep to its own room is taken as it is, and struts that overlap are united:
+    Struts that are proved to stay apart keep their mesh, and struts that overlap are united:
     `solidified` tells which. A bare mesh is taken as it is: where two parts of it cross, they still
     cross in the solid.
 
@@ -170,7 +170,7 @@ def _square_solid(scaffold: Scaffold, factor: float) -> Solidified:
 
 
 def embedding_as_written(scaffold: Scaffold, factor: float) -> Embedding:
-    """Return which struts keep to their own room, of a whole scaffold in 32-bit coordinates too."""
+    """Return which struts stay apart, of a whole scaffold in 32-bit coordinates too."""
     found = scaffold.embedding()
     vertices = scaffold.mesh.vertices
     if not found.certified or found.room >= rounding_of(vertices, SINGLE_ROUNDING):

@@ -133,7 +133,7 @@ class Slice:
 @checks_keywords()
 @dataclass(frozen=True)
 class Check:
-    """What a printing process asks of struts: thick, stout, apart, none overlapping.
+    """Checks of struts for a printing process: thickness, slenderness, gaps, overlaps.
 
     Struts have the radii asked for: no mesh is made in which they could be measured.
     """

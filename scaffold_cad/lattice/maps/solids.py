@@ -25,7 +25,7 @@ NEAREST_POLE = np.pi / 2 - 1e-3
 @checks_keywords()
 @dataclass(frozen=True, eq=False)
 class BoxMap(Frozen, CellMap):
-    """A box, turned and placed as one likes.
+    """A box of any place and orientation.
 
     >>> from scaffold_cad import tile
     >>> len(tile("bcc", counts=2, radius=0.5, on=BoxMap([20, 20, 20])).edges)
