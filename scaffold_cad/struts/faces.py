@@ -15,25 +15,20 @@ from scaffold_cad.base.topology import component_labels
 from scaffold_cad.brep.analytic import (
     AnalyticBrep,
     Axes,
-    BrepEdges,
     BrepFaces,
-    Knots,
-    SplineCurves,
     SplinePatches,
     Surface,
 )
 from scaffold_cad.brep.joining import PlaneRings, edge_numbers, extended, hollow
+from scaffold_cad.struts.faceedges import edges_of, knots_of
 from scaffold_cad.struts.faceplan import (
     FacePlan,
-    curve_corners,
     domes,
     groups_of,
-    owners,
     placed,
     ring_points,
 )
 from scaffold_cad.struts.faceuses import (
-    TURN,
     cap_uses,
     curve_uses,
     dome_uses,
@@ -46,7 +41,6 @@ from scaffold_cad.struts.runs import Runs
 from scaffold_cad.struts.seams import QUARTER
 from scaffold_cad.struts.sharp.faces import sharp_brep
 from scaffold_cad.struts.sockets import bores
-from scaffold_cad.struts.splines import Spline
 
 
 def brep_of_struts(struts: RoundStruts) -> AnalyticBrep:
@@ -165,7 +159,7 @@ def _shells_of(plan: FacePlan) -> AnalyticBrep:
     shell = _shell_of_nodes(plan.struts)[_nodes_of_faces(plan)]
     return AnalyticBrep(
         _points(plan),
-        _edges(plan),
+        edges_of(plan),
         BrepFaces(
             *_surfaces(plan),
             outward=np.ones(count, dtype=np.bool_),
@@ -195,94 +189,6 @@ def _points(plan: FacePlan) -> Points:
     for group, *_ in groups_of(plan):
         points.append(placed(plan, group)[0].reshape(-1, 3))
     return np.concatenate([*points, plan.curves.ring_points])
-
-
-def _edges(plan: FacePlan) -> BrepEdges:
-    """Return all edges."""
-    runs = plan.struts.runs
-    near = plan.seams.near
-    seam = np.stack([plan.seam_vertex(near), plan.seam_vertex(near ^ 1)], axis=1)
-    ringed, split, ends = plan.ringed, plan.split, plan.ends
-    quarter = np.tile(np.arange(4), len(ringed))
-    of_arc = np.repeat(ringed, 4)
-    arc_ends = 4 * plan.rank[of_arc][:, None] + np.stack([quarter, (quarter + 1) % 4], axis=1)
-    angles = QUARTER * np.stack([quarter, quarter + 1], axis=1)
-    halved = 4 * plan.rank[split] + plan.seams.quarter[split]
-    middle = plan.split_vertices + np.arange(len(split))
-    rest_ends = np.stack([middle, arc_ends[halved, 1]], axis=1)
-    rest_angles = np.stack([plan.seams.angle[split], angles[halved, 1]], axis=1)
-    arc_ends[halved, 1], angles[halved, 1] = middle, plan.seams.angle[split]
-    ring = np.repeat((plan.end_vertices + np.arange(len(ends)))[:, None], 2, axis=1)
-    ring_angles = np.tile([0.0, TURN], (len(ends), 1))
-    half_run = np.concatenate([of_arc, split, ends])
-    center = runs.nodes[runs.tails[half_run]]
-    center = center + plan.struts.collar[half_run, None] * runs.directions[half_run]
-    origin, z, x = [center], [runs.directions[half_run]], [plan.struts.x[half_run]]
-    radii = [runs.radii_at(half_run, plan.struts.collar[half_run])]
-    circles = [angles, rest_angles, ring_angles]
-    pairs = [seam, arc_ends, rest_ends, ring]
-    middle_of, size, latitude = domes(plan)
-    domed = ends[plan.balls]
-    origin.append(middle_of)
-    z.append(np.cross(plan.struts.x[domed], -runs.directions[domed]))
-    x.append(plan.struts.x[domed])
-    radii.append(size)
-    circles.append(np.stack([latitude, np.full(len(domed), QUARTER)], axis=1))
-    pairs.append(np.stack([ring[plan.balls, 0], plan.poles + np.arange(len(domed))], axis=1))
-    tori = plan.tori
-    corner = 4 * plan.rank[tori.half_runs]  # (q, 2)
-    origin.append(tori.centers)
-    z.append(tori.z)
-    x.append(tori.x)
-    tube = plan.struts.runs.radii.reshape(-1)[tori.half_runs[:, 0]]
-    radii.append(tori.radii + tube)
-    circles.append(np.stack([0.0 * tori.turns, tori.turns], axis=1))
-    pairs.append(corner)
-    rings = plan.curves.ring_axes
-    origin, z, x = [*origin, rings.origin], [*z, rings.z], [*x, rings.x]
-    radii.append(plan.curves.ring_radii)
-    circles.append(plan.curves.ring_angles)
-    number = np.arange(4 * len(plan.curves.own))
-    pairs.append(plan.curve_vertices + np.stack([number, number & ~3 | (number + 1) & 3], axis=1))
-    curves = []
-    for group, vertex, *_ in groups_of(plan):
-        for made_pairs, table in _node_curves(plan, group, vertex):
-            pairs.append(made_pairs)
-            curves.append(table)
-    pairs.append(curve_corners(plan).reshape(-1, 2))
-    curves += plan.curves.spokes
-    return BrepEdges(
-        np.concatenate(pairs),
-        Axes(np.concatenate(origin), np.concatenate(z), np.concatenate(x)),
-        np.concatenate(radii),
-        np.concatenate(circles),
-        tuple(curves),
-    )
-
-
-def _knots(spline: Spline) -> Knots:
-    """Return the knots of patches in one direction."""
-    values, counts = np.unique(spline.knots, return_counts=True)
-    return Knots(values, counts.astype(np.intp))
-
-
-def _node_curves(
-    plan: FacePlan, group: BlendedNodes, vertex: int
-) -> tuple[tuple[Ints, SplineCurves], tuple[Ints, SplineCurves]]:
-    """Return the ends and the curves of the nodes' arcs, 2 N a node, and of their spokes, 4 N."""
-    quads = group.quads[group.shape_of]
-    nodes, valency = quads.shape[:2]
-    _, control = placed(plan, group)
-    _, owns = owners(quads)
-    first = vertex + (valency + 2) * np.arange(nodes)[:, None]
-    start = first + quads.reshape(nodes, -1)  # (M, 4 N)
-    end = first + np.roll(quads, -1, axis=2).reshape(nodes, -1)
-    collar = (4 * plan.rank[group.half_runs][:, :, None] + np.arange(4)).reshape(nodes, -1)
-    layout = group.shapes.layout
-    arcs = SplineCurves(control[:, :, :, 0][owns], _knots(layout.u))
-    spokes = SplineCurves(control[:, :, 0].reshape(nodes * 4 * valency, -1, 3), _knots(layout.v))
-    spoke_ends = np.stack([start, collar], axis=2).reshape(-1, 2)
-    return (np.stack([start[owns], end[owns]], axis=1), arcs), (spoke_ends, spokes)
 
 
 def _surfaces(plan: FacePlan) -> tuple[Ints, Axes, Floats, tuple[SplinePatches, ...]]:
@@ -333,7 +239,7 @@ def _patch_table(plan: FacePlan, group: BlendedNodes) -> SplinePatches:
     _, control = placed(plan, group)
     layout = group.shapes.layout
     return SplinePatches(
-        control.reshape(-1, *control.shape[2:]), _knots(layout.u), _knots(layout.v)
+        control.reshape(-1, *control.shape[2:]), knots_of(layout.u), knots_of(layout.v)
     )
 
 
