@@ -37,7 +37,8 @@ def read_cad_wires(path: Path, recognizes: Callable[[bytes], bool]) -> RawSkelet
     wires = brep.read_wires(path, SAGITTA)
     if not wires.lines:
         raise FormatError(
-            f"{path} holds {wires.faces} faces and no wires; need edges that bound no face"
+            f"{path} holds {wires.faces} faces and no wires; need edges that bound no face "
+            "(those of a part's faces: Skeleton.from_edges(import_step(...).edges(), radius))"
         )
     return joined_polylines(wires.lines, "mm")
 

@@ -27,6 +27,12 @@ from scaffold_cad.skeleton.checking import check_single_precision
 from scaffold_cad.solid.rounds import SIDES
 from scaffold_cad.struts import RoundStruts
 
+NEEDS_BREP = {
+    "Skeleton": "round_struts or build_scaffold of it",
+    "Manifold": "lattice_solid in place of lattice_part, round_struts or build_scaffold",
+}
+"""What has a B-rep, in place of what users give that has none."""
+
 
 @checks_keywords()
 @dataclass(frozen=True)
@@ -155,9 +161,11 @@ class Content:
             return self._scaled(assembly_brep(self.what))
         patches = self.patches()
         if patches is None:
+            need = NEEDS_BREP.get(
+                self.kind, "a Scaffold, RoundStruts, a QuadMesh, a BezierMesh or a build123d shape"
+            )
             raise FormatError(
-                f"STEP and BREP files need a B-rep, which a {self.kind} does not have; need a "
-                "Scaffold, RoundStruts, a QuadMesh, a BezierMesh or a build123d shape"
+                f"STEP and BREP files need a B-rep, which a {self.kind} does not have; need {need}"
             )
         return brep.brep_of_patches(patches)
 

@@ -337,7 +337,7 @@ def test_a_full_disk_is_an_error_and_the_old_file_stays(tmp_path: Path, suffix) 
 @pytest.mark.parametrize(
     ("what", "name", "error", "message"),
     [
-        (STRUT, "strut.step", FormatError, "need a B-rep, which a Skeleton does not have"),
+        (STRUT, "strut.step", FormatError, "which a Skeleton does not have; need round_struts or"),
         (STRUT, "strut.stl", FormatError, "a mesh file cannot hold a Skeleton; need round_st"),
         (CUBE, "cube.json", FormatError, "a JSON file cannot hold a QuadMesh; need a Skeleton"),
         (TriangleMesh(CUBE.vertices, []), "cube.stl", FormatError, "the TriangleMesh has no faces"),
@@ -356,9 +356,15 @@ def test_what_a_format_cannot_hold_is_refused(tmp_path: Path, what, name, error,
 
 
 @pytest.mark.parametrize("suffix", [".step", ".brep"])
-@pytest.mark.parametrize(("convert", "kind"), [(to_manifold, "Manifold"), (to_trimesh, "Trimesh")])
-def test_triangles_are_no_b_rep(tmp_path: Path, suffix, convert, kind) -> None:
-    message = f"STEP and BREP files need a B-rep, which a {kind} does not have; need a Scaffold"
+@pytest.mark.parametrize(
+    ("convert", "kind", "need"),
+    [
+        (to_manifold, "Manifold", "lattice_solid in place of lattice_part"),
+        (to_trimesh, "Trimesh", "a Scaffold"),
+    ],
+)
+def test_triangles_are_no_b_rep(tmp_path: Path, suffix, convert, kind, need) -> None:
+    message = f"STEP and BREP files need a B-rep, which a {kind} does not have; need {need}"
     with pytest.raises(FormatError, match=message):
         write(convert(CUBE), tmp_path / f"cube{suffix}")
 
