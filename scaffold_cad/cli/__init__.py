@@ -38,6 +38,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
     parser, commands = parsers()
     words = list(sys.argv[1:] if arguments is None else arguments)
+    if not words:
+        parser.print_help(sys.stderr)
+        return running.BAD_INPUT
     try:
         words = with_config(words, commands)
     except ScaffoldCadError as error:

@@ -383,7 +383,9 @@ def run(*arguments: str) -> subprocess.CompletedProcess[str]:
 def test_version_and_help() -> None:
     assert run("--version").stdout.strip() == f"scaffold-cad {__version__}"
     assert "build" in run("--help").stdout
-    assert run().returncode == 2
+    alone = run()
+    assert alone.returncode == 2
+    assert "build a solid" in alone.stderr
 
 
 def test_commands_that_build_nothing_load_nothing_heavy() -> None:
