@@ -28,7 +28,9 @@ from scaffold_cad.solid.clusters.hollow import hollow
 from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.spans import Spans, no_spans, whole_runs
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
+from scaffold_cad.solid.clusters.walls import Walls, thickened
 from scaffold_cad.solid.field.pieces import Pieces, pieces_of
+from scaffold_cad.struts.bands import polygon_wall
 from scaffold_cad.struts.faces import bored, end_rings, faces_of, run_names
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.surface import annuli, shell_of
@@ -118,9 +120,26 @@ def _together(outside: _Part, inside: _Part) -> TriangleMesh:
     )
 
 
-def _part(struts: RoundStruts, fillets: Floats, core: Core, sags: Sags | None = None) -> _Part:
-    """Return the surface of solid struts, see `faceted`."""
+def _part(
+    struts: RoundStruts,
+    fillets: Floats,
+    core: Core,
+    sags: Sags | None = None,
+    outside: _Part | None = None,
+) -> _Part:
+    """Return the surface of solid struts, see `faceted`.
+
+    Parameters
+    ----------
+    outside : the surface outside, for that inside of hollow struts
+    """
     made, count = faceted(struts, fillets, core, sags), len(core.nodes)
+    if made is not None and outside is not None:
+        walls = Walls.between(outside.mesh, made.mesh, made.rings.reshape(-1))
+        wall = float(struts.options.wall or 0.0)
+        moved = thickened(walls, wall, polygon_wall(SIDES), 1.0)
+        inside = moved.vertices[len(outside.mesh.vertices) :]
+        made = replace(made, mesh=TriangleMesh(inside, made.mesh.triangles))
     if made is None:
         part, _ = _exact(struts, np.zeros(len(struts.runs.nodes), dtype=np.bool_))
         return replace(part, nodes=core.nodes, pieces=core.zone, fillets=fillets)

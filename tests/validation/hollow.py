@@ -82,6 +82,8 @@ def dense_lattice(random: Random) -> Skeleton:
     return Skeleton(nodes, np.column_stack([one, other])[near], 1.0)
 
 
+Shell = trimesh.Trimesh
+
 KINDS: dict[str, Callable[[Random], Skeleton]] = {
     kind.__name__: kind
     for kind in (dense_star, crotch, short_links, dense_lattice, attacks.fan, attacks.flat_star,
@@ -107,25 +109,21 @@ class Outcome:
 
 def outcome(made: RoundStruts, path: Path, parts: int, random: Random) -> Outcome:
     """Return what is found of a file of hollow struts with closed ends."""
-    write(made, path, overlaps="unite", **({} if path.suffix == ".step" else {"sides": SIDES}))
-    fault = ""
     wall = float(made.options.wall or 0.0)
     if path.suffix == ".step":
-        shape = import_step(path)
-        fault = "" if shape.is_valid else "invalid"
-        volume = float(shape.volume)
-        points, corners = shape.tessellate(0.02 * wall, 0.1)
-        read = trimesh.Trimesh([tuple(point) for point in points], corners)
+        write(made, path, overlaps="unite")
+        fault, outer, inner, volume = of_solids(path, wall)
     else:
+        write(made, path, overlaps="unite", sides=SIDES)
         raw = trimesh.load_mesh(path, process=False)
         fault = faults_by_cgal(np.asarray(raw.vertices, np.float64), raw.faces)
         read = trimesh.Trimesh(raw.vertices, raw.faces)
         volume = float(read.volume)
         if not read.is_watertight:
             fault = fault or "not watertight"
-    shells = read.split(only_watertight=False)
-    outer = [shell for shell in shells if shell.volume > 0]
-    inner = [shell for shell in shells if shell.volume <= 0]
+        shells = read.split(only_watertight=False)
+        outer = [shell for shell in shells if shell.volume > 0]
+        inner = [shell for shell in shells if shell.volume <= 0]
     if len(outer) > parts:
         fault = fault or f"{len(outer)} bodies for {parts}"
     if not inner:
@@ -142,6 +140,21 @@ def outcome(made: RoundStruts, path: Path, parts: int, random: Random) -> Outcom
     if least < LEAST_WALL:
         fault = fault or f"wall {least:.3f}"
     return Outcome(fault, least, float((walls < LEAST_WALL * wall).mean()), ratio)
+
+
+def of_solids(path: Path, wall: float) -> tuple[str, list[Shell], list[Shell], float]:
+    """Return what is wrong with a STEP file, its shells outside and inside, and the volume."""
+    shape = import_step(path)
+    outer, inner = [], []
+    for solid in shape.solids():
+        meshes = []
+        for shell in solid.shells():
+            points, corners = shell.tessellate(0.02 * wall, 0.1)
+            meshes.append(trimesh.Trimesh([tuple(point) for point in points], corners))
+        meshes.sort(key=lambda mesh: -float(mesh.scale))  # the one around all others comes first
+        outer.append(meshes[0])
+        inner += meshes[1:]
+    return "" if shape.is_valid else "invalid", outer, inner, float(shape.volume)
 
 
 def places_on(surface: trimesh.Trimesh, step: float, random: Random) -> tuple[Points, Floats]:

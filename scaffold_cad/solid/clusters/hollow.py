@@ -66,7 +66,7 @@ Surface = TypeVar("Surface", bound=_Made)
 def hollow(
     struts: RoundStruts,
     core_of: Callable[[RoundStruts], Core],
-    make: Callable[[RoundStruts, Floats, Core, Sags], Surface],
+    make: Callable[[RoundStruts, Floats, Core, Sags, Surface | None], Surface],
     joined: Callable[[Surface, Surface], TriangleMesh],
     factor: float = 1.0,
 ) -> tuple[Surface, Surface]:
@@ -78,7 +78,8 @@ def hollow(
     Parameters
     ----------
     core_of : what has no surface of its own of solid struts, and is in clusters
-    make : the surface of solid struts, from their fillets (n,), what is in clusters, and sags
+    make : the surface of solid struts, from their fillets (n,), what is in clusters, sags, and of
+        an inside the surface outside
     joined : both surfaces as triangles, those of the outside first, then those of the inside
     """
     inner = inside_of(struts)
@@ -130,7 +131,7 @@ def _along(spans: Spans, runs: Runs, inside: Runs) -> Spans:
 def _both(
     struts: RoundStruts,
     inner: RoundStruts,
-    make: Callable[[RoundStruts, Floats, Core, Sags], Surface],
+    make: Callable[[RoundStruts, Floats, Core, Sags, Surface | None], Surface],
     core: Core,
     sags: Sags,
 ) -> tuple[Surface, Surface]:
@@ -144,12 +145,12 @@ def _both(
     is_end = (struts.runs.valency == 1) & ~ball_ends(struts.skeleton, struts.runs)
     is_open = struts.options.ends == "open"
     while True:
-        outside = make(struts, fillets, core, sags)
+        outside = make(struts, fillets, core, sags, None)
         own = shortened(inner, core.nodes & is_end, wall)
         core = core.with_zone(outside.pieces)
         there = core.with_spans(_along(outside.spans, struts.runs, own.runs))
         # Fields of fillets a wall wider would be parallel where struts meet at right angles only.
-        inside = make(own, outside.fillets, there, sags)
+        inside = make(own, outside.fillets, there, sags, outside)
         more = (outside.nodes | inside.nodes) & is_end & ~core.nodes & is_open
         if not more.any() and np.array_equal(inside.pieces, outside.pieces):
             return outside, inside

@@ -108,7 +108,9 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
     def unmade(own: RoundStruts) -> Core:
         return _unmade(own, sides)
 
-    def make(own: RoundStruts, fillets: Floats, core: Core, sags: Sags) -> _Surface:
+    def make(
+        own: RoundStruts, fillets: Floats, core: Core, sags: Sags, _: _Surface | None = None
+    ) -> _Surface:
         return _surface(own, sides, fillets, core, factor, sags)
 
     def joined(outside: _Surface, inside: _Surface) -> TriangleMesh:
@@ -120,9 +122,9 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
     outer, inner = np.split(np.arange(count + len(inside.mesh.triangles)), [count])
     alike = np.arange(len(mesh.vertices))
     alike[first : first + len(inside.mesh.vertices)] = first + inside.alike(sides)
-    return thickened(
-        Walls(mesh, outer, inner, first + inside.exact, alike), wall, polygon_wall(sides), factor
-    )
+    at_ends = np.unique(mesh.triangles[len(outer) + len(inner) :])
+    walls = Walls(mesh, outer, inner, first + inside.exact, alike, at_ends)
+    return thickened(walls, wall, polygon_wall(sides), factor)
 
 
 def _unmade(struts: RoundStruts, sides: int) -> Core:

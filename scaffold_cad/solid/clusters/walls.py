@@ -70,13 +70,33 @@ class Walls(Frozen):
     """Vertices inside are those of fields from this one on."""
     alike: Ints
     """Vertex of the first node of the same shape, itself for others, shape (v,)."""
+    fixed: Ints
+    """Vertices that stay where they are."""
+
+    @staticmethod
+    def between(outside: TriangleMesh, inside: TriangleMesh, fixed: Ints) -> Walls:
+        """Return the walls between two surfaces, of fields inside.
+
+        Parameters
+        ----------
+        inside : whose triangles face the outside
+        fixed : vertices of it that stay where they are
+        """
+        count, first = len(outside.triangles), len(outside.vertices)
+        mesh = TriangleMesh(
+            np.concatenate([outside.vertices, inside.vertices]),
+            np.concatenate([outside.triangles, inside.triangles[:, ::-1] + first]),
+        )
+        outer, inner = np.split(np.arange(len(mesh.triangles)), [count])
+        every = np.arange(len(mesh.vertices))
+        return Walls(mesh, outer, inner, first, every, fixed + first)
 
     @property
     def moves(self) -> Bools:
-        """Vertices inside that may move: those of no other triangles, such as open ends, (v,)."""
+        """Vertices inside that may move, (v,)."""
         found = np.zeros(len(self.mesh.vertices), dtype=np.bool_)
         found[self.mesh.triangles[self.inner]] = True
-        found[np.delete(self.mesh.triangles, self.inner, axis=0)] = False
+        found[self.fixed] = False
         return found
 
     @property
