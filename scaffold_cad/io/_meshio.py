@@ -85,7 +85,8 @@ def line_arrays(path: Path, kind: str) -> Arrays:
         data = np.asarray(block.data)
         order = ORDER[block.type]
         if data.ndim != 2 or data.shape[1] != len(order):
-            raise FormatError(f"{path} has lines of {data.shape} points; need {len(order)} a line")
+            need = f"need {len(order)} per line"
+            raise FormatError(f"{path} has lines of {data.shape} points; {need}")
         rows = data[:, list(order)].astype(np.intp)
         edges.append(np.stack([rows[:, :-1], rows[:, 1:]], axis=2).reshape(-1, 2))
         named = {name: np.asarray(values[k]) for name, values in mesh.cell_data.items()}

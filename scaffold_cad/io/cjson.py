@@ -53,7 +53,7 @@ def _elements(path: Path, atoms: dict[str, object], count: int) -> list[str] | N
 def _rows(path: Path, values: list[object], width: int, name: str) -> np.ndarray:
     """Return a flat list as rows of `width`."""
     if len(values) % width:
-        raise FormatError(f'{path} has {len(values)} numbers in "{name}"; need {width} a row')
+        raise FormatError(f'{path} has {len(values)} numbers in "{name}"; need {width} per row')
     if not all(isinstance(value, int | float) for value in values):
         raise FormatError(f'{path} has values that are not numbers in "{name}"; need numbers')
     return np.asarray(values).reshape(-1, width)

@@ -55,7 +55,7 @@ def main() -> None:
                 else f"{theirs.seconds:>7.1f} s{theirs.seconds / ours.seconds:>8.1f}×"
             )
         if row.count:
-            line += f"   {row.count / ours.seconds:,.0f} {row.unit} a second"
+            line += f"   {row.count / ours.seconds:,.0f} {row.unit} per second"
         if ours.told:
             line += f"; {ours.told}"
         if row.times > 1:

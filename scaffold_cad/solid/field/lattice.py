@@ -92,7 +92,7 @@ def lattice_over(low: Floats, high: Floats, size: float, power: bool) -> Lattice
     levels = max(int(np.ceil(np.log2(needed))), 2)
     if levels > KEY_BITS - 2:
         raise OptionError(
-            f"cells of {cell:g} mm over {needed * cell:g} mm are {needed:.3g} a side; "
+            f"cells of {cell:g} mm over {needed * cell:g} mm are {needed:.3g} per side; "
             f"need at most {MOST_CELLS_ASIDE}: take larger cells or radii"
         )
     return Lattice(cell, 2 * corner.astype(np.intp), levels)
