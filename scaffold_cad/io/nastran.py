@@ -184,7 +184,7 @@ def _radius_of_shape(path: Path, line: int, fields: list[str]) -> float:
         return sizes[0]
     if kind in ("BAR", "BOX"):
         return radius_of_area(sizes[0] * sizes[1])
-    _log.warning("%s, line %d: a section %s has no radius that is known", path, line, kind)
+    _log.warning("%s, line %d: a section %s has no known radius", path, line, kind)
     return math.nan
 
 

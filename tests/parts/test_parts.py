@@ -100,7 +100,7 @@ def test_a_skin_that_fills_the_body_is_refused() -> None:
 
 @pytest.mark.parametrize("skin", [0.0, -1.0, np.nan])
 def test_a_skin_without_thickness_is_refused(skin: float) -> None:
-    with pytest.raises(OptionError, match=r"skin is .* mm; need > 0, or none"):
+    with pytest.raises(OptionError, match=r"skin is .* mm; need > 0, or None"):
         lattice_part(BOX, "bcc", 6.0, 0.5, skin=skin)
 
 
