@@ -25,7 +25,10 @@ def radii_at(nodes: Points, radius: Radius) -> Floats:
         If it is neither a number > 0 nor a function that returns an array of shape (n,).
     """
     if not callable(radius):
-        hint = ", or a function of positions (n, 3) that returns radii (n,)"
+        hint = (
+            ", or a function of positions (n, 3) that returns radii (n,); with_radii and "
+            "with_edge_radii of a skeleton give nodes or struts each their own"
+        )
         return np.asarray(as_number(radius, "radius", hint=hint))
     radii = as_floats(radius(nodes), "what the function radius returned", OptionError)
     if radii.shape not in {(), (len(nodes),)}:
