@@ -151,7 +151,7 @@ def _fuzz(name: str, minutes: float, folder: Path, seed: int) -> None:
     sys.executable = "host"  # so that readers run their libraries in this process
     path = folder / f"case.{'3mf' if name == PACKED_MODEL else name}"
     stop = 60 * minutes  # of the processor, with what the imports have taken
-    counts = (folder / "counts").open("w", buffering=4096)
+    counts = (folder / "counts").open("w", buffering=1)
 
     def read(content: bytes) -> None:
         if time.process_time() > stop:
