@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 
 from scaffold_cad import to_brep, to_solid
 from scaffold_cad.brep import brep_of_faces
@@ -18,6 +19,7 @@ from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts import RoundStruts, round_struts
 from scaffold_cad.struts.faces import brep_of_struts
 from tests.skeletons import K4
+from tests.solid.field.judges import distances
 
 TIPS = [[20, 0, 0], [19, 3.4, 0], [-15, 8, 0], [-9, -10, 17]]
 FOUR = [[0, i] for i in range(1, 5)]
@@ -228,3 +230,16 @@ def test_sharp_nodes_stay_exact_beside_a_crowded_one(options: dict[str, Any]) ->
     assert solid.volume == pytest.approx(to_solid(struts).volume(), rel=5e-3)
     cylinders = [face for face in solid.faces() if face.geom_type.name == "CYLINDER"]
     assert len(cylinders) == (12 if options else 6)
+
+
+@pytest.mark.parametrize("skeleton", [NARROW, CROSSING], ids=["narrow", "cross"])
+def test_facets_of_hollow_clusters_keep_the_wall(skeleton: Skeleton) -> None:
+    shape = to_brep(round_struts(skeleton, wall=0.4), overlaps="unite")
+    meshes = []
+    for shell in shape.shells():
+        points, corners = shell.tessellate(0.01, 0.1)
+        meshes.append(trimesh.Trimesh([tuple(point) for point in points], corners))
+    inside, outside = sorted(meshes, key=lambda mesh: float(mesh.scale))
+    walls = distances(np.concatenate([inside.vertices, inside.triangles_center]), outside)
+    assert walls.min() > 0.9 * 0.4
+    assert np.median(walls) == pytest.approx(0.4, rel=0.02)
