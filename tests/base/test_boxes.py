@@ -6,7 +6,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaffold_cad.base.arrays import Floats
-from scaffold_cad.base.boxes import PAIRS_AT_ONCE, overlapping_boxes
+from scaffold_cad.base.boxes import (
+    PAIRS_AT_ONCE,
+    order_in_space,
+    overlapping_boxes,
+    overlapping_neighbors,
+)
+from scaffold_cad.base.counts import Count
 
 ROUNDING = 2.0**-19
 """How far apart boxes of a pair may be, as a fraction of the extent of all."""
@@ -76,3 +82,12 @@ def test_many_pairs_come_in_blocks_of_bounded_size() -> None:
     sizes = [len(i) for i, _ in overlapping_boxes(low, low + 1.0)]
     assert sum(sizes) == count * (count - 1) // 2
     assert max(sizes) <= 4 * PAIRS_AT_ONCE
+
+
+@pytest.mark.parametrize("number", [1, 7, 1000])
+def test_boxes_are_counted_once_their_pairs_are_told(number: int) -> None:
+    low = np.random.default_rng(number).random((number, 3))
+    high = low + 0.2
+    order, count = order_in_space(low, high), Count("boxes", number)
+    list(overlapping_neighbors(low[order], high[order], count))
+    assert count.done == number
