@@ -83,7 +83,7 @@ def solid_density(cell: UnitCell, size: Floats, radius: float, reach: float = np
     Parameters
     ----------
     reach : how far from that cell struts are made, mm. Far ones have no part in it, but may make
-        fillets larger or smaller, and close voids that begin in it
+        nodes in it parts of a field, and close voids that begin in it
     """
     around = further_layers(cell.motif)
     corners = placed(cell, size, np.array(list(product((around, around + 1), repeat=3)), float))

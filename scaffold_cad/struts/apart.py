@@ -17,7 +17,8 @@ from scaffold_cad.base.blocks import CACHE, blocks, uneven_blocks
 from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.ranges import steps
 from scaffold_cad.base.segments import nearest_on_segments
-from scaffold_cad.base.vectors import dot, length, normalize
+from scaffold_cad.base.vectors import dot, length, normalize, triple
+from scaffold_cad.mesh.nearest import nearest_on_triangles
 from scaffold_cad.struts.curved import Curves
 from scaffold_cad.struts.model import BlendedNodes
 from scaffold_cad.struts.options import Ends
@@ -211,24 +212,48 @@ def _share_nodes(a: Edges, b: Edges) -> Bools:
 def _apart(pieces: Pieces, i: Ints, j: Ints, slack: Floats) -> Bools:
     """Return whether a plane was found between the pieces of each pair, shape (p,).
 
-    Steps toward the point of their difference that is nearest to 0 (Frank and Wolfe's): where the
-    difference lies beyond a plane across the way to it, the pieces are apart.
+    Steps toward the point of their difference that is nearest to 0 (Gilbert, Johnson, Keerthi, A
+    fast procedure for computing the distance between complex objects in three-dimensional space,
+    1988): where the difference lies beyond a plane across the way to it, the pieces are apart, and
+    where 0 is within a tetrahedron of it, they meet.
     """
     around = [slack[k] / (1 + slack[k]) * pieces.radius[k] for k in (i, j)]
     middles = [(pieces.start[k] + pieces.end[k]) / 2 for k in (i, j)]
     nearest = middles[0] - middles[1]  # (p, 3), a point of the difference
+    corners = np.repeat(nearest[:, None], 3, axis=1)  # (p, 3, 3), of a triangle that it is on
     scale = pieces.radius[i] + pieces.radius[j]
     rows = np.arange(len(i))  # pairs that no plane parts yet
+    apart = np.zeros(len(i), dtype=np.bool_)
     for _ in range(ROUNDS):
         far = pieces.furthest(i[rows], -nearest, around[0][rows])
         corner = far - pieces.furthest(j[rows], nearest, around[1][rows])
-        meets = dot(corner, normalize(nearest)) <= LEAST_GAP * scale[rows]
-        rows, corner, nearest = rows[meets], corner[meets], nearest[meets]
+        parted = dot(corner, normalize(nearest)) > LEAST_GAP * scale[rows]
+        apart[rows[parted]] = True
+        open_ = ~parted & ~_around_zero(corners, corner)
+        rows, corner, corners = rows[open_], corner[open_], corners[open_]
         if len(rows) == 0:
             break
-        way = corner - nearest
-        share = -dot(nearest, way) / np.maximum(dot(way, way), 1e-300)
-        nearest = nearest + np.clip(share, 0.0, 1.0)[:, None] * way
-    apart = np.ones(len(i), dtype=np.bool_)
-    apart[rows] = False
+        nearest, corners = _nearest_to_zero(corners, corner)
     return apart
+
+
+def _around_zero(corners: Floats, last: Points) -> Bools:
+    """Return whether 0 is within tetrahedra of triangles (p, 3, 3) and a last corner (p, 3)."""
+    a, b, c = np.moveaxis(corners, 1, 0)
+    volumes = np.stack([triple(b, c, last), triple(c, a, last), triple(a, b, last)])
+    volume = triple(a - last, b - last, c - last)
+    within: Bools = (volumes * -np.sign(volume) > 0).all(axis=0) & (triple(a, b, c) * volume > 0)
+    return within
+
+
+def _nearest_to_zero(corners: Floats, last: Points) -> tuple[Points, Floats]:
+    """Return the point nearest to 0 on triangles (p, 3, 3) with a corner replaced by the last one.
+
+    And those of these three triangles that it is on, (p, 3, 3).
+    """
+    triangles = np.repeat(corners[:, None], 3, axis=1)  # (p, 3, 3, 3)
+    triangles[:, np.arange(3), np.arange(3)] = last[:, None]
+    flat = triangles.reshape(-1, 3, 3)
+    feet = nearest_on_triangles(np.zeros((len(flat), 3)), flat).reshape(-1, 3, 3)
+    row, best = np.arange(len(feet)), (feet**2).sum(axis=2).argmin(axis=1)
+    return feet[row, best], triangles[row, best]

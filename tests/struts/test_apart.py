@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import linprog
 
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts import round_struts
-from scaffold_cad.struts.apart import Slack, crossings
+from scaffold_cad.struts.apart import Slack, _apart, crossings
+from scaffold_cad.struts.pieces import Pieces
 from tests.crossings import check_as_written
 
 
@@ -49,6 +51,40 @@ def test_struts_at_crowded_nodes_are_no_thicker_than_they_are() -> None:
     assert struts.crowded[0]
     assert not struts.crowded[3:].any()
     assert struts.overlapping.tolist() == [0, 1, 2]
+
+
+def test_hulls_meet_where_no_plane_parts_them() -> None:
+    count, random = 300, np.random.default_rng(3)
+    corners = random.normal(size=(2 * count, 4, 3))
+    middles = np.repeat(corners.mean(axis=1)[:, None], 2, axis=1)  # where their capsules are
+    corners[count:] += random.normal(size=(count, 1, 3))
+    middles[count:] = corners[count:].mean(axis=1)[:, None]
+    rows = np.arange(2 * count)
+    none = np.full(2 * count, -1)
+    pieces = Pieces(
+        middles[:, 0],
+        middles[:, 1],
+        np.full(2 * count, 9.0),
+        np.stack([rows, rows], axis=1),
+        rows,
+        rows,
+        (corners,),
+        np.zeros((2 * count, 3)),
+        none,
+        np.empty((0, 4, 3, 3)),
+    )
+    apart = _apart(pieces, rows[:count], rows[count:], np.zeros(2 * count))
+    # Points of both hulls at one place: weights >= 0 that add up to 1.
+    meet = [
+        linprog(
+            np.zeros(8),
+            A_eq=np.block([[a.T, -b.T], [np.ones(4), np.zeros(4)], [np.zeros(4), np.ones(4)]]),
+            b_eq=[0, 0, 0, 1, 1],
+        ).success
+        for a, b in zip(corners[:count], corners[count:], strict=True)
+    ]
+    assert 50 < sum(meet) < 250
+    assert np.array_equal(apart, ~np.array(meet))
 
 
 def test_thicker_polygons_meet_sooner() -> None:
