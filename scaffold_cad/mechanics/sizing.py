@@ -17,8 +17,8 @@ from scaffold_cad.mechanics.leastmass import less_mass
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.skeleton.proportions import thicker_than_long
 
-CLOSE = 2e-3
-"""How far above 1 the largest utilization of a result may be."""
+BELOW = 2e-4
+"""How far below 1 the utilization of struts is brought where one is above."""
 
 RUNAWAY = 1e3
 """Radius in lengths of the longest strut beyond which sizing is given up."""
@@ -154,7 +154,7 @@ def sized(
         radii=solution.model.edge_radii[:, 0].copy(),
         masses=np.array(masses),
         fully_stressed_steps=stressed,
-        overloaded=np.flatnonzero(solution.utilization > 1.0 + CLOSE),
+        overloaded=np.flatnonzero(solution.utilization > 1.0),
     )
     thick = thicker_than_long(result.skeleton)
     if thick:
@@ -173,17 +173,22 @@ def _check_growth(radii: Floats, model: BeamModel) -> None:
         )
 
 
-def needed_radii(solution: BeamSolution, low: float, high: float) -> Floats:
-    """Return the radius that each strut needs for the forces that it has now, (m,), mm."""
+def needed_radii(solution: BeamSolution, low: float, high: float, allowed: float = 1.0) -> Floats:
+    """Return the radius that each strut needs for the forces that it has now, (m,), mm.
+
+    Parameters
+    ----------
+    allowed : largest utilization
+    """
     model, forces = solution.model, solution.end_forces
     count = len(model.skeleton.edges)
     top = min(high, 1e3 * float(model.edge_radii.max()))
     below, above = np.full(count, np.log(low)), np.full(count, np.log(max(top, low)))
     for _ in range(HALVINGS):
         middle = (below + above) / 2.0
-        ample = model.with_edge_radii(np.exp(middle)).utilizations(forces) <= 1.0
+        ample = model.with_edge_radii(np.exp(middle)).utilizations(forces) <= allowed
         below, above = np.where(ample, below, middle), np.where(ample, middle, above)
-    enough = model.with_edge_radii(np.full(count, low)).utilizations(forces) <= 1.0
+    enough = model.with_edge_radii(np.full(count, low)).utilizations(forces) <= allowed
     radii: Floats = np.where(enough, low, np.exp(above))
     return radii
 
@@ -191,10 +196,12 @@ def needed_radii(solution: BeamSolution, low: float, high: float) -> Floats:
 def _safe(solution: BeamSolution, group: Ints, low: float, high: float) -> BeamSolution:
     """Return the solution with radii raised until no strut is overloaded, if they can be."""
     for _ in range(30):
-        if solution.utilization.max() <= 1.0 + CLOSE / 2.0:
+        if solution.utilization.max() <= 1.0:
             break
         before = solution.model.edge_radii[:, 0]
-        radii = _by_group(np.maximum(needed_radii(solution, low, high), before), group)
+        needed = needed_radii(solution, low, high, 1.0 - BELOW)
+        is_over = solution.utilization > 1.0 - BELOW
+        radii = _by_group(np.where(is_over, np.maximum(needed, before), before), group)
         if np.array_equal(radii, before):
             break
         solution = solution.model.with_edge_radii(radii).solved()
