@@ -21,8 +21,8 @@ WORDS = {
         "solid/clusters/surface.py",
         "solid/field/solid.py",
     ),
-    "radius compensation": ("struts/bands.py",),
-    "compensation": ("struts/volumes.py", "struts/lifts.py", "layers/rounds.py"),
+    "radius compensation": ("struts/meshes/bands.py",),
+    "compensation": ("struts/meshes/volumes.py", "struts/meshes/lifts.py", "layers/rounds.py"),
     "tolerance": ("brep/occt.py", "skeleton/thinning.py", "skeleton/joining.py"),
 }
 """Words that people look for, and modules whose docstrings have them."""

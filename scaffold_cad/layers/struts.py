@@ -23,7 +23,7 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
 from scaffold_cad.struts import RoundStruts
 from scaffold_cad.struts.bodies import NodeBodies, beside_crowded, curve_bodies, sharp_bodies
-from scaffold_cad.struts.ends import end_spheres
+from scaffold_cad.struts.meshes.ends import end_spheres
 
 OVERLAP = 1e-3
 """How far struts reach into the bodies of their nodes, in their radii: where sections only touched

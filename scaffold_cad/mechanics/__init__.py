@@ -3,7 +3,7 @@
 from scaffold_cad.mechanics.beamfiles import write_beams
 from scaffold_cad.mechanics.beams import BeamModel, BeamSolution, beam_model
 from scaffold_cad.mechanics.cells import CellRow, Homogenized, cell_table, homogenized
-from scaffold_cad.mechanics.hexahedra import Hexahedra, hexahedra
+from scaffold_cad.mechanics.hexahedra.builder import Hexahedra, hexahedra
 from scaffold_cad.mechanics.loadfiles import Loading, read_loading
 from scaffold_cad.mechanics.loading import Between, Load, Support
 from scaffold_cad.mechanics.materials import MATERIALS, Material

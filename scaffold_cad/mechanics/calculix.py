@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from scaffold_cad.base.arrays import Ints
-from scaffold_cad.mechanics.hexahedra import Hexahedra, sets_by_owner
+from scaffold_cad.mechanics.hexahedra.builder import Hexahedra, sets_by_owner
 
 SET_COLUMNS = 16
 """Numbers in a line of a set: CalculiX reads no more."""

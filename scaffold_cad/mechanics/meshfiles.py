@@ -13,7 +13,7 @@ from scaffold_cad.base.arrays import Ints, Points
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.files import replacing, unknown_suffix
 from scaffold_cad.mechanics.calculix import hexahedra_lines
-from scaffold_cad.mechanics.hexahedra import Hexahedra
+from scaffold_cad.mechanics.hexahedra.builder import Hexahedra
 from scaffold_cad.mechanics.nastran import hexahedra_cards
 
 ENDINGS = {".msh": "gmsh22", ".vtu": "vtu"}

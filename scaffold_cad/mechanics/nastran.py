@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from scaffold_cad.base.arrays import Ints
-from scaffold_cad.mechanics.hexahedra import Hexahedra, sets_by_owner
+from scaffold_cad.mechanics.hexahedra.builder import Hexahedra, sets_by_owner
 
 
 def card(name: str, *fields: float | int | None) -> str:

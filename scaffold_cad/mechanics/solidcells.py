@@ -15,9 +15,9 @@ from scaffold_cad.base.vectors import sums_by_row
 from scaffold_cad.errors import MeshError
 from scaffold_cad.lattice import UnitCell, tile
 from scaffold_cad.mechanics.cells import VOIGT_PAIRS, Homogenized, beam_law
-from scaffold_cad.mechanics.hexahedra import hexahedra
-from scaffold_cad.mechanics.hexquality import boundary_faces
-from scaffold_cad.mechanics.hexstiffness import elasticity, hexahedron_stiffnesses
+from scaffold_cad.mechanics.hexahedra.builder import hexahedra
+from scaffold_cad.mechanics.hexahedra.quality import boundary_faces
+from scaffold_cad.mechanics.hexahedra.stiffness import elasticity, hexahedron_stiffnesses
 from scaffold_cad.mechanics.materials import Material
 from scaffold_cad.mechanics.solvers import factor
 from scaffold_cad.scaffold import build_scaffold

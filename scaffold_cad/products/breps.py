@@ -19,7 +19,7 @@ from scaffold_cad.solid.manifolds import manifold_triangles
 from scaffold_cad.solid.mixed import mixed_brep
 from scaffold_cad.solid.solid import to_solid
 from scaffold_cad.struts import RoundStruts
-from scaffold_cad.struts.faces import brep_of_struts
+from scaffold_cad.struts.breps.faces import brep_of_struts
 
 if TYPE_CHECKING:
     from build123d import Shape

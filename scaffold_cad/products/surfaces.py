@@ -22,8 +22,8 @@ from scaffold_cad.solid.manifolds import manifold_triangles
 from scaffold_cad.solid.rounds import SIDES, round_mesh
 from scaffold_cad.solid.solid import embedding_as_written
 from scaffold_cad.struts import RoundStruts
+from scaffold_cad.struts.meshes.surface import triangulated
 from scaffold_cad.struts.sharp.nodes import check_made
-from scaffold_cad.struts.surface import triangulated
 
 
 def surface_of(

@@ -30,10 +30,10 @@ from scaffold_cad.solid.clusters.spans import Spans, no_spans, whole_runs
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
 from scaffold_cad.solid.clusters.walls import Walls, thickened
 from scaffold_cad.solid.field.pieces import Pieces, pieces_of
-from scaffold_cad.struts.bands import polygon_wall
-from scaffold_cad.struts.faces import bored, end_rings, faces_of, run_names
+from scaffold_cad.struts.breps.faces import bored, end_rings, faces_of, run_names
+from scaffold_cad.struts.meshes.bands import polygon_wall
+from scaffold_cad.struts.meshes.surface import annuli, shell_of
 from scaffold_cad.struts.model import RoundStruts
-from scaffold_cad.struts.surface import annuli, shell_of
 
 CLUSTER = "cluster"
 """What names of facets begin with."""

@@ -18,10 +18,10 @@ from scaffold_cad.skeleton.checking import check_single_precision
 from scaffold_cad.solid.clusters import surface_of, unseen
 from scaffold_cad.solid.field.lattice import LEAST_STEPS
 from scaffold_cad.struts.apart import Slack, crossings
-from scaffold_cad.struts.bands import polygon_slack
+from scaffold_cad.struts.meshes.bands import polygon_slack
+from scaffold_cad.struts.meshes.surface import Triangulated
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.sharp.surface import without_triangles
-from scaffold_cad.struts.surface import Triangulated
 
 SIDES = 16
 """Sides of round struts in meshes where none are given."""

@@ -1,11 +1,11 @@
 """Round struts: exact cylinders and cones, blends at nodes, and the proof that they are sound."""
 
-from scaffold_cad.struts.blend import Blends, Solved, Stars
+from scaffold_cad.struts.blends.blend import Blends, Solved, Stars
+from scaffold_cad.struts.blends.nodes import blends
 from scaffold_cad.struts.builder import round_struts
+from scaffold_cad.struts.meshes.sampling import Samples, sampled
 from scaffold_cad.struts.model import RoundStruts
-from scaffold_cad.struts.nodes import blends
 from scaffold_cad.struts.options import Bend, Ends, Joints, Nodes, StrutOptions
-from scaffold_cad.struts.sampling import Samples, sampled
 
 __all__ = [
     "Bend",

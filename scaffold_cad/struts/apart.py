@@ -19,7 +19,7 @@ from scaffold_cad.base.ranges import steps
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import dot, length, normalize, triple
 from scaffold_cad.mesh.nearest import nearest_on_triangles
-from scaffold_cad.struts.curved import Curves
+from scaffold_cad.struts.curves.curve import Curves
 from scaffold_cad.struts.model import BlendedNodes
 from scaffold_cad.struts.options import Ends
 from scaffold_cad.struts.pieces import (

@@ -6,12 +6,18 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Ints, Points, Triangles
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.struts.bands import enlargement, ring_triangles
-from scaffold_cad.struts.curvecuts import CutCurves, cut_curves
-from scaffold_cad.struts.curverings import curve_rings
+from scaffold_cad.struts.curves.cuts import CutCurves, cut_curves
+from scaffold_cad.struts.curves.rings import curve_rings
+from scaffold_cad.struts.meshes.bands import enlargement, ring_triangles
+from scaffold_cad.struts.meshes.surface import (
+    Sized,
+    node_surface,
+    own_rings,
+    ring_centers,
+    sized_rings,
+)
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.sharp.surface import node_triangles
-from scaffold_cad.struts.surface import Sized, node_surface, own_rings, ring_centers, sized_rings
 
 OFTEN, MOST_KINDS = 8, 256
 """Least number of equal nodes that make a kind, and most kinds."""

@@ -14,25 +14,25 @@ from scaffold_cad.base.vectors import any_perpendicular
 from scaffold_cad.partition import partition_spheres
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 from scaffold_cad.struts.apart import crossings
-from scaffold_cad.struts.bends import bend_partitions
-from scaffold_cad.struts.blend import Stars
-from scaffold_cad.struts.copies import Views
-from scaffold_cad.struts.curved import Curves, curves
-from scaffold_cad.struts.curvedjoints import CurvedJoints, curved_joints, possible, sampled
-from scaffold_cad.struts.curveproof import proved
+from scaffold_cad.struts.blends.bends import bend_partitions
+from scaffold_cad.struts.blends.blend import Stars
+from scaffold_cad.struts.blends.copies import Views
+from scaffold_cad.struts.blends.nodes import nearest_collars
+from scaffold_cad.struts.curves.curve import Curves, curves
+from scaffold_cad.struts.curves.joints import CurvedJoints, curved_joints, possible, sampled
+from scaffold_cad.struts.curves.proof import proved
 from scaffold_cad.struts.elbows import Elbows, elbow_curves, elbows_of
 from scaffold_cad.struts.groups import Group, with_blends, with_walls
-from scaffold_cad.struts.insides import hollow_nodes, limits_beside
+from scaffold_cad.struts.hollow.insides import hollow_nodes, limits_beside
+from scaffold_cad.struts.hollow.sockets import sockets_of
+from scaffold_cad.struts.hollow.walls import without_wall
 from scaffold_cad.struts.likes import check_like
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
-from scaffold_cad.struts.nodes import nearest_collars
 from scaffold_cad.struts.options import Bend, Blend, Ends, Joints, Nodes, StrutOptions, as_blend
 from scaffold_cad.struts.room import allotted
 from scaffold_cad.struts.runs import Runs, ball_collars, ball_ends, balls_of, straight_runs
 from scaffold_cad.struts.sharp.balls import with_balls
 from scaffold_cad.struts.sharp.builder import sharp_struts
-from scaffold_cad.struts.sockets import sockets_of
-from scaffold_cad.struts.walls import without_wall
 
 SHRUNK = 1e-3
 """Part of a fillet radius that may be missing before it is reported."""

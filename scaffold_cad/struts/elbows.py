@@ -18,8 +18,8 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, UnitVectors, place_text
 from scaffold_cad.base.vectors import angle_between, normalize
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.struts.curved import Curves
-from scaffold_cad.struts.curvedjoints import SAME_RADIUS, CurvedJoints
+from scaffold_cad.struts.curves.curve import Curves
+from scaffold_cad.struts.curves.joints import SAME_RADIUS, CurvedJoints
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.options import Bend
 from scaffold_cad.struts.runs import Runs

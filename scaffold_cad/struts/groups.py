@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints
-from scaffold_cad.struts.blend import Stars
-from scaffold_cad.struts.insides import LEAST
+from scaffold_cad.struts.blends.blend import Stars
+from scaffold_cad.struts.blends.nodes import blends
+from scaffold_cad.struts.hollow.insides import LEAST
+from scaffold_cad.struts.hollow.walls import walls_at
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
-from scaffold_cad.struts.nodes import blends
 from scaffold_cad.struts.options import BLEND
-from scaffold_cad.struts.walls import walls_at
 
 INNER_FILLETS = (1.0, 0.5)
 """Fillets that are tried inside of hollow nodes whose inside is not the outer surface moved in, in

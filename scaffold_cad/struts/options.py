@@ -18,7 +18,7 @@ Ends: TypeAlias = Literal["flat", "round", "open"]
 
 Joints: TypeAlias = Literal["auto", "curve", "blend"]
 """How struts pass joints: on a curve through their nodes, or as a bend with a fillet between two
-exact cylinders; by default as `scaffold_cad.struts.curvedjoints` tells one from the other."""
+exact cylinders; by default as `scaffold_cad.struts.curves.joints` tells one from the other."""
 
 Nodes: TypeAlias = Literal["blend", "ball", "sharp"]
 """What is at nodes: patches that blend the struts' surfaces; a ball that these end at; or these

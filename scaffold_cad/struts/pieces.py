@@ -15,13 +15,13 @@ from scaffold_cad.base.blocks import CACHE, blocks
 from scaffold_cad.base.ranges import steps
 from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.brep.bernstein import bernstein
-from scaffold_cad.struts.curved import ALONG, Curves
+from scaffold_cad.struts.blends.quarter import DEGREE
+from scaffold_cad.struts.blends.splines import Spline
+from scaffold_cad.struts.curves.curve import ALONG, Curves
 from scaffold_cad.struts.model import BlendedNodes
 from scaffold_cad.struts.options import Ends
-from scaffold_cad.struts.quarter import DEGREE
 from scaffold_cad.struts.runs import Runs, at_balls
 from scaffold_cad.struts.sharp.nodes import CORNER, SLIVER, SharpNodes
-from scaffold_cad.struts.splines import Spline
 
 PIECES = 4
 """Pieces that the strut of a cone is cut into, so that its larger radius bounds little."""

@@ -16,7 +16,7 @@ from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid.rounds import SIDES, faulty_runs
 from scaffold_cad.struts import round_struts
-from scaffold_cad.struts.surface import triangulated
+from scaffold_cad.struts.meshes.surface import triangulated
 from scaffold_cad.tiles.tile import Tile
 
 TileOverlaps: TypeAlias = Literal["refuse", "allow"]

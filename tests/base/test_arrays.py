@@ -25,7 +25,7 @@ from scaffold_cad.base.arrays import (
 )
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 from scaffold_cad.lattice import unit_cell
-from scaffold_cad.struts.faces import brep_of_struts
+from scaffold_cad.struts.breps.faces import brep_of_struts
 from tests.skeletons import STICK_FIGURE
 
 

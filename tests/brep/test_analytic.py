@@ -18,7 +18,7 @@ from scaffold_cad.products.breps import to_brep
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import to_solid
 from scaffold_cad.struts import Ends, round_struts
-from scaffold_cad.struts.faces import brep_of_struts
+from scaffold_cad.struts.breps.faces import brep_of_struts
 from tests.skeletons import CUBE, ELBOW, JACK, K4, NAMED, STRUT, TAPER, TRIPOD, TWO_STRUTS
 
 bd = pytest.importorskip("build123d")

@@ -9,7 +9,7 @@ from scaffold_cad import Skeleton, build_scaffold
 from scaffold_cad.errors import MeshError
 from scaffold_cad.lattice import tile
 from scaffold_cad.mechanics import Material, hexahedra, homogenized, homogenized_solid
-from scaffold_cad.mechanics.hexstiffness import elasticity, hexahedron_stiffnesses
+from scaffold_cad.mechanics.hexahedra.stiffness import elasticity, hexahedron_stiffnesses
 from tests.mechanics.test_cells import triangular_cells
 
 STEEL = Material(210e3, 0.3)

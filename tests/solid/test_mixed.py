@@ -17,7 +17,7 @@ from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid.mixed import mixed_brep
 from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts import RoundStruts, round_struts
-from scaffold_cad.struts.faces import brep_of_struts
+from scaffold_cad.struts.breps.faces import brep_of_struts
 from tests.skeletons import K4
 from tests.solid.field.judges import distances
 

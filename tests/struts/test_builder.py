@@ -13,7 +13,7 @@ from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice import tile
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts import round_struts
-from scaffold_cad.struts.surface import triangulated
+from scaffold_cad.struts.meshes.surface import triangulated
 from tests.skeletons import BCC_STAR, CUBE, ELBOW, JACK, K4, STRUT, TETRAPOD, TRIPOD, TWO_STRUTS
 from tests.struts.stars import random_stars
 

@@ -13,7 +13,7 @@ from OCP.BRepAdaptor import BRepAdaptor_Surface
 from scaffold_cad import RoundStruts, Skeleton, round_struts, to_brep, to_solid, write
 from scaffold_cad.errors import OptionError
 from scaffold_cad.solid.rounds import round_mesh
-from scaffold_cad.struts.walls import walls
+from scaffold_cad.struts.hollow.walls import walls
 from tests.solids import check_watertight
 
 ELBOW = Skeleton([[0, 0, 0], [40, 0, 0], [40, 50, 0]], [[0, 1], [1, 2]], 4.0)

@@ -7,7 +7,7 @@ import pytest
 
 from scaffold_cad import RoundStruts, Skeleton, read_skeleton, round_struts
 from scaffold_cad.errors import OptionError
-from scaffold_cad.struts.surface import triangulated
+from scaffold_cad.struts.meshes.surface import triangulated
 from tests.test_examples import EXAMPLES
 
 

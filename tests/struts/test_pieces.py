@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from scaffold_cad.struts.blends.splines import spline
 from scaffold_cad.struts.pieces import slicing
-from scaffold_cad.struts.splines import spline
 
 
 def test_slices_together_are_the_curve() -> None:

@@ -20,7 +20,7 @@ from scaffold_cad import (
 )
 from scaffold_cad.errors import OptionError
 from scaffold_cad.struts import RoundStruts
-from scaffold_cad.struts.surface import triangulated
+from scaffold_cad.struts.meshes.surface import triangulated
 from scaffold_cad.tiles import LatticeTiles, SkeletonTiles, Tile, tiles
 from scaffold_cad.tiles.surfaces import round_triangles
 

@@ -18,7 +18,7 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.solid.clusters.remainder import Cuts
 from scaffold_cad.solid.clusters.seams import BESIDE, seamed
 from scaffold_cad.solid.field import FieldStruts
-from scaffold_cad.struts.bands import enlargement
+from scaffold_cad.struts.meshes.bands import enlargement
 
 DEPTH = 0.75
 """How far below a flat end its strut is cut off at most, in its larger radius there."""

@@ -28,8 +28,8 @@ from scaffold_cad.solid.clusters.spans import (
 from scaffold_cad.solid.clusters.stumps import GAP, Reaches, stumps
 from scaffold_cad.solid.clusters.zones import Lines, Zones, core_of, lines_to, zones_of
 from scaffold_cad.struts.apart import Slack, meeting
-from scaffold_cad.struts.curved import ALONG
-from scaffold_cad.struts.curveproof import proved
+from scaffold_cad.struts.curves.curve import ALONG
+from scaffold_cad.struts.curves.proof import proved
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.pieces import (
     Pieces,

@@ -21,9 +21,9 @@ from scaffold_cad.solid.clusters.growth import Core
 from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.spans import Spans
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
+from scaffold_cad.struts.meshes.surface import inside_of
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.runs import Runs, ball_ends
-from scaffold_cad.struts.surface import inside_of
 
 FINER = 5
 """Times that hollow struts are made, with cells of half the size where walls cross, until these

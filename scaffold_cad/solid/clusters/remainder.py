@@ -10,7 +10,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.base.vectors import any_perpendicular
 from scaffold_cad.solid.clusters.spans import BAND, CUT, Spans, radii_at
-from scaffold_cad.struts.curvecuts import CutCurves, cut_curves
+from scaffold_cad.struts.curves.cuts import CutCurves, cut_curves
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.runs import Runs
 from scaffold_cad.struts.sharp.nodes import SharpNodes

@@ -31,11 +31,11 @@ from scaffold_cad.solid.field import FieldStruts
 from scaffold_cad.solid.field.pieces import without_voids
 from scaffold_cad.solid.field.written import field_as_written, report_thickened
 from scaffold_cad.struts.apart import Slack
-from scaffold_cad.struts.bands import polygon_slack, polygon_wall
-from scaffold_cad.struts.curverings import rings_hold
+from scaffold_cad.struts.curves.rings import rings_hold
+from scaffold_cad.struts.meshes.bands import polygon_slack, polygon_wall
+from scaffold_cad.struts.meshes.surface import Shell, Triangulated, first_alike, open_ends, shell_of
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.sharp.surface import without_triangles
-from scaffold_cad.struts.surface import Shell, Triangulated, first_alike, open_ends, shell_of
 
 MARGIN = 1e-9
 """Least sine of the angle at which the triangles of a node are seen from it."""

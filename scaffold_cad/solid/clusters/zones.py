@@ -14,8 +14,8 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points
 from scaffold_cad.base.vectors import dot, length
 from scaffold_cad.solid.clusters.spans import CUT
-from scaffold_cad.struts.curvecuts import CutCurves, chains_left, neighbors
-from scaffold_cad.struts.curved import Curves
+from scaffold_cad.struts.curves.curve import Curves
+from scaffold_cad.struts.curves.cuts import CutCurves, chains_left, neighbors
 from scaffold_cad.struts.runs import Runs
 
 MARGIN = 2.0 * CUT

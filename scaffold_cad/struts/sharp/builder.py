@@ -6,7 +6,7 @@ import numpy as np
 
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts.apart import crossings
-from scaffold_cad.struts.curved import Curves
+from scaffold_cad.struts.curves.curve import Curves
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.options import StrutOptions
 from scaffold_cad.struts.runs import Runs, at_balls, ball_collars

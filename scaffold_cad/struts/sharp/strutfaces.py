@@ -6,7 +6,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints
 from scaffold_cad.brep.analytic import Surface
-from scaffold_cad.struts.ends import end_spheres
+from scaffold_cad.struts.meshes.ends import end_spheres
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.sharp.faceparts import Around, Face, Parts, Use
 from scaffold_cad.struts.sharp.loops import seam_angles

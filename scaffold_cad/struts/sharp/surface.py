@@ -9,7 +9,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Triangles
-from scaffold_cad.struts.bands import enlargement
+from scaffold_cad.struts.meshes.bands import enlargement
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.sharp.nodes import BESIDE, CLEAR, SharpNodes
 from scaffold_cad.struts.sharp.shapes import SharpShape

@@ -15,7 +15,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Frozen, Points, Triangles
 from scaffold_cad.base.topology import sides_of
 from scaffold_cad.base.vectors import dot, triple
-from scaffold_cad.struts.bands import enlargement
+from scaffold_cad.struts.meshes.bands import enlargement
 from scaffold_cad.struts.sharp.columns import points_along, seen, strut_triangles, unrolled
 from scaffold_cad.struts.sharp.earcut import ears
 from scaffold_cad.struts.sharp.loops import Steps

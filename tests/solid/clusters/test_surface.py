@@ -16,7 +16,7 @@ from scaffold_cad.solid.field import field_solid
 from scaffold_cad.solid.field.pieces import without_voids
 from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts import RoundStruts, round_struts
-from scaffold_cad.struts.surface import triangulated
+from scaffold_cad.struts.meshes.surface import triangulated
 from tests.crossings import check_as_written
 from tests.skeletons import TRIPOD
 from tests.solid.field.judges import thicknesses

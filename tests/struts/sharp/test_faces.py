@@ -11,7 +11,7 @@ from OCP.BRepAdaptor import BRepAdaptor_Surface
 
 from scaffold_cad import Skeleton, round_struts, tile, to_brep, write
 from scaffold_cad.errors import BrepError
-from scaffold_cad.struts.faces import brep_of_struts
+from scaffold_cad.struts.breps.faces import brep_of_struts
 from tests.struts.sharp.nodes import BEND, LENGTH, NODES, node, random_node
 from tests.struts.stars import TRIPOD
 

@@ -1,0 +1,1 @@
+"""Hexahedra of scaffolds and of round struts, for finite elements."""

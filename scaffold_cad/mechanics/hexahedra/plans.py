@@ -1,0 +1,88 @@
+"""What hexahedra are made of: cross-sections, and which of them follow each other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
+from scaffold_cad.base.vectors import normalize
+from scaffold_cad.mechanics.hexahedra.relax import Control, Onto
+from scaffold_cad.mechanics.hexahedra.sections import Frame
+
+
+@dataclass(frozen=True, eq=False)
+class Span(Frozen):
+    """Pairs of sections with hexahedra between them, cut into as many pieces each."""
+
+    sections: Ints
+    """First and last section of each, shape (e, 2)."""
+    pieces: int
+    """Hexahedra one after another between the two."""
+    edge: Ints
+    """Edge of the skeleton that each belongs to, shape (e,)."""
+    nodes: Ints
+    """Branch point at the first and at the last of its pieces, -1 for none, shape (e, 2)."""
+    straight: Ints
+    """Those whose sections between the two keep their distances from the axis, shape (s,)."""
+
+    def nodes_touched(self, wide: int) -> Ints:
+        """Return the branch point at each hexahedron, -1 for none, `wide` of them a piece."""
+        node = np.full((len(self.edge), self.pieces, wide), -1, dtype=np.intp)
+        node[:, 0] = self.nodes[:, :1]
+        node[:, -1] = np.where(self.nodes[:, 1:] >= 0, self.nodes[:, 1:], node[:, -1])
+        return node.reshape(-1)
+
+
+@dataclass(frozen=True, eq=False)
+class Caps(Frozen):
+    """Spheres in which struts end."""
+
+    centers: Points
+    """Shape (x, 3), mm."""
+    radii: Floats
+    """Shape (x,), mm."""
+
+    def put_on(self, points: Points, sections: Ints) -> None:
+        """Move the points of the last sections, (x, s), onto the spheres."""
+        spokes = normalize(points[sections] - self.centers[:, None])
+        points[sections] = self.centers[:, None] + self.radii[:, None, None] * spokes
+
+
+@dataclass(frozen=True, eq=False)
+class Plan(Frozen):
+    """The sections of struts, and what lies between them."""
+
+    frame: Frame
+    """The sections."""
+    spans: tuple[Span, ...]
+    """What lies between them."""
+    surface: Onto | None
+    """Puts points of the rim back on the struts' surface, where those that may move stay on it."""
+    closing: Ints
+    """Sections in which struts end, shape (x,)."""
+    closed: Ints
+    """Extremity of the skeleton at each of these, shape (x,)."""
+    caps: Caps | None = None
+    """The sphere of each, where ends are round."""
+
+    def control(self, weights: sparse.csr_array, cells: Ints, layers: int) -> Control:
+        """Return what is relaxed of hexahedra (k, 8)."""
+        frame, surface = self.frame, self.surface
+        movable, scale = frame.movable(layers)
+        hubs, rim = len(frame.hubs), len(frame.rim)
+        sliding = np.zeros(len(movable), dtype=np.bool_)
+        if surface is None:
+            return Control(weights, cells, movable, scale, sliding, _nowhere)
+        sliding[hubs : hubs + rim] = frame.loose_rim
+        on_rim = surface
+        return Control(
+            weights, cells, movable, scale, sliding, lambda rows, to: on_rim(rows - hubs, to)
+        )
+
+
+def _nowhere(_: Ints, places: Points) -> tuple[Points, Points]:
+    """Return places as they are: no point stays on a surface."""
+    return places, np.zeros_like(places)

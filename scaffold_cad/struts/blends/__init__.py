@@ -1,0 +1,1 @@
+"""Blends: the smooth surfaces of nodes, how they are fitted and proved."""

@@ -1,0 +1,270 @@
+"""The blends of nodes: patches that join the collars of a node's struts smoothly, and their proof.
+
+`blends` takes all nodes of one valency at once. Nodes that are equal are solved once, nodes of one
+combinatorial type share their linear system, and what is done for a node is done for many in
+whole arrays, a block in each thread.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors
+from scaffold_cad.base.blocks import CACHE, blocks, cut
+from scaffold_cad.base.counts import counted
+from scaffold_cad.base.threads import in_order
+from scaffold_cad.base.vectors import normalize
+from scaffold_cad.partition.arcs import side_twins
+from scaffold_cad.struts.blends.blend import Blends, Originals, Skins, Solved, Stars, best_by_layout
+from scaffold_cad.struts.blends.collars import LEAST_BLEND, Collars, collar_distances
+from scaffold_cad.struts.blends.evenness import even
+from scaffold_cad.struts.blends.fitting import Turned, collars_of, solve, union_of
+from scaffold_cad.struts.blends.joins import types_of
+from scaffold_cad.struts.blends.recipes import FINER, MOST_BULGE, MOST_DEPTH, RECIPES, ROUGH, Recipe
+
+SAMPLE_BYTES = 64
+"""What a sample of a blend takes where it is treated."""
+STAR_BYTES = 2048
+"""What a partition takes where its vertices are moved."""
+UNPROVED = 1e6
+"""What not to be proved counts when the best recipe is chosen, as a bulge."""
+DEEP = 1e4
+"""What a depth that is too much counts there, over the radius: more than any bulge."""
+ROOM = 1e-9
+"""Part of a radius that room for collars is rounded to: it is found by bisection."""
+MOST_ROOM = 1e6
+"""Room for a collar above which it is without end, in radii."""
+NARROW = np.cos(np.radians(10.0))
+"""Cosine of the least angle between struts of nodes for which all recipes are tried: with less than
+10°, they prove one node in a hundred."""
+SAME = 1e-11
+"""Nodes whose numbers agree to this part of a radius are solved once, with their numbers rounded:
+so what a node gets depends on no other node, to the last bit."""
+
+
+def blends(stars: Stars, recipes: Iterable[Recipe] = RECIPES) -> tuple[Blends, ...]:
+    """Return the blends of `stars`, those with the same layout of patches together.
+
+    Nodes that no recipe proves have the blend of the recipe that came nearest; see
+    `Blends.proved`.
+
+    Parameters
+    ----------
+    stars : branch points of one valency
+    recipes : ways to fit a blend, in the order in which they are tried
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scaffold_cad.partition import partition_spheres
+    >>> tripod = np.eye(3)[None]
+    >>> (found,) = blends(Stars.of(partition_spheres(tripod), radii=1.0, blends=0.5))
+    >>> found.control.shape, found.proved
+    ((1, 12, 6, 6, 3), array([ True]))
+    """
+    views = stars.views
+    seen = stars.seen(views)
+    one, kind = _distinct(seen)
+    own = _rounded(seen[one])
+    best = _Best(len(own))
+    fitted: dict[float, Collars] = {}
+    open_nodes = np.arange(len(own))
+    for trial, recipe in enumerate(recipes):
+        if recipe.swell > 1:
+            open_nodes = open_nodes[~best.proved[open_nodes]]
+        if len(open_nodes) == 0:
+            continue
+        if recipe.swell not in fitted:
+            fitted[recipe.swell] = collars_of(own, recipe.swell)
+        if trial == 0:
+            open_nodes = _with_room(best, own, fitted[recipe.swell], recipe, open_nodes)
+            if len(open_nodes) == 0:
+                break
+        found = _solved(own[open_nodes], fitted[recipe.swell][open_nodes], recipe)
+        best.take(open_nodes, found)
+        _refine(best, own, fitted[recipe.swell], recipe, open_nodes, found)
+        open_nodes = open_nodes[~best.good[open_nodes] & found.has_room]
+        if trial == 0:
+            open_nodes = open_nodes[~_narrow(own[open_nodes])]
+    views = views.rounded(SAME)
+    first, shape_of = views.distinct(kind)
+    size = _size(seen[one])
+    copied = []
+    for kinds, made in best_by_layout(best.found, best.which, best.place):
+        some, size_of = own[kinds], size[kinds]
+        skins = Skins(_enlarged(made, size_of), some.quads, some.directions, some.slopes)
+        shapes = np.flatnonzero(np.isin(kind[first], kinds))
+        which = np.searchsorted(kinds, kind[first[shapes]])
+        originals = Originals(skins, which, views[first[shapes]])
+        copied.append(_copied(stars, shapes, shape_of, originals))
+    return tuple(copied)
+
+
+def _with_room(best: _Best, own: Stars, fitted: Collars, recipe: Recipe, rows: Ints) -> Ints:
+    """Return which of the nodes `rows` (k,) have room; the others get a rough blend.
+
+    What has no room is crowded, whatever its surface: only its collars are needed.
+    """
+    without = rows[~fitted.has_room[rows]]
+    if len(without):
+        rough = replace(recipe, stages=ROUGH)
+        best.take(without, _solved(own[without], fitted[without], rough))
+    return rows[fitted.has_room[rows]]
+
+
+def _refine(
+    best: _Best, own: Stars, fitted: Collars, recipe: Recipe, rows: Ints, found: Solved
+) -> None:
+    """Try to better blends (k) of the nodes `rows` (k,) that are proved but not good."""
+    for stage in FINER:
+        is_off = found.proved & found.has_room & ~best.good[rows]
+        rows, found = rows[is_off], found[np.flatnonzero(is_off)]
+        if len(rows):
+            finer = replace(recipe, stages=(stage,), kept=1)
+            best.take(rows, _solved(own[rows], fitted[rows], finer, found))
+
+
+class _Best:
+    """The best blend of each of U nodes so far."""
+
+    def __init__(self, count: int) -> None:
+        self.found: list[Solved] = []
+        """Blends of some of the nodes."""
+        self.which = np.full(count, -1, dtype=np.intp)
+        """Which of these has that of a node, shape (U,)."""
+        self.place = np.zeros(count, dtype=np.intp)
+        """Place in it, shape (U,)."""
+        self._score = np.full(count, np.inf)
+
+    @property
+    def proved(self) -> Bools:
+        """Whether each node's blend is proved, shape (U,)."""
+        return np.asarray(self._score < UNPROVED)
+
+    @property
+    def good(self) -> Bools:
+        """Whether it is nowhere deep inside a strut or far outside as well, shape (U,)."""
+        return np.asarray(self._score <= MOST_BULGE)
+
+    def take(self, rows: Ints, found: Solved) -> None:
+        """Take those of the blends (k) of nodes `rows` (k,) that are better."""
+        value = found.bulge + np.where(found.proved, 0.0, UNPROVED)
+        value += np.where(found.depth > MOST_DEPTH, DEEP * found.depth, 0.0)
+        better = np.flatnonzero(value < self._score[rows])
+        taken = rows[better]
+        self.which[taken], self.place[taken] = len(self.found), np.arange(len(taken))
+        self._score[taken] = value[better]
+        self.found.append(found[better])
+
+
+def nearest_collars(stars: Stars) -> tuple[Floats, Floats]:
+    """Return where collars stand with the fillets asked for, and with the least, mm, both (M, N).
+
+    For equal nodes they are found once.
+    """
+    views = stars.views
+    stars = stars.seen(views)
+    first, kind = _distinct(stars)
+    own, size = _rounded(stars[first]), _size(stars[first])
+    union = union_of(own, own.blends)
+    small = np.minimum(own.blends, LEAST_BLEND * own.radii.mean(axis=1))
+    found = [size * collar_distances(union, blends) for blends in (own.blends, small)]
+    return views.by_strut(found[0][kind]), views.by_strut(found[1][kind])
+
+
+def _narrow(stars: Stars) -> Bools:
+    """Return whether struts leave each node at too narrow angles for any recipe, (M,)."""
+    cosines = stars.directions @ stars.directions.transpose(0, 2, 1)
+    return np.asarray((np.triu(cosines, 1) > NARROW).any(axis=(1, 2)))
+
+
+def _copied(stars: Stars, shapes: Ints, shape_of: Ints, originals: Originals) -> Blends:
+    """Return the blends of those nodes that have the `shapes` (U,), ascending."""
+    nodes = np.flatnonzero(np.isin(shape_of, shapes))
+    own = np.searchsorted(shapes, shape_of[nodes])
+    first = nodes[np.unique(own, return_index=True)[1]]
+    twins = side_twins(stars.quads[first])
+    return Blends(stars[nodes], nodes, own, twins, originals.turned(), originals)
+
+
+def _solved(own: Stars, fitted: Collars, recipe: Recipe, begun: Solved | None = None) -> Solved:
+    """Return the blends that a recipe gives, from those `begun` if there are any."""
+    vertices = _evened(own, recipe.openness) if begun is None else begun.vertices
+    kinds = types_of(own.quads)
+    samples = 4 * own.directions.shape[1] * recipe.samples  # of a star
+    order = np.argsort(kinds.type_of, kind="stable")
+    pieces = list(cut(order, samples * SAMPLE_BYTES, CACHE))
+
+    def work(rows: Ints) -> Solved:
+        turned = Turned(own[rows], vertices[rows], kinds.sides[rows], kinds.parts(rows))
+        return solve(turned, fitted[rows], recipe, None if begun is None else begun[rows])
+
+    made = counted("blends", in_order(work, pieces), [len(rows) for rows in pieces])
+    solved = Solved.joined(list(made))
+    return solved[np.argsort(order)]
+
+
+def _evened(own: Stars, openness: float) -> UnitVectors:
+    """Return the moved vertices of the partitions, (U, N + 2, 3); those of bends as they are."""
+    if own.directions.shape[1] == 2:
+        return own.vertices
+
+    def work(some: slice) -> UnitVectors:
+        return even(own.directions[some], own.vertices[some], own.quads[some], openness)
+
+    return np.concatenate(list(in_order(work, blocks(len(own), STAR_BYTES, CACHE))))
+
+
+def _size(stars: Stars) -> Floats:
+    """Return the power of ten nearest to the radii at each node, mm, (M, 1).
+
+    Equal nodes have the same.
+    """
+    size: Floats = 10 ** np.round(np.log10(stars.radii.mean(axis=1, keepdims=True)))
+    return size
+
+
+def _rounded(stars: Stars) -> Stars:
+    """Return the stars with the numbers by which equal ones are known, lengths in their size."""
+    size = _size(stars)
+    alone = size[:, 0]
+    return Stars(
+        normalize(np.rint(stars.directions / SAME)),
+        np.rint(stars.radii / (SAME * size)) * SAME,
+        np.rint(stars.slopes / SAME) * SAME,
+        np.rint(stars.blends / (SAME * alone)) * SAME,
+        np.rint(stars.balls / (SAME * alone)) * SAME,
+        np.where(stars.most < MOST_ROOM * size, np.rint(stars.most / (ROOM * size)) * ROOM, np.inf),
+        normalize(np.rint(stars.vertices / SAME)),
+        stars.quads,
+    )
+
+
+def _enlarged(made: Solved, size: Floats) -> Solved:
+    """Return blends (U) with their lengths multiplied by sizes (U, 1)."""
+    return replace(
+        made,
+        control=made.control * size[:, :, None, None, None],
+        collar_distances=made.collar_distances * size,
+        collar_radii=made.collar_radii * size,
+        rho=made.rho * size[:, 0],
+    )
+
+
+def _distinct(stars: Stars) -> tuple[Ints, Ints]:
+    """Return one node of each kind of equal nodes, (U,), and the kind of each node, (M,)."""
+    size, count = _size(stars), len(stars)
+    most = np.minimum(stars.most, MOST_ROOM * size)
+    lengths = [stars.radii, stars.blends[:, None], stars.balls[:, None]]
+    ratios = [stars.directions, stars.slopes, stars.vertices]
+    rows = [np.rint(each / (SAME * size)) for each in lengths]
+    rows += [np.rint(most / (ROOM * size)), np.log10(size)]
+    rows += [np.rint(each.reshape(count, -1) / SAME) for each in ratios]
+    rows.append(stars.quads.reshape(count, -1).astype(np.float64))
+    table = np.ascontiguousarray(np.concatenate(rows, axis=1) + 0.0)  # no -0.0
+    keys = table.view(np.dtype((np.void, table.shape[1] * table.itemsize))).reshape(-1)
+    _, first, kind = np.unique(keys, return_index=True, return_inverse=True)
+    return first, kind.reshape(-1)

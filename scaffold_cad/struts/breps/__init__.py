@@ -1,0 +1,1 @@
+"""Round struts as faces: exact cylinders and cones, patches, circles."""

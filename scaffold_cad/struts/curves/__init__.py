@@ -1,0 +1,1 @@
+"""Curves: chains of short edges as one strut that bends smoothly."""

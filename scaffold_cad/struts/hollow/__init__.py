@@ -1,0 +1,1 @@
+"""Hollow struts: insides of nodes, how thick walls are, sockets."""

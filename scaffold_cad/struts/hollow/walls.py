@@ -1,0 +1,199 @@
+"""Walls of hollow struts: what is inside them, and how thin they are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from scaffold_cad.base.arrays import Floats, Frozen, place_text
+from scaffold_cad.base.vectors import dot, normalize
+from scaffold_cad.brep.bernstein import bernstein
+from scaffold_cad.errors import OptionError
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.struts.curves.curve import ALONG, Curves
+from scaffold_cad.struts.hollow.gaps import Gaps
+from scaffold_cad.struts.hollow.longends import with_long_ends
+from scaffold_cad.struts.model import BlendedNodes, RoundStruts
+from scaffold_cad.struts.runs import balls_of, straight_runs
+
+SAMPLES = (8, 96)
+"""Intervals along a piece of a curve, and around it, where walls are measured."""
+
+
+def without_wall(skeleton: Skeleton, wall: float, at_ends: Floats) -> Skeleton:
+    """Return the skeleton of what is inside struts with walls.
+
+    Parameters
+    ----------
+    wall : thickness, mm
+    at_ends : (n,) by how much struts are shorter at extremities, mm
+
+    Raises
+    ------
+    OptionError
+        If a strut is not thicker than twice its wall, or not longer than its ends; it is named.
+    """
+    # A cone's wall is as thick as asked across the cone, not across its axis.
+    across = wall * np.hypot(1.0, np.diff(skeleton.edge_radii, axis=1)[:, 0] / skeleton.lengths)
+    thin = np.flatnonzero(skeleton.edge_radii.min(axis=1) <= across)
+    if len(thin):
+        radius = skeleton.edge_radii[thin[0]].min()
+        near = skeleton.nodes[skeleton.edges[thin[0]]].mean(axis=0)
+        steep = f" ({across[thin[0]]:.3g} mm across the axis of a taper)" if radius > wall else ""
+        raise OptionError(
+            f"wall is {wall:g} mm{steep}, and edge {thin[0]} near {place_text(near)} has radius "
+            f"{radius:g} mm; need a wall that is thinner than each radius"
+        )
+    skeleton, at_ends = with_long_ends(skeleton, at_ends)
+    is_end = skeleton.valency[skeleton.edges] == 1  # (m, 2)
+    cut = at_ends[skeleton.edges] * is_end
+    share = cut / skeleton.lengths[:, None]
+    near, far = skeleton.edge_radii.T
+    start = near + share[:, 0] * (far - near)
+    end = far + share[:, 1] * (near - far)
+    nodes = skeleton.nodes.copy()
+    ahead = skeleton.directions.reshape(-1, 2, 3)
+    nodes[skeleton.edges[is_end]] += (cut[..., None] * ahead)[is_end]
+    across = wall * np.hypot(1.0, (far - near) / skeleton.lengths)
+    inside = np.stack([start, end], axis=1) - across[:, None]
+    return Skeleton(nodes, skeleton.edges, _balls_inside(skeleton, inside, wall), inside)
+
+
+def _balls_inside(skeleton: Skeleton, inside: Floats, wall: float) -> Floats:
+    """Return the radii of the nodes of what is inside: balls a wall smaller, else of the struts.
+
+    Parameters
+    ----------
+    inside : (m, 2) radii of the edges inside, mm
+    """
+    own = np.zeros(len(skeleton.nodes))
+    np.maximum.at(own, skeleton.edges, inside)
+    is_ball = (balls_of(skeleton, straight_runs(skeleton)) > 0) | (own == 0)
+    return np.where(is_ball, np.maximum(skeleton.radii - wall, 1e-3 * skeleton.radii), own)
+
+
+@dataclass(frozen=True, eq=False)
+class Walls(Frozen):
+    """How thick the walls of hollow struts are, as measured. Between collars they are exact."""
+
+    asked: float
+    """What was asked for, mm."""
+    nodes: Floats
+    """Least thickness at each node that has a blend of its own, nan at others, shape (n,), mm."""
+    curves: Floats
+    """Least thickness of each curve, shape (c,), mm."""
+    sockets: Floats
+    """What the bore of each socket leaves of its strut, shape (q,), mm."""
+
+    @property
+    def least(self) -> float:
+        """The least of all, mm."""
+        found = [self.nodes[np.isfinite(self.nodes)], self.curves, self.sockets]
+        return min(self.asked, float(np.concatenate(found).min(initial=np.inf)))
+
+
+def walls(struts: RoundStruts) -> Walls:
+    """Return how thick the walls of hollow struts are, measured at samples of their inside.
+
+    Raises
+    ------
+    OptionError
+        If the struts are solid.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, round_struts
+    >>> tube = Skeleton([[0, 0, 0], [0, 0, 20]], [[0, 1]], 5.0)
+    >>> lug = round_struts(tube, wall=1.0, ends="open", sockets={1: (4.2, 6.0)})
+    >>> walls(lug).sockets.round(6).tolist()
+    [0.8]
+    """
+    if struts.inner is None:
+        raise OptionError("the struts are solid; need wall=, mm")
+    runs, sockets = struts.runs, struts.sockets
+    half_runs = runs.incidence.half_edges[runs.incidence.offsets[sockets.nodes]]
+    cosines = 1 / np.hypot(1.0, runs.slopes[half_runs])
+    left = [
+        cosines * (runs.radii_at(half_runs, depth) - sockets.radii)
+        for depth in (0.0 * sockets.depths, sockets.depths)
+    ]
+    nodes = walls_at(struts.blended, struts.inner.blended, len(runs.nodes))
+    nodes[struts.crowded | struts.inner.crowded] = np.nan
+    curves = _along_curves(struts.curves, struts.inner.curves)
+    return Walls(struts.options.wall or 0.0, nodes, curves, np.minimum(*left))
+
+
+def walls_at(outer: Sequence[BlendedNodes], inner: Sequence[BlendedNodes], count: int) -> Floats:
+    """Return the least wall of each node with blends outside and inside, nan elsewhere, mm.
+
+    That of equal nodes is found once.
+
+    Parameters
+    ----------
+    count : how many nodes there are
+
+    Returns
+    -------
+    (count,) float64
+    """
+    found = np.full(count, np.nan)
+    inside_of = {
+        node: (group, row)
+        for group in inner
+        for node, row in zip(group.nodes.tolist(), group.shape_of.tolist(), strict=True)
+    }
+    for group in outer:
+        known: dict[tuple[int, ...], float] = {}
+        for node, row in zip(group.nodes.tolist(), group.shape_of.tolist(), strict=True):
+            if node not in inside_of:
+                continue
+            inside, other = inside_of[node]
+            key = _pair(group, row, inside, other)
+            if key not in known:
+                pair = group.shapes[np.array([row])], inside.shapes[np.array([other])]
+                known[key] = float(Gaps(pair[0]).least(pair[1])[0])
+            found[node] = known[key]
+    return found
+
+
+def _pair(outer: BlendedNodes, row: int, inner: BlendedNodes, other: int) -> tuple[int, ...]:
+    """Return what an outside and an inside have that are turned alike, or else the two."""
+    outside, inside = outer.originals, inner.originals
+    alike = (outside.views.order[row] == inside.views.order[other]).all()
+    if alike and (outside.views.frames[row] == inside.views.frames[other]).all():
+        return int(outside.which[row]), id(inner), int(inside.which[other])
+    return row, id(inner), other, 1
+
+
+def _along_curves(outer: Curves, inner: Curves) -> Floats:
+    """Return the least wall of each curve, (c,), mm."""
+    found = np.full(len(outer.half_runs), np.inf)
+    if len(found) == 0:
+        return found
+    points, normals = _on_curves(outer)
+    inside, _ = _on_curves(inner)
+    _, place = cKDTree(points.reshape(-1, 3)).query(inside)  # (p, k)
+    way = points.reshape(-1, 3)[place] - inside
+    gaps = dot(way, normals.reshape(-1, 3)[place])
+    np.minimum.at(found, outer.curve_of_piece, gaps.min(axis=1))
+    return found
+
+
+def _on_curves(curves: Curves) -> tuple[Floats, Floats]:
+    """Return points and unit normals of pieces of curves, both (p, k, 3)."""
+    levels, sides = SAMPLES
+    at = np.linspace(0.0, 1.0, levels + 1)
+    angle = 2 * np.pi / sides * np.arange(sides)
+    around = np.stack([np.ones(sides), np.cos(angle), np.sin(angle)])
+    turned = np.stack([np.zeros(sides), -np.sin(angle), np.cos(angle)])
+    frames = np.einsum("lj,pjkx->plkx", bernstein(ALONG, at), curves.frames)
+    slopes = np.einsum("lj,pjkx->plkx", bernstein(ALONG, at, 1), curves.frames)
+    points = np.einsum("ks,plkx->plsx", around, frames)
+    across = np.einsum("ks,plkx->plsx", turned, frames)
+    ahead = np.einsum("ks,plkx->plsx", around, slopes)
+    normals = normalize(np.cross(across, ahead))
+    count = len(points)
+    return points.reshape(count, -1, 3), normals.reshape(count, -1, 3)

@@ -1,0 +1,1 @@
+"""Round struts as triangles: rings at nodes, bands along struts, ends."""
