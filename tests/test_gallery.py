@@ -5,17 +5,30 @@ from __future__ import annotations
 import ast
 import re
 import runpy
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
-from scaffold_cad import QuadMesh, TriangleMesh, read_skeleton, self_intersections, to_solid
+from scaffold_cad import (
+    QuadMesh,
+    TriangleMesh,
+    check_printability,
+    read_skeleton,
+    to_solid,
+)
+from scaffold_cad.mesh import self_intersections
+from scaffold_cad.printability import PROCESSES
 from tests.test_examples import CHECKS
 
 ROOT = Path(__file__).parents[1]
 GALLERY = ROOT / "examples" / "gallery"
 PICTURES = ROOT / "docs" / "images" / "gallery"
+ON_SURFACES = ("shoe_sole", "helmet", "pipe_sleeve")
+LARGE_SLS = replace(PROCESSES["sls"], build_volume=(340.0, 340.0, 600.0))
+"""Laser sintering in a machine that takes a helmet."""
 NAMES = sorted(path.stem for path in GALLERY.glob("*.py"))
 
 
@@ -53,6 +66,8 @@ def test_program_writes_solids(name: str, tmp_path: Path, monkeypatch: pytest.Mo
         ALL_CHECKS[path.suffix](path)
         if path.suffix == ".obj":
             assert (quads_of(path).quads == quads_of(written[0]).quads).all()
+        if name in ON_SURFACES and path.suffix == ".stl":
+            assert check_printability(trimesh.load(path), LARGE_SLS).printable
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -65,7 +80,7 @@ def test_program_is_short_and_says_what_it_makes(name: str) -> None:
     assert len([line for line in code if line.strip()]) <= 40
 
 
-@pytest.mark.parametrize("name", ["shoe_sole", "helmet", "pipe_sleeve", "filled_bracket"])
+@pytest.mark.parametrize("name", [*ON_SURFACES, "filled_bracket"])
 def test_lattices_on_surfaces_take_20_lines(name: str) -> None:
     assert len((GALLERY / f"{name}.py").read_text(encoding="utf-8").splitlines()) <= 20
 
