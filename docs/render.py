@@ -36,10 +36,11 @@ from scaffold_cad import (
     to_solid,
     to_trimesh,
 )
-from scaffold_cad.base.arrays import Floats, Points, UnitVectors
+from scaffold_cad.base.arrays import Bools, Floats, Points, UnitVectors
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.brep import tessellated
 from scaffold_cad.convolution import ConvolutionField
+from scaffold_cad.mechanics import Sized
 from scaffold_cad.webpage import write_page
 
 ROOT = Path(__file__).parents[1]
@@ -48,9 +49,11 @@ GALLERY = ROOT / "examples" / "gallery"
 sys.path[:0] = [str(ROOT / "examples"), str(GALLERY)]
 
 # The examples' folders must be found first.
+import bracket  # noqa: E402
 import canopy  # noqa: E402
 import convolution  # noqa: E402
 import lattice  # noqa: E402
+import octet_beam  # noqa: E402
 import overlapping_tree  # noqa: E402
 import stick_woman  # noqa: E402
 import twist  # noqa: E402
@@ -501,9 +504,71 @@ def draw_canopy() -> None:
     for result, color, place in zip(
         canopy.results(canopy.loaded_tree()), (GRAY, BLUE), (0.0, 290.0), strict=True
     ):
-        struts = round_struts(result.skeleton.moved(result.skeleton.nodes + place * stage.right))
-        stage.add(_faceted(to_solid(struts, sides=32)), color)
+        _add_sized(stage, result, place * stage.right, color)
     stage.save("canopy")
+
+
+def draw_bracket() -> None:
+    """Draw the bracket on its wall with one radius for all struts, and with sized ones."""
+    stage = Stage((0.55, -1.0, 0.35), 900, 320)
+    for result, color, place in zip(
+        bracket.results(bracket.bracket()), (GRAY, BLUE), (0.0, 190.0), strict=True
+    ):
+        _add_sized(stage, result, place * stage.right, color)
+        highest = result.skeleton.nodes[:, 2] > bracket.TIP - 0.1
+        _add_forces(stage, result, highest, place * stage.right, 32.0)
+        low, high = result.skeleton.nodes.min(axis=0), result.skeleton.nodes.max(axis=0)
+        wall = pv.Box((-7, -4, low[1] - 10, high[1] + 10, low[2] - 10, high[2] + 10))
+        stage.add(wall.translate(place * stage.right), INK)
+    stage.save("bracket")
+
+
+def draw_octet_beam() -> None:
+    """Draw the beam in three-point bending with one radius for all struts, and with sized ones."""
+    stage = Stage((-0.3, -1.0, 0.3), 800, 620)
+    for result, color, place in zip(
+        octet_beam.results(octet_beam.bent_beam()), (GRAY, BLUE), (0.0, -58.0), strict=True
+    ):
+        _add_sized(stage, result, place * stage.up, color)
+        held = result.solution.model.fixed.any(axis=1)
+        _add_forces(stage, result, ~held, place * stage.up, 20.0)
+        for foot, radius in zip(result.skeleton.nodes[held], _radii(result)[held], strict=True):
+            middle = foot + place * stage.up - [0.0, 0.0, radius + 3.5]
+            cone = pv.Cone(
+                center=middle, direction=(0, 0, 1), height=7.0, radius=3.5, resolution=48
+            )
+            stage.add(cone.compute_normals(feature_angle=35.0, split_vertices=True), INK)
+    stage.save("octet_beam")
+
+
+def _add_sized(stage: Stage, result: Sized, aside: Points, color: str) -> None:
+    """Add sized struts, moved by `aside`."""
+    struts = round_struts(result.skeleton.moved(result.skeleton.nodes + aside))
+    stage.add(_faceted(to_solid(struts, sides=32)), color)
+
+
+def _add_forces(stage: Stage, result: Sized, some: Bools, aside: Points, size: float) -> None:
+    """Add an arrow of `size` mm to each loaded one of `some` nodes."""
+    forces, radii = result.solution.model.forces[:, :3], _radii(result)
+    for node in np.flatnonzero(forces.any(axis=1) & some):
+        way = normalize(forces[node])
+        tail = result.skeleton.nodes[node] + aside - (size + radii[node]) * way
+        arrow = pv.Arrow(
+            start=tail,
+            direction=way,
+            scale=size,
+            tip_length=0.35,
+            tip_radius=0.13,
+            shaft_radius=0.05,
+        ).compute_normals(feature_angle=35.0, split_vertices=True)
+        stage.add(arrow, CORAL)
+
+
+def _radii(result: Sized) -> Floats:
+    """Return the largest radius at each node, (n,), mm."""
+    found = np.zeros(len(result.skeleton.nodes))
+    np.maximum.at(found, result.skeleton.edges, result.radii[:, None])
+    return found
 
 
 def draw_page() -> None:
@@ -547,6 +612,8 @@ PICTURES: dict[str, Callable[[], None]] = {
     "page": draw_page,
     "convolution": draw_convolution,
     "canopy": draw_canopy,
+    "bracket": draw_bracket,
+    "octet_beam": draw_octet_beam,
     **{f"gallery/{name}": partial(draw_gallery, name) for name in VIEWS},
 }
 

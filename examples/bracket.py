@@ -11,7 +11,7 @@ from _common import out_folder, save
 
 from scaffold_cad import build_scaffold, mapped, tile
 from scaffold_cad.base.arrays import Points
-from scaffold_cad.mechanics import BeamModel, Load, Support, beam_model, sized
+from scaffold_cad.mechanics import BeamModel, Load, Sized, Support, beam_model, sized
 
 REACH = 150.0
 """Length of the arm, mm."""
@@ -28,18 +28,16 @@ LEAST_RADIUS = 0.8
 
 def main(folder: Path) -> None:
     """Size the bracket, tell what it brings, and write it."""
-    model = bracket()
-    one_radius = np.zeros(len(model.skeleton.edges))
-    even = sized(model, least_radius=LEAST_RADIUS, groups=one_radius, least_mass=False)
-    result = sized(model, least_radius=LEAST_RADIUS)
-    for name, found in (("one radius", even), ("sized", result)):
+    before, after = results(bracket())
+    for name, result in (("one radius", before), ("sized", after)):
+        solution = result.solution
         print(
-            f"{name}: {1000 * found.mass:.1f} g, "
-            f"radii {found.radii.min():.2f} to {found.radii.max():.2f} mm, "
-            f"utilization {found.solution.utilization.max():.3f}, "
-            f"sag {found.solution.largest_displacement:.2f} mm"
+            f"{name}: {1000 * result.mass:.1f} g, "
+            f"radii {result.radii.min():.2f} to {result.radii.max():.2f} mm, "
+            f"utilization {solution.utilization.max():.3f}, "
+            f"sag {solution.largest_displacement:.2f} mm"
         )
-    save(build_scaffold(result.skeleton), folder / "bracket.stl")
+    save(build_scaffold(after.skeleton), folder / "bracket.stl")
 
 
 def bracket() -> BeamModel:
@@ -52,6 +50,13 @@ def bracket() -> BeamModel:
         Support(x < 0.1),
         Load(x > REACH - 0.1, force=(0, 0, -WEIGHT)),
     )
+
+
+def results(model: BeamModel) -> tuple[Sized, Sized]:
+    """Return the arm with one radius, and with one for each strut."""
+    one_radius = np.zeros(len(model.skeleton.edges))
+    even = sized(model, least_radius=LEAST_RADIUS, groups=one_radius, least_mass=False)
+    return even, sized(model, least_radius=LEAST_RADIUS)
 
 
 def shaped(points: Points) -> Points:

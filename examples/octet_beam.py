@@ -10,7 +10,7 @@ import numpy as np
 from _common import out_folder, save
 
 from scaffold_cad import build_scaffold, tile
-from scaffold_cad.mechanics import BeamModel, Load, Support, beam_model, sized
+from scaffold_cad.mechanics import BeamModel, Load, Sized, Support, beam_model, sized
 
 CELL = 20.0
 """Size of a cell, mm."""
@@ -27,15 +27,8 @@ LEAST_RADIUS = 0.6
 
 def main(folder: Path) -> None:
     """Size the struts, tell what it brings, and write the beam."""
-    model = bent_beam()
-    even = sized(
-        model,
-        least_radius=LEAST_RADIUS,
-        groups=np.zeros(len(model.skeleton.edges)),
-        least_mass=False,
-    )
-    best = sized(model, least_radius=LEAST_RADIUS)
-    for name, result in (("one radius", even), ("sized", best)):
+    before, after = results(bent_beam())
+    for name, result in (("one radius", before), ("sized", after)):
         solution = result.solution
         print(
             f"{name}: {1000 * result.mass:.1f} g, "
@@ -43,7 +36,7 @@ def main(folder: Path) -> None:
             f"utilization {solution.utilization.max():.3f}, "
             f"sag {solution.largest_displacement:.3f} mm"
         )
-    save(build_scaffold(best.skeleton), folder / "octet_beam.stl")
+    save(build_scaffold(after.skeleton), folder / "octet_beam.stl")
 
 
 def bent_beam() -> BeamModel:
@@ -60,6 +53,13 @@ def bent_beam() -> BeamModel:
         ],
         Load((np.abs(x - CELLS * CELL / 2) < 0.1) & (z > CELL - 0.1), force=(0, 0, -FORCE)),
     )
+
+
+def results(model: BeamModel) -> tuple[Sized, Sized]:
+    """Return the beam with one radius, and with one for each strut."""
+    one_radius = np.zeros(len(model.skeleton.edges))
+    even = sized(model, least_radius=LEAST_RADIUS, groups=one_radius, least_mass=False)
+    return even, sized(model, least_radius=LEAST_RADIUS)
 
 
 if __name__ == "__main__":
