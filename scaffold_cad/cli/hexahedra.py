@@ -15,7 +15,7 @@ from scaffold_cad.errors import FormatError
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.struts import RoundStruts
 
-OPTIONS = ("along", "layers")
+OPTIONS = ("along", "keep", "layers")
 """What `add_arguments` adds."""
 
 ENDINGS = (".inp", ".bdf", ".msh", ".vtu")
@@ -28,6 +28,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     elements = parser.add_argument_group("hexahedra")
     elements.add_argument(
         "--along", type=int, metavar="N", help="hexahedra along each strut's straight part"
+    )
+    elements.add_argument(
+        "--keep",
+        choices=("surface", "volume"),
+        help="what hexahedra of round struts keep: outer points on the surface, or the volume",
     )
     elements.add_argument(
         "--layers", type=int, metavar="N", help="layers of hexahedra around the core of struts"

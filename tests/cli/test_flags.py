@@ -54,7 +54,7 @@ LINES = {
         "tripod.json --as frame --strut-radius 0.3 -o d.stl",
         "tripod.json --tiles tiles --block 20 --jobs 1 -o e.stl",
         "tripod.json --round --nodes sharp --process sls -o f.step",
-        "tripod.json --as hexahedra --round --sides 8 --layers 1 --along 3 -o g.inp",
+        "tripod.json --as hexahedra --round --sides 8 --layers 1 --along 3 --keep volume -o g.inp",
     ],
     "lattice": [
         f"--quiet --cell bcc --size 8 --radius 0.6 --box 8x8x8 {ROUND} --overlaps unite -o a.stl",

@@ -38,7 +38,7 @@ def determinants(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("suffix", ["inp", "bdf", "msh", "vtu"])
 @pytest.mark.parametrize(
-    "options", [[], ["--collars", "--along", "3"], ["--round", "--sides", "8"]]
+    "options", [[], ["--collars", "--along", "3"], ["--round", "--sides", "8", "--keep", "volume"]]
 )
 def test_struts_become_hexahedra_in_each_format(
     suffix: str, options: list[str], tripod: str, tmp_path: Path

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.base.vectors import normalize
-from scaffold_cad.mechanics.hexahedra.relax import Control, Onto
+from scaffold_cad.mechanics.hexahedra.relax import Control
 from scaffold_cad.mechanics.hexahedra.sections import Frame
+from scaffold_cad.mechanics.hexahedra.surface import RimSurface
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +45,8 @@ class Caps(Frozen):
     """Shape (x, 3), mm."""
     radii: Floats
     """Shape (x,), mm."""
+    rim: Ints
+    """Points of the rim on each, shape (x, r)."""
 
     def put_on(self, points: Points, sections: Ints) -> None:
         """Move the points of the last sections, (x, s), onto the spheres."""
@@ -59,7 +62,7 @@ class Plan(Frozen):
     """The sections."""
     spans: tuple[Span, ...]
     """What lies between them."""
-    surface: Onto | None
+    surface: RimSurface | None
     """Puts points of the rim back on the struts' surface, where those that may move stay on it."""
     closing: Ints
     """Sections in which struts end, shape (x,)."""
@@ -81,6 +84,34 @@ class Plan(Frozen):
         return Control(
             weights, cells, movable, scale, sliding, lambda rows, to: on_rim(rows - hubs, to)
         )
+
+    def normals(
+        self, places: Points, points: Points, weights: sparse.csr_array, sections: Ints
+    ) -> UnitVectors:
+        """Return the normals of round struts at outer points, (p, 3); those of others mean nothing.
+
+        Parameters
+        ----------
+        places : (c, 3) control points, mm
+        points : (p, 3) made of these by `weights`, but for those on caps, mm
+        sections : (x, s) points of the sections in which struts end
+        """
+        frame = self.frame
+        on_rim = np.arange(len(frame.hubs), len(frame.hubs) + len(frame.rim))
+        rim = places[on_rim]
+        normals = normalize(rim - places[frame.owner])
+        if self.surface is not None:
+            on_blends = self.surface.normals.copy()
+            moved = np.flatnonzero((rim != frame.rim).any(axis=1))
+            on_blends[moved] = self.surface(moved, rim[moved])[1]
+            normals = np.where(on_blends.any(axis=1, keepdims=True), on_blends, normals)
+        if self.caps is not None:
+            centers = self.caps.centers[:, None]
+            normals[self.caps.rim] = normalize(rim[self.caps.rim] - centers)
+        found = normalize(weights[:, on_rim] @ normals)
+        if self.caps is not None:
+            found[sections] = normalize(points[sections] - centers)
+        return found
 
 
 def _nowhere(_: Ints, places: Points) -> tuple[Points, Points]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.base.ranges import steps
-from scaffold_cad.base.vectors import dot
+from scaffold_cad.base.vectors import dot, normalize
 from scaffold_cad.mechanics.hexahedra.plans import Caps, Plan, Span
 from scaffold_cad.mechanics.hexahedra.runs import RunEdges, RunTurns, check_has_hexahedra
 from scaffold_cad.mechanics.hexahedra.sections import FrameParts
@@ -56,12 +56,13 @@ def round_plan(struts: RoundStruts, sides: int, pieces: int) -> Plan:
     rings = np.empty(own.shape[:2], dtype=np.intp)
     hubs = np.empty(len(own), dtype=np.intp)
     plain = np.ones(len(own), dtype=np.bool_)
-    spans, stacks = [], []
+    spans, stacks, normals = [], [], []
     for group in straight.blended:
         plain[group.half_runs] = False
         stack = _stack(straight, group, turns, own[group.half_runs], frames)
         rings[group.half_runs], hubs[group.half_runs] = stack.rings[:, :, -1], stack.hubs[:, :, -1]
         stacks.append(stack.rings)
+        normals.append(_blend_normals(group, turns, stack.rings.shape[2] - 1, sides))
         spans.append(_node_span(straight, group, turns, stack, frames, edges))
     some = np.flatnonzero(plain)
     hubs[some] = frames.add_hubs(ring_centers(straight, some), turns.radius[some])
@@ -77,12 +78,13 @@ def round_plan(struts: RoundStruts, sides: int, pieces: int) -> Plan:
             replace(
                 span,
                 edge=np.repeat(
-                    edges.at(edges.number[ends >> 1], caps.centers), len(span.edge) // len(ends)
+                    edges.at(edges.number[ends >> 1], caps.centers),
+                    len(span.edge) // max(len(ends), 1),
                 ),
             )
         )
     frame = frames.frame()
-    surface = RimSurface.of(straight, stacks, len(frame.rim))
+    surface = RimSurface.of(straight, stacks, normals, len(frame.rim))
     return Plan(frame, tuple(spans), surface, closing, straight.runs.tails[ends], caps)
 
 
@@ -154,6 +156,13 @@ def _stack(
     rings[:, :, 1:-1] = frames.add_rim(points[:, :, 1:-1], hubs[:, :, 1:-1], loose=True)
     rings[:, :, -1] = frames.add_rim(own, hubs[:, :, -1])
     return _Stack(rings, hubs)
+
+
+def _blend_normals(group: BlendedNodes, turns: RunTurns, levels: int, sides: int) -> UnitVectors:
+    """Return the normals at the points of a stack, (M, N, levels + 1, sides, 3)."""
+    turn, at = turns.turn[group.half_runs], np.linspace(0.0, 1.0, levels + 1)
+    by_u, by_v = (turned_rings(group, turn, at, sides, each) for each in ((1, 0), (0, 1)))
+    return normalize(np.cross(by_u, by_v))
 
 
 def _node_span(
@@ -309,4 +318,8 @@ def _round_ends(
     nodes = np.full(pairs.shape, -1, dtype=np.intp)
     span = Span(pairs, 1, np.repeat(ends >> 1, levels), nodes, none)
     centers = node + sphere.center[:, None] * outward
-    return beyond[:, -1], span, Caps(centers, sphere.size)
+    return (
+        beyond[:, -1],
+        span,
+        Caps(centers, sphere.size, rings.reshape(len(ends), levels * frames.sides)),
+    )

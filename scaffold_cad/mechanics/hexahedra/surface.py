@@ -24,24 +24,30 @@ class RimSurface(Frozen):
     """Its blend there, shape (r,)."""
     center: Points
     """Its node, shape (r, 3), mm."""
+    normals: UnitVectors
+    """There, outward, as planned; 0 on struts and curves, shape (r, 3)."""
 
     @staticmethod
-    def of(struts: RoundStruts, rings: list[Ints], count: int) -> RimSurface:
+    def of(
+        struts: RoundStruts, rings: list[Ints], normals: list[UnitVectors], count: int
+    ) -> RimSurface:
         """Return the blends of `count` points of the rim.
 
         Parameters
         ----------
         rings : those of each group's struts, from the arcs to the collars,
             (M, N, levels + 1, sides)
+        normals : at these, (M, N, levels + 1, sides, 3)
         """
         number, shape = np.full(count, -1, dtype=np.intp), np.zeros(count, dtype=np.intp)
-        center = np.zeros((count, 3))
+        center, normal = np.zeros((2, count, 3))
         for k, (group, ring) in enumerate(zip(struts.blended, rings, strict=True)):
+            normal[ring[:, :, :-1]] = normals[k][:, :, :-1]
             rows = ring[:, :, :-1].reshape(len(group.nodes), -1)
             number[rows] = k
             shape[rows] = group.shape_of[:, None]
             center[rows] = struts.runs.nodes[group.nodes][:, None]
-        return RimSurface(struts.blended, number, shape, center)
+        return RimSurface(struts.blended, number, shape, center, normal)
 
     def __call__(self, rows: Ints, places: Points) -> tuple[Points, UnitVectors]:
         """Return the points of the surface near places (q, 3) of points (q,), and its normals."""

@@ -168,7 +168,9 @@ def angles_at(parameters: Floats) -> Floats:
     return angles.reshape(parameters.shape)
 
 
-def turned_rings(group: BlendedNodes, turns: Floats, at: Floats, sides: int) -> Points:
+def turned_rings(
+    group: BlendedNodes, turns: Floats, at: Floats, sides: int, slopes: tuple[int, int] = (0, 0)
+) -> Points:
     """Return points on the patches of M nodes, from the arcs outward, (M, N, k, sides, 3), mm.
 
     Rings at the arcs are those that `first_rings` numbers. Further out they are turned about their
@@ -178,10 +180,12 @@ def turned_rings(group: BlendedNodes, turns: Floats, at: Floats, sides: int) -> 
     ----------
     turns : (M, N) turn of the rings at the collars, counter-clockwise about their struts, rad
     at : (k,) parameters from the arcs, 0, to the collars, 1
+    slopes : which derivatives by u, around the strut, and by v are returned in place of points
     """
+    by_u, by_v = slopes
     layout, control = group.shapes.layout, group.shapes.control  # (U, 4 N, n_u, n_v, 3)
     count, valency = turns.shape
-    rows = np.einsum("vj,upijx->upvix", layout.v.values_at(at), control)
+    rows = np.einsum("vj,upijx->upvix", layout.v.values_at(at, by_v), control)
     rings = np.empty((count, valency, len(at), sides, 3))
     even = np.arange(sides) * (4.0 / sides)
     strut, level = np.arange(valency)[:, None, None], np.arange(len(at))[:, None]
@@ -189,7 +193,7 @@ def turned_rings(group: BlendedNodes, turns: Floats, at: Floats, sides: int) -> 
         turned = even + turns[part, :, None, None] / (np.pi / 2) * at[:, None]
         quarter = np.floor(turned).astype(np.intp)  # (m, N, k, sides)
         patch = 4 * strut + quarter % 4
-        values = layout.u.values_at(_parameters(turned - quarter).reshape(-1))
+        values = layout.u.values_at(_parameters(turned - quarter).reshape(-1), by_u)
         values = values.reshape(*turned.shape, -1)
         shape = group.shape_of[part, None, None, None]
         rings[part] = np.einsum("mnksi,mnksix->mnksx", values, rows[shape, patch, level])

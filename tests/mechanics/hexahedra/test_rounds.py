@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from scaffold_cad import RoundStruts, Skeleton, build_scaffold, round_struts, to_brep
+from scaffold_cad import RoundStruts, Skeleton, build_scaffold, round_struts, to_brep, to_solid
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import cells
 from scaffold_cad.mechanics import Hexahedra, hexahedra, write_hexahedra
@@ -170,6 +171,67 @@ def test_volumes_tend_to_that_of_the_struts() -> None:
     assert missing == pytest.approx([0.0997, 0.0255, 0.0064], rel=0.15)
 
 
+@pytest.mark.parametrize("sides", [8, 16])
+@pytest.mark.parametrize("along", [1, 3])
+@pytest.mark.parametrize("far", [1.5, 4.0])
+def test_a_strut_keeps_the_volume_of_its_cylinder_or_cone(
+    sides: int, along: int, far: float
+) -> None:
+    struts = round_struts(Skeleton([[0, 0, 0], [3, 4, 12]], [[0, 1]], [1.5, far]))
+    mesh = hexahedra(struts, sides=sides, along=along, keep="volume")
+    exact = np.pi * 13 * (1.5**2 + 1.5 * far + far**2) / 3
+    assert mesh.volumes.sum() == pytest.approx(exact, rel=1e-9)
+    for node, place in enumerate(struts.skeleton.nodes):
+        flat = mesh.points[mesh.end_of_point == node] - place
+        np.testing.assert_allclose(flat @ [3, 4, 12], 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("sides", "layers", "most"), [(8, 1, 0.005), (16, 0, 0.002), (16, 2, 0.002)]
+)
+@pytest.mark.parametrize("skeleton", [TRIPOD, ELBOW, K4, MIXED, CUBE, lattice("octet", count=1)])
+def test_nodes_keep_the_volume_of_the_solid(
+    skeleton: Skeleton, sides: int, layers: int, most: float
+) -> None:
+    struts = round_struts(skeleton)
+    exact, kept = (
+        hexahedra(struts, sides=sides, layers=layers, keep=keep) for keep in ("surface", "volume")
+    )
+    solid = to_solid(struts, sides=48).volume()
+    assert exact.volumes.sum() < (1 - 4 * most) * solid
+    assert kept.volumes.sum() == pytest.approx(solid, rel=most)
+    assert (kept.quality >= np.minimum(exact.quality, 0.2)).all()
+    np.testing.assert_array_equal(kept.hexahedra, exact.hexahedra)
+    inside = np.setdiff1d(np.arange(len(kept.points)), kept.boundary)
+    np.testing.assert_array_equal(kept.points[inside], exact.points[inside])
+
+
+def test_round_ends_and_curves_keep_their_volume() -> None:
+    mesh = hexahedra(round_struts(STRUT, ends="round"), keep="volume")
+    solid = np.pi * 1.5**2 * 20 + 4 / 3 * np.pi * 1.5**3
+    assert mesh.volumes.sum() == pytest.approx(solid, rel=2e-4)
+    ring = round_struts(RING)
+    assert hexahedra(ring, keep="volume").volumes.sum() == pytest.approx(
+        to_solid(ring, sides=64).volume(), rel=1e-3
+    )
+
+
+@pytest.mark.parametrize("name", ["fbcc", "triangular_prism", "bccz"])
+def test_no_hexahedron_gets_worse_than_asked_for_as_volume_is_kept(name: str) -> None:
+    struts = round_struts(lattice(name, count=1))
+    before = hexahedra(struts, sides=8)
+    assert before.quality.min() > 0.2 - 1e-3
+    after = hexahedra(struts, sides=8, keep="volume")
+    assert (after.quality >= np.minimum(before.quality, 0.2)).all()
+    assert after.volumes.sum() > 1.08 * before.volumes.sum()
+
+
+def test_round_ends_may_be_missing() -> None:
+    mesh = hexahedra(round_struts(CUBE, ends="round"))
+    flat = hexahedra(round_struts(CUBE))
+    np.testing.assert_array_equal(mesh.points, flat.points)
+
+
 def test_sets_name_edges_nodes_and_ends_also_where_a_run_passes_joints() -> None:
     row = Skeleton([[10 * k, 0, 0] for k in range(4)], [[1, 0], [1, 2], [2, 3]], 1.0)
     mesh = hexahedra(round_struts(row), along=2)
@@ -198,9 +260,10 @@ def test_files_keep_what_hexahedra_belong_to(tmp_path: Path) -> None:
         ({"sides": 12}, "sides is 12; need a multiple of 8"),
         ({"layers": -1}, "layers is -1"),
         ({"along": 0}, "along is 0"),
+        ({"keep": "volum"}, "keep is 'volum'.*did you mean 'volume'"),
     ],
 )
-def test_bad_arguments_are_named(options: dict[str, int], message: str) -> None:
+def test_bad_arguments_are_named(options: dict[str, Any], message: str) -> None:
     with pytest.raises(OptionError, match=message):
         hexahedra(round_struts(STRUT), **options)
 
@@ -208,6 +271,8 @@ def test_bad_arguments_are_named(options: dict[str, int], message: str) -> None:
 def test_scaffolds_have_eight_sides() -> None:
     with pytest.raises(OptionError, match="sides is 16 for a scaffold; need 8"):
         hexahedra(build_scaffold(STRUT), sides=16)
+    with pytest.raises(OptionError, match="keep is 'volume' for a scaffold; need round struts"):
+        hexahedra(build_scaffold(STRUT), keep="volume")
 
 
 def test_struts_without_patches_of_their_own_are_named() -> None:
