@@ -147,8 +147,10 @@ def hexahedra(
     >>> bool(hexahedra(round_struts(star)).quality.min() > 0.2)
     True
     >>> rod = round_struts(Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0))
-    >>> [round(hexahedra(rod, keep=keep).volumes.sum(), 2) for keep in ("surface", "volume")]
-    [27.55, 28.27]
+    >>> for keep in ("surface", "volume"):
+    ...     print(f"{hexahedra(rod, keep=keep).volumes.sum():.2f} mm³")
+    27.55 mm³
+    28.27 mm³
     """
     check_kind(struts, Scaffold, RoundStruts)
     pieces = as_count(along, "along", 1)
