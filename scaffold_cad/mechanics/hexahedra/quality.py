@@ -108,9 +108,12 @@ def boundary_faces(hexahedra: Ints) -> Ints:
     A mesh with a face of three hexahedra or more does not conform.
     """
     faces = hexahedra[:, FACES].reshape(-1, 4)
-    key = np.sort(faces, axis=1)
-    order = np.lexsort(key.T)
-    changed = np.concatenate([[True], (np.diff(key[order], axis=0) != 0).any(axis=1)])
+    low, second, third, high = np.sort(faces, axis=1).T
+    count = int(high.max(initial=0)) + 1
+    keys = second * count + low, high * count + third
+    order = np.lexsort(keys)
+    changed = np.ones(len(faces), dtype=np.bool_)
+    changed[1:] = np.any([np.diff(key[order]) != 0 for key in keys], axis=0)
     start = np.flatnonzero(changed)
     size = np.diff(np.append(start, len(faces)))
     kept: Ints = faces[order[start[size == 1]]]
