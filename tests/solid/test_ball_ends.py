@@ -175,8 +175,8 @@ def test_balls_that_overlap_others_are_facets_where_asked(nodes: Nodes, wall: fl
     assert spheres == pytest.approx([1.5] if wall is None else [1.5, 1.2])
     mesh = round_mesh(struts)
     check_as_written(mesh)
-    # Walls of meshes are as thick as asked in crotches too, those of facets are not.
-    assert mesh.signed_volume == pytest.approx(solid.volume, rel=0.005 if wall is None else 0.015)
+    # Walls are thicker between triangles than between the exact faces that a B-rep keeps.
+    assert mesh.signed_volume == pytest.approx(solid.volume, rel=0.005 if wall is None else 0.02)
 
 
 def test_struts_shorter_than_their_balls_are_fields() -> None:

@@ -80,6 +80,13 @@ class _Surface:
     left: RoundStruts | None
     """These struts."""
 
+    @property
+    def alone(self) -> Ints:
+        """Vertices of struts by themselves, whose triangles have the volume of exact faces, (k,)."""
+        moves = np.zeros(len(self.mesh.vertices), dtype=np.bool_)
+        moves[self.mesh.triangles[: len(self.node)]] = True
+        return np.flatnonzero(~moves[: self.exact])
+
     def alike(self, sides: int) -> Ints:
         """Return the vertex of a node of the same shape for each vertex, (v,)."""
         found = np.arange(len(self.mesh.vertices))
@@ -123,7 +130,8 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
     alike = np.arange(len(mesh.vertices))
     alike[first : first + len(inside.mesh.vertices)] = first + inside.alike(sides)
     at_ends = np.unique(mesh.triangles[len(outer) + len(inner) :])
-    walls = Walls(mesh, outer, inner, first + inside.exact, alike, at_ends)
+    fixed = np.concatenate([at_ends, first + inside.alone])
+    walls = Walls(mesh, outer, inner, first + inside.exact, alike, fixed)
     return thickened(walls, wall, polygon_wall(sides), factor)
 
 
