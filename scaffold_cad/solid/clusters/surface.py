@@ -82,7 +82,7 @@ class _Surface:
 
     @property
     def alone(self) -> Ints:
-        """Vertices of struts by themselves, whose triangles have the volume of exact faces, (k,)."""
+        """Vertices of struts by themselves, which have the volume of exact faces, (k,)."""
         moves = np.zeros(len(self.mesh.vertices), dtype=np.bool_)
         moves[self.mesh.triangles[: len(self.node)]] = True
         return np.flatnonzero(~moves[: self.exact])
