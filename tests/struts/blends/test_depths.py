@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from scaffold_cad.base.arrays import Floats
-from scaffold_cad.struts import depths
+from scaffold_cad.struts.blends import depths
 from scaffold_cad.struts.blends.distances import Union
 from scaffold_cad.struts.blends.layouts import Layout
 
