@@ -264,7 +264,7 @@ def skeleton_from(
     converted : whether it is written as what it was: then it is told that supports and loads go
     """
     path = Path(options.input) if path is None else path
-    # Struts end as they are asked to: that beams of a file are flat is no loss.
+    # Struts end as they are asked to: nothing is lost where the beams of a file are flat.
     raw = replace(read_raw(path, max_nodes(options)), flat_ends=0)
     if converted and raw.loading is not None:
         raw = replace(raw, left_out=(*raw.left_out, "supports and loads"))

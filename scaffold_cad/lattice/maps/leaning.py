@@ -8,7 +8,7 @@ from scaffold_cad.base.arrays import Bools, Floats, Points, Quads, UnitVectors
 from scaffold_cad.base.vectors import normalize, sums_by_row, triple
 
 LEAST_VOLUME = 0.02
-"""Least volume at the corner of a cell, in mean volumes of its own corners, that is no fold."""
+"""Volume at the corner of a cell below which it counts as folded, in the mean of its corners."""
 
 ROUNDS = 60
 """How often directions around folded cells are evened at most."""

@@ -31,7 +31,7 @@ ALIKE = 1.5
 """What is thicker than asked by up to this, in walls, is thinned to the wall."""
 
 LUMP = 3.0
-"""What is thicker than this, in walls, stays: it is no wall, but a void that is filled."""
+"""What is thicker than this, in walls, stays: a void that is filled."""
 
 ROUNDS = 6
 """Times that vertices move; each time other places may be the nearest ones."""
