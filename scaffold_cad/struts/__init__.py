@@ -1,7 +1,7 @@
 """Round struts: exact cylinders and cones, blends at nodes, and the proof that they are sound."""
 
-from scaffold_cad.struts.blends.blend import Blends, Solved, Stars
-from scaffold_cad.struts.blends.nodes import blends
+from scaffold_cad.struts.blending.blend import Blends, Solved, Stars
+from scaffold_cad.struts.blending.nodes import blends
 from scaffold_cad.struts.builder import round_struts
 from scaffold_cad.struts.meshes.sampling import Samples, sampled
 from scaffold_cad.struts.model import RoundStruts

@@ -14,10 +14,10 @@ from scaffold_cad.base.vectors import any_perpendicular
 from scaffold_cad.partition import partition_spheres
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 from scaffold_cad.struts.apart import crossings
-from scaffold_cad.struts.blends.bends import bend_partitions
-from scaffold_cad.struts.blends.blend import Stars
-from scaffold_cad.struts.blends.copies import Views
-from scaffold_cad.struts.blends.nodes import nearest_collars
+from scaffold_cad.struts.blending.bends import bend_partitions
+from scaffold_cad.struts.blending.blend import Stars
+from scaffold_cad.struts.blending.copies import Views
+from scaffold_cad.struts.blending.nodes import nearest_collars
 from scaffold_cad.struts.curves.curve import Curves, curves
 from scaffold_cad.struts.curves.joints import CurvedJoints, curved_joints, possible, sampled
 from scaffold_cad.struts.curves.proof import proved

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints
-from scaffold_cad.struts.blends.blend import Stars
-from scaffold_cad.struts.blends.nodes import blends
+from scaffold_cad.struts.blending.blend import Stars
+from scaffold_cad.struts.blending.nodes import blends
 from scaffold_cad.struts.hollow.insides import LEAST
 from scaffold_cad.struts.hollow.walls import walls_at
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts

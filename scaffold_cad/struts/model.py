@@ -12,7 +12,7 @@ from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.base.notebook import Shown
 from scaffold_cad.base.summaries import counted, radii_text, size_text
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.struts.blends.blend import Originals, Solved
+from scaffold_cad.struts.blending.blend import Originals, Solved
 from scaffold_cad.struts.curves.curve import Curves
 from scaffold_cad.struts.hollow.sockets import NO_SOCKETS, Sockets
 from scaffold_cad.struts.options import StrutOptions

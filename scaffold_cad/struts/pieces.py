@@ -15,8 +15,8 @@ from scaffold_cad.base.blocks import CACHE, blocks
 from scaffold_cad.base.ranges import steps
 from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.brep.bernstein import bernstein
-from scaffold_cad.struts.blends.quarter import DEGREE
-from scaffold_cad.struts.blends.splines import Spline
+from scaffold_cad.struts.blending.quarter import DEGREE
+from scaffold_cad.struts.blending.splines import Spline
 from scaffold_cad.struts.curves.curve import ALONG, Curves
 from scaffold_cad.struts.model import BlendedNodes
 from scaffold_cad.struts.options import Ends

@@ -11,7 +11,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.brep.bernstein import bernstein
-from scaffold_cad.struts.blends.quarter import DEGREE
+from scaffold_cad.struts.blending.quarter import DEGREE
 
 AT = np.linspace(0.0, 0.5, 2001)
 """Half of the curve: the other is its mirror image."""

@@ -1,10 +1,11 @@
 """What each of the ways to fit a blend is for: `python -m tests.benchmarks.recipes [--stars 30]`.
 
-Random stars of struts are solved with all of `scaffold_cad.struts.blends.recipes.RECIPES`, without
-each of them, and with other numbers of the first one, which solves most nodes. For each a line has
-the share that is proved, the share whose depth inside a strut is at most 0.02 of its radius, the
-median and the greatest misfit (distance from the filleted union, in radii), and the time per star.
-A recipe is worth its place where the line without it has less proved, worse fits or more time."""
+Random stars of struts are solved with all of `scaffold_cad.struts.blending.recipes.RECIPES`,
+without each of them, and with other numbers of the first one, which solves most nodes. For each a
+line has the share that is proved, the share whose depth inside a strut is at most 0.02 of its
+radius, the median and the greatest misfit (distance from the filleted union, in radii), and the
+time per star. A recipe is worth its place where the line without it has less proved, worse fits
+or more time."""
 
 from __future__ import annotations
 
@@ -16,7 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from scaffold_cad.struts import Stars, blends
-from scaffold_cad.struts.blends.recipes import RECIPES, Recipe
+from scaffold_cad.struts.blending.recipes import RECIPES, Recipe
 from scaffold_cad.struts.options import BLEND
 from tests.struts.stars import random_stars, stars_of
 

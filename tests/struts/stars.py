@@ -8,7 +8,7 @@ from scaffold_cad.base.arrays import Floats, UnitVectors
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.partition import partition_spheres
 from scaffold_cad.struts import Stars
-from scaffold_cad.struts.blends.bends import bend_partitions
+from scaffold_cad.struts.blending.bends import bend_partitions
 
 TRIPOD = np.eye(3)
 TEE = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0]])

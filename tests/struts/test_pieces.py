@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.struts.blends.splines import spline
+from scaffold_cad.struts.blending.splines import spline
 from scaffold_cad.struts.pieces import slicing
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Frozen, Ints, Points, UnitVectors
 from scaffold_cad.struts import RoundStruts
-from scaffold_cad.struts.blends.nearest import nearest_on_blends
+from scaffold_cad.struts.blending.nearest import nearest_on_blends
 from scaffold_cad.struts.model import BlendedNodes
 
 

@@ -14,8 +14,8 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints
 from scaffold_cad.solid.clusters.spans import BAND, CUT, FACING
-from scaffold_cad.struts.blends.collars import LEAST_BLEND, collar_distances, largest_blends
-from scaffold_cad.struts.blends.distances import Union
+from scaffold_cad.struts.blending.collars import LEAST_BLEND, collar_distances, largest_blends
+from scaffold_cad.struts.blending.distances import Union
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.room import allotted
 from scaffold_cad.struts.runs import balls_of

@@ -8,7 +8,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Edges, Floats, Ints
 from scaffold_cad.brep.analytic import Axes, BrepEdges, Knots, SplineCurves
-from scaffold_cad.struts.blends.splines import Spline
+from scaffold_cad.struts.blending.splines import Spline
 from scaffold_cad.struts.breps.plan import (
     FacePlan,
     curve_corners,

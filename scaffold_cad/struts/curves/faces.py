@@ -13,7 +13,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
 from scaffold_cad.base.ranges import steps
 from scaffold_cad.brep.analytic import Axes, Knots, SplineCurves, SplinePatches
-from scaffold_cad.struts.blends.quarter import ARC, DEGREE
+from scaffold_cad.struts.blending.quarter import ARC, DEGREE
 from scaffold_cad.struts.curves.curve import ALONG, Curves
 
 QUARTER = np.pi / 2

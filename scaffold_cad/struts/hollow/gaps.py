@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors
 from scaffold_cad.base.blocks import cut
 from scaffold_cad.base.vectors import dot, length, normalize
-from scaffold_cad.struts.blends.blend import Solved
+from scaffold_cad.struts.blending.blend import Solved
 
 LEVELS = 17
 """Samples of a patch in either direction, its rims among them."""

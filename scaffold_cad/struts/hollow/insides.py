@@ -20,12 +20,12 @@ from scaffold_cad.base.arrays import Bools, Floats, Ints
 from scaffold_cad.base.blocks import CACHE, cut
 from scaffold_cad.base.counts import counted
 from scaffold_cad.base.threads import in_order
-from scaffold_cad.struts.blends.blend import Originals, Skins, Solved, best_by_layout
-from scaffold_cad.struts.blends.fits import TypeFit
-from scaffold_cad.struts.blends.fitting import pieces_of_patches
-from scaffold_cad.struts.blends.joins import types_of
-from scaffold_cad.struts.blends.layouts import Layout
-from scaffold_cad.struts.blends.proof import prove
+from scaffold_cad.struts.blending.blend import Originals, Skins, Solved, best_by_layout
+from scaffold_cad.struts.blending.fits import TypeFit
+from scaffold_cad.struts.blending.fitting import pieces_of_patches
+from scaffold_cad.struts.blending.joins import types_of
+from scaffold_cad.struts.blending.layouts import Layout
+from scaffold_cad.struts.blending.proof import prove
 from scaffold_cad.struts.hollow.gaps import LEVELS, Gaps
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.room import SPARE

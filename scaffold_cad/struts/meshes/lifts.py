@@ -18,7 +18,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.base.blocks import CACHE, cut
 from scaffold_cad.base.vectors import dot, length, normalize
-from scaffold_cad.struts.blends.blend import Solved
+from scaffold_cad.struts.blending.blend import Solved
 from scaffold_cad.struts.meshes.volumes import Cells, triangle_volumes
 
 MOST = 0.25

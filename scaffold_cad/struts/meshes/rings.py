@@ -15,8 +15,8 @@ from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, read_only
 from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.brep.bernstein import bernstein
-from scaffold_cad.struts.blends.blend import Solved
-from scaffold_cad.struts.blends.quarter import ARC, DEGREE
+from scaffold_cad.struts.blending.blend import Solved
+from scaffold_cad.struts.blending.quarter import ARC, DEGREE
 from scaffold_cad.struts.meshes.bands import ring_triangles
 from scaffold_cad.struts.meshes.facing import faced
 from scaffold_cad.struts.meshes.lifts import Lifted, Samples

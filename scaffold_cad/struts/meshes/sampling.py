@@ -9,8 +9,8 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Quads, UnitVectors
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.errors import OptionError
-from scaffold_cad.struts.blends.blend import Blends
-from scaffold_cad.struts.blends.joins import shared_numbers
+from scaffold_cad.struts.blending.blend import Blends
+from scaffold_cad.struts.blending.joins import shared_numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,8 +53,8 @@ def sampled(blends: Blends, at_u: Floats, at_v: Floats) -> Samples:
     --------
     >>> import numpy as np
     >>> from scaffold_cad.partition import partition_spheres
-    >>> from scaffold_cad.struts.blends.blend import Stars
-    >>> from scaffold_cad.struts.blends.nodes import blends
+    >>> from scaffold_cad.struts.blending.blend import Stars
+    >>> from scaffold_cad.struts.blending.nodes import blends
     >>> tripod = partition_spheres(np.eye(3)[None])
     >>> (found,) = blends(Stars.of(tripod, radii=1.0, blends=0.5))
     >>> grid = np.linspace(0, 1, 5)

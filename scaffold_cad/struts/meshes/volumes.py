@@ -14,7 +14,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Frozen, Points
 from scaffold_cad.base.blocks import CACHE, blocks
 from scaffold_cad.base.vectors import dot, triple
-from scaffold_cad.struts.blends.blend import Solved
+from scaffold_cad.struts.blending.blend import Solved
 
 LEAST_PLACES = 8
 """Least number of places, along a side of a patch, at which it is looked at: those of Gauss and

@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 from scaffold_cad import Skeleton, round_struts
 from scaffold_cad.partition.arcs import side_twins
 from scaffold_cad.struts import Blends, blends
-from scaffold_cad.struts.blends.blend import Solved
+from scaffold_cad.struts.blending.blend import Solved
 from scaffold_cad.struts.hollow.gaps import INSIDE, Gaps, surface_samples
 from scaffold_cad.struts.hollow.insides import Skins, insides
 from tests.struts.stars import CUBIC, FIVE_TUBES, TRIPOD, random_stars, stars_of

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from scaffold_cad.base.vectors import normalize
-from scaffold_cad.struts.blends.distances import Union
+from scaffold_cad.struts.blending.distances import Union
 from tests.struts.stars import FAN, TRIPOD
 
 RNG = np.random.default_rng(4)

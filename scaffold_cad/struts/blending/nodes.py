@@ -18,12 +18,26 @@ from scaffold_cad.base.counts import counted
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.partition.arcs import side_twins
-from scaffold_cad.struts.blends.blend import Blends, Originals, Skins, Solved, Stars, best_by_layout
-from scaffold_cad.struts.blends.collars import LEAST_BLEND, Collars, collar_distances
-from scaffold_cad.struts.blends.evenness import even
-from scaffold_cad.struts.blends.fitting import Turned, collars_of, solve, union_of
-from scaffold_cad.struts.blends.joins import types_of
-from scaffold_cad.struts.blends.recipes import FINER, MOST_BULGE, MOST_DEPTH, RECIPES, ROUGH, Recipe
+from scaffold_cad.struts.blending.blend import (
+    Blends,
+    Originals,
+    Skins,
+    Solved,
+    Stars,
+    best_by_layout,
+)
+from scaffold_cad.struts.blending.collars import LEAST_BLEND, Collars, collar_distances
+from scaffold_cad.struts.blending.evenness import even
+from scaffold_cad.struts.blending.fitting import Turned, collars_of, solve, union_of
+from scaffold_cad.struts.blending.joins import types_of
+from scaffold_cad.struts.blending.recipes import (
+    FINER,
+    MOST_BULGE,
+    MOST_DEPTH,
+    RECIPES,
+    ROUGH,
+    Recipe,
+)
 
 SAMPLE_BYTES = 64
 """What a sample of a blend takes where it is treated."""

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from scaffold_cad.base.vectors import any_perpendicular
-from scaffold_cad.struts.blends.collars import LEAST_BLEND, collars
-from scaffold_cad.struts.blends.distances import Union
+from scaffold_cad.struts.blending.collars import LEAST_BLEND, collars
+from scaffold_cad.struts.blending.distances import Union
 from tests.struts.stars import FAN, FIVE_TUBES, random_stars, stars_of
 
 RNG = np.random.default_rng(7)

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.errors import OptionError
 from scaffold_cad.partition import Partitions
-from scaffold_cad.struts.blends.copies import Views
-from scaffold_cad.struts.blends.layouts import Layout
+from scaffold_cad.struts.blending.copies import Views
+from scaffold_cad.struts.blending.layouts import Layout
 
 TOO_DEEP = 0.1
 """Depth inside a strut, over its radius, of a surface that is not the one asked for."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints
-from scaffold_cad.struts.blends.splines import Spline, spline
+from scaffold_cad.struts.blending.splines import Spline, spline
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
 from scaffold_cad.base.vectors import leading_dot
-from scaffold_cad.struts.blends.needs import most_needed, nearby, of_many, of_two
+from scaffold_cad.struts.blending.needs import most_needed, nearby, of_many, of_two
 
 NEAR_AXIS = 1e-9
 """Part of the radius that points are taken to be away from an axis, where it has no normal."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints
 from scaffold_cad.base.blocks import CACHE, blocks
-from scaffold_cad.struts.blends.distances import Union
+from scaffold_cad.struts.blending.distances import Union
 
 LEAST_BLEND = 0.1
 """Least ρ over the mean radius of the node's struts: where that has no room, nothing has."""

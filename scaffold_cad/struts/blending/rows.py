@@ -13,10 +13,10 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen
 from scaffold_cad.brep.bernstein import bernstein
-from scaffold_cad.struts.blends.collars import Collars
-from scaffold_cad.struts.blends.distances import Union
-from scaffold_cad.struts.blends.layouts import Layout
-from scaffold_cad.struts.blends.quarter import ARC, DEGREE, OUTWARD, OUTWARD_SLOPE
+from scaffold_cad.struts.blending.collars import Collars
+from scaffold_cad.struts.blending.distances import Union
+from scaffold_cad.struts.blending.layouts import Layout
+from scaffold_cad.struts.blending.quarter import ARC, DEGREE, OUTWARD, OUTWARD_SLOPE
 
 LEAST_LENGTH = 0.15
 """Least length of m, in radii of the collar."""

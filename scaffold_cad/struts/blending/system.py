@@ -22,9 +22,9 @@ from scipy.linalg import qr, solve_triangular
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
 from scaffold_cad.base.kept import kept
 from scaffold_cad.base.vectors import sums_by_row
-from scaffold_cad.struts.blends.curves import RANK, Curve, Kind, curve_of
-from scaffold_cad.struts.blends.joins import shared_numbers, valences
-from scaffold_cad.struts.blends.layouts import Layout
+from scaffold_cad.struts.blending.curves import RANK, Curve, Kind, curve_of
+from scaffold_cad.struts.blending.joins import shared_numbers, valences
+from scaffold_cad.struts.blending.layouts import Layout
 
 KEPT_BYTES = 2**28
 """Memory for the matrices of types: those of valency 12 take some 20 MB each."""

@@ -4,8 +4,8 @@ from scaffold_cad.base.vectors import angle_between
 from scaffold_cad.partition import certify, partition_spheres
 from scaffold_cad.partition.certificate import corners_of
 from scaffold_cad.struts import blends
-from scaffold_cad.struts.blends.bends import bend_partitions
-from scaffold_cad.struts.blends.evenness import even
+from scaffold_cad.struts.blending.bends import bend_partitions
+from scaffold_cad.struts.blending.evenness import even
 from tests.struts.stars import CUBIC, random_stars, stars_of
 
 RNG = np.random.default_rng(6)

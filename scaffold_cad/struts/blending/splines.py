@@ -9,7 +9,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen
 from scaffold_cad.brep.bernstein import bernstein, gram
-from scaffold_cad.struts.blends.quarter import DEGREE
+from scaffold_cad.struts.blending.quarter import DEGREE
 
 SMOOTHNESS = 2
 """Derivatives that agree where two pieces meet."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from scaffold_cad import Skeleton, round_struts
-from scaffold_cad.struts.blends.nearest import nearest_on_blends
+from scaffold_cad.struts.blending.nearest import nearest_on_blends
 from tests.skeletons import BCC_STAR, ELBOW, TRIPOD
 
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen
-from scaffold_cad.struts.blends.distances import LEAST_SLOPE, Union
-from scaffold_cad.struts.blends.layouts import Layout
+from scaffold_cad.struts.blending.distances import LEAST_SLOPE, Union
+from scaffold_cad.struts.blending.layouts import Layout
 
 CHECKED = 15
 """Parts of a patch in either direction between which depths are measured, its rim included: the

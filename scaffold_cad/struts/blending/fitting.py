@@ -12,17 +12,17 @@ from scaffold_cad.base.arrays import Floats, Frozen, Ints, UnitVectors
 from scaffold_cad.base.frames import square_phases
 from scaffold_cad.base.vectors import any_perpendicular
 from scaffold_cad.partition.certificate import corners_of
-from scaffold_cad.struts.blends.blend import Solved, Stars
-from scaffold_cad.struts.blends.collars import Collars, collars
-from scaffold_cad.struts.blends.curves import share
-from scaffold_cad.struts.blends.depths import misfit
-from scaffold_cad.struts.blends.distances import Union
-from scaffold_cad.struts.blends.fits import TypeFit
-from scaffold_cad.struts.blends.joins import valences
-from scaffold_cad.struts.blends.layouts import Layout
-from scaffold_cad.struts.blends.proof import prove
-from scaffold_cad.struts.blends.recipes import AIM, FIRST_STEPS, RAY_STEPS, Recipe, Stage
-from scaffold_cad.struts.blends.rows import Rings, given_rows, rings
+from scaffold_cad.struts.blending.blend import Solved, Stars
+from scaffold_cad.struts.blending.collars import Collars, collars
+from scaffold_cad.struts.blending.curves import share
+from scaffold_cad.struts.blending.depths import misfit
+from scaffold_cad.struts.blending.distances import Union
+from scaffold_cad.struts.blending.fits import TypeFit
+from scaffold_cad.struts.blending.joins import valences
+from scaffold_cad.struts.blending.layouts import Layout
+from scaffold_cad.struts.blending.proof import prove
+from scaffold_cad.struts.blending.recipes import AIM, FIRST_STEPS, RAY_STEPS, Recipe, Stage
+from scaffold_cad.struts.blending.rows import Rings, given_rows, rings
 
 BEHIND = 0.3
 """How far a collar stands beyond the corners of its patches, in radii, where there is room."""

@@ -17,8 +17,8 @@ from scipy.linalg import cho_factor, cho_solve
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
 from scaffold_cad.base.kept import kept
 from scaffold_cad.base.products import row_products
-from scaffold_cad.struts.blends.layouts import Layout
-from scaffold_cad.struts.blends.system import KEPT_BYTES, system_of
+from scaffold_cad.struts.blending.layouts import Layout
+from scaffold_cad.struts.blending.system import KEPT_BYTES, system_of
 
 
 class TypeFit:

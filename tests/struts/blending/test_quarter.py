@@ -1,7 +1,7 @@
 import numpy as np
 
 from scaffold_cad.brep.bernstein import bernstein
-from scaffold_cad.struts.blends.quarter import ARC, ARC_ERROR, DEGREE, OUTWARD, OUTWARD_SLOPE
+from scaffold_cad.struts.blending.quarter import ARC, ARC_ERROR, DEGREE, OUTWARD, OUTWARD_SLOPE
 from tests.benchmarks.quarter import best
 
 AT = np.linspace(0, 1, 1001)

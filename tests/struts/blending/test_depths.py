@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from scaffold_cad.base.arrays import Floats
-from scaffold_cad.struts.blends import depths
-from scaffold_cad.struts.blends.distances import Union
-from scaffold_cad.struts.blends.layouts import Layout
+from scaffold_cad.struts.blending import depths
+from scaffold_cad.struts.blending.distances import Union
+from scaffold_cad.struts.blending.layouts import Layout
 
 
 def one_patch(point: Floats) -> Floats:

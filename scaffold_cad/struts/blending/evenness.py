@@ -15,7 +15,7 @@ from scaffold_cad.base.arrays import Floats, Ints, UnitVectors
 from scaffold_cad.base.frames import square_phases
 from scaffold_cad.base.vectors import any_perpendicular, dot, normalize, triple
 from scaffold_cad.partition.certificate import certify, corners_of
-from scaffold_cad.struts.blends.crotches import with_short_arcs
+from scaffold_cad.struts.blending.crotches import with_short_arcs
 
 STEPS = 40
 SHARPNESS = 8.0

@@ -7,7 +7,7 @@ import numpy as np
 from scaffold_cad.base.arrays import UnitVectors
 from scaffold_cad.base.vectors import angle_between, any_perpendicular, length, normalize
 from scaffold_cad.partition import Partitions
-from scaffold_cad.struts.blends.crotches import half_length
+from scaffold_cad.struts.blending.crotches import half_length
 
 STRAIGHT = 1e-6
 """Below this length the sum of two unit vectors has no direction to rely on."""

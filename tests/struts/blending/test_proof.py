@@ -3,8 +3,8 @@ import pytest
 
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.struts import blends
-from scaffold_cad.struts.blends.proof import prove
-from scaffold_cad.struts.blends.quarter import DEGREE
+from scaffold_cad.struts.blending.proof import prove
+from scaffold_cad.struts.blending.quarter import DEGREE
 from tests.struts.stars import CUBIC, TRIPOD, random_stars, stars_of
 
 

@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from scaffold_cad import Skeleton, round_struts
-from scaffold_cad.struts.blends import nodes
-from scaffold_cad.struts.blends.copies import Views
+from scaffold_cad.struts.blending import nodes
+from scaffold_cad.struts.blending.copies import Views
 from scaffold_cad.struts.hollow.walls import walls_at
 from tests.struts.stars import random_stars
 

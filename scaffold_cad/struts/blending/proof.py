@@ -25,7 +25,7 @@ from scaffold_cad.base.arrays import Bools, Floats, Frozen
 from scaffold_cad.base.blocks import CACHE, blocks
 from scaffold_cad.base.vectors import dot, leading_dot
 from scaffold_cad.brep.bernstein import bernstein
-from scaffold_cad.struts.blends.quarter import DEGREE
+from scaffold_cad.struts.blending.quarter import DEGREE
 
 TOP = 3 * DEGREE - 1
 """Degree of S · (S_u × S_v) in either direction."""

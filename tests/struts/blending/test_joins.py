@@ -2,7 +2,7 @@ import numpy as np
 
 from scaffold_cad.partition import partition_spheres
 from scaffold_cad.partition.arcs import arc_counts, side_twins
-from scaffold_cad.struts.blends.joins import shared_numbers, types_of, valences
+from scaffold_cad.struts.blending.joins import shared_numbers, types_of, valences
 from tests.struts.stars import random_stars
 
 RNG = np.random.default_rng(2)

@@ -20,8 +20,8 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
 from scaffold_cad.brep.bernstein import bernstein, elevation, product
-from scaffold_cad.struts.blends.quarter import DEGREE
-from scaffold_cad.struts.blends.splines import Spline, spline
+from scaffold_cad.struts.blending.quarter import DEGREE
+from scaffold_cad.struts.blending.splines import Spline, spline
 
 RANK = 1e-9
 """Equations whose size is below this part of the first follow from the others."""

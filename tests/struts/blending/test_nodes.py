@@ -5,8 +5,8 @@ import pytest
 
 from scaffold_cad.errors import OptionError
 from scaffold_cad.struts import Blends, Stars, blends, sampled
-from scaffold_cad.struts.blends.bends import bend_partitions
-from scaffold_cad.struts.blends.fitting import union_of
+from scaffold_cad.struts.blending.bends import bend_partitions
+from scaffold_cad.struts.blending.fitting import union_of
 from tests.struts.stars import (
     BODY_CENTERED,
     CUBIC,

@@ -4,12 +4,12 @@ import pytest
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.partition import partition_spheres
 from scaffold_cad.partition.arcs import side_twins
-from scaffold_cad.struts.blends.fits import free_of_pulls, patch_fit
-from scaffold_cad.struts.blends.joins import valences
-from scaffold_cad.struts.blends.layouts import Layout
-from scaffold_cad.struts.blends.quarter import DEGREE
-from scaffold_cad.struts.blends.splines import SMOOTHNESS, spline
-from scaffold_cad.struts.blends.system import System, system_of
+from scaffold_cad.struts.blending.fits import free_of_pulls, patch_fit
+from scaffold_cad.struts.blending.joins import valences
+from scaffold_cad.struts.blending.layouts import Layout
+from scaffold_cad.struts.blending.quarter import DEGREE
+from scaffold_cad.struts.blending.splines import SMOOTHNESS, spline
+from scaffold_cad.struts.blending.system import System, system_of
 from tests.struts.stars import random_stars
 
 TWINS = side_twins(partition_spheres(random_stars(1, 4, 40, np.random.default_rng(0))).quads)[0]

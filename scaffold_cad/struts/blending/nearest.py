@@ -7,7 +7,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Ints, Points, UnitVectors
 from scaffold_cad.base.blocks import CACHE, blocks
 from scaffold_cad.base.vectors import dot, length, normalize
-from scaffold_cad.struts.blends.blend import Solved
+from scaffold_cad.struts.blending.blend import Solved
 
 SAMPLES = 7
 """Places along a side of a patch from which the nearest one is taken to start with."""

@@ -8,8 +8,8 @@ from scaffold_cad.base.vectors import angle_between
 from scaffold_cad.partition import partition_spheres
 from scaffold_cad.partition.certificate import certify
 from scaffold_cad.struts import blends
-from scaffold_cad.struts.blends.crotches import half_length, with_short_arcs
-from scaffold_cad.struts.blends.evenness import even
+from scaffold_cad.struts.blending.crotches import half_length, with_short_arcs
+from scaffold_cad.struts.blending.evenness import even
 from tests.struts.stars import random_stars, stars_of
 
 

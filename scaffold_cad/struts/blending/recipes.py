@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from scaffold_cad.struts.blends.layouts import Layout
+from scaffold_cad.struts.blending.layouts import Layout
 
 RAY_STEPS = 2
 """Newton steps along rays from the node to arcs."""
