@@ -17,6 +17,7 @@ from scaffold_cad.base.summaries import counted, range_text, size_text
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.field.cells import check_size, levels_of, memory_of
+from scaffold_cad.solid.field.chords import evened
 from scaffold_cad.solid.field.creases import with_creases
 from scaffold_cad.solid.field.estimates import Estimate, estimated
 from scaffold_cad.solid.field.grid import grid_of
@@ -42,7 +43,8 @@ LARGEST_FRACTION = 1.0
 
 SWELL = 0.0219
 """A mesh with its vertices on a cylinder of radius r, in cells of size h, has the volume of a
-cylinder that is thinner by this times h² / r; twice of it for a ball (both measured)."""
+cylinder that is thinner by this times h² / r; twice of it for a ball (both measured). Where struts
+meet it is another one, see `evened`."""
 
 MOST_SWELL = 2.0 * SWELL * LARGEST_FRACTION**2
 """Most that struts are thicker by for that, as a part of their radius."""
@@ -158,8 +160,10 @@ def field_solid(
     _foretell(estimated(union, struts, lattice, wanted))
     levels = levels_of(union, lattice, lambda radii, of: wanted_cells(radii, cell, sags[of]))
     grid = grid_of(union, lattice, levels)
-    vertices, triangles, groups = surface_of(union, grid, rounds)
-    mesh = with_creases(union, grid, TriangleMesh(vertices + lattice.origin, triangles), groups)
+    surface = surface_of(union, grid, rounds)
+    vertices = evened(union, surface, swell) if equal_volume else surface.vertices
+    mesh = TriangleMesh(vertices + lattice.origin, surface.triangles)
+    mesh = with_creases(union, grid, mesh, surface.groups)
     used = np.flatnonzero([len(level.groups) > 0 for level in levels])
     return FieldSolid(
         mesh=mesh,

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Floats, Ints
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points
 from scaffold_cad.base.blocks import cut
 from scaffold_cad.base.counts import counted
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.solid.field.faces import polygons_of
 from scaffold_cad.solid.field.grid import Grid
-from scaffold_cad.solid.field.lattice import FINEST_FRACTION, steps_on_edges
+from scaffold_cad.solid.field.gridedges import GridEdges, grid_edges
 from scaffold_cad.solid.field.marching import Polygons
 from scaffold_cad.solid.field.slots import Slots
 from scaffold_cad.solid.field.union import FilletedUnion, values
@@ -22,10 +24,33 @@ EDGE_BYTES = 256
 """What a grid edge takes where it is looked at."""
 
 
-def surface_of(union: FilletedUnion, grid: Grid, rounds: int) -> tuple[Floats, Ints, Ints]:
-    """Return the vertices, local (v, 3) mm, and the triangles (t, 3) of the zero set.
+@dataclass(frozen=True, eq=False)
+class Surface(Frozen):
+    """The zero set of F as a mesh whose vertices are on edges of the grid."""
 
-    What comes last are groups at the vertices, (v,).
+    vertices: Points
+    """Shape (v, 3), mm from the union's origin."""
+    triangles: Ints
+    """Shape (t, 3)."""
+    groups: Ints
+    """A group at each vertex, shape (v,)."""
+    edges: Ints
+    """Number of the grid edge of each vertex, shape (v,)."""
+    slots: Slots
+    """What numbers the grid edges have."""
+
+    @property
+    def grid(self) -> Grid:
+        """Where vertices stand."""
+        return self.slots.grid
+
+    def edges_of(self, vertices: Ints) -> GridEdges:
+        """Return the grid edges of some vertices (k,)."""
+        return grid_edges(self.grid, self.slots, self.edges[vertices])
+
+
+def surface_of(union: FilletedUnion, grid: Grid, rounds: int) -> Surface:
+    """Return the zero set of F.
 
     Parameters
     ----------
@@ -35,7 +60,9 @@ def surface_of(union: FilletedUnion, grid: Grid, rounds: int) -> tuple[Floats, I
     parts = polygons_of(grid, slots)
     used = _used(parts, slots)
     edges = list(cut(used, EDGE_BYTES))
-    placed = in_order(lambda some: _vertices(union, grid, slots, some, rounds), edges)
+    placed = in_order(
+        lambda some: _vertices(union, grid, grid_edges(grid, slots, some), rounds), edges
+    )
     found = counted("vertices", placed, [len(some) for some in edges])
     vertices = np.concatenate([np.zeros((0, 3)), *found])
     rank = Ranks(used, slots)
@@ -44,7 +71,7 @@ def surface_of(union: FilletedUnion, grid: Grid, rounds: int) -> tuple[Floats, I
         part = parts.pop()
         quads = rank.of(part.quads)
         triangles += [rank.of(part.triangles), _halves(vertices, quads)]
-    return vertices, np.concatenate(triangles), slots.ends(used)[2]
+    return Surface(vertices, np.concatenate(triangles), slots.ends(used)[2], used, slots)
 
 
 def _used(parts: list[Polygons], slots: Slots) -> Ints:
@@ -88,25 +115,14 @@ def _halves(vertices: Floats, quads: Ints) -> Ints:
     )
 
 
-def _vertices(union: FilletedUnion, grid: Grid, slots: Slots, edges: Ints, rounds: int) -> Floats:
+def _vertices(union: FilletedUnion, grid: Grid, edges: GridEdges, rounds: int) -> Floats:
     """Return where the surface cuts grid edges, on them and exact in 32 bits, (e, 3) mm."""
-    start, end, owner, put_in = slots.ends(edges)
-    place_a = grid.places[start].astype(np.intp)
-    place_b = grid.places[np.where(put_in, 0, end)].astype(np.intp)
-    size = 2 << (np.searchsorted(grid.first, owner[put_in], side="right") - 1)
-    way = end[put_in]
-    step = np.where(way & 1, size, -size)[:, None] * np.eye(3, dtype=np.intp)[way >> 1]
-    place_b[put_in] = place_a[put_in] + step
-    a, b = grid.lattice.places(place_a), grid.lattice.places(place_b)
-    at_a, at_b = grid.field[start], grid.field[np.where(put_in, 0, end)]
-    if put_in.any():
-        at_b[put_in] = values(union, b[put_in], owner[put_in], grid.lists)
-    t = _roots(union, grid, (a, b - a), (at_a, at_b), owner, rounds)
-    steps = steps_on_edges(grid.lattice, place_a, place_b)
-    scale = np.ldexp(1.0, steps)
-    margin = np.ldexp(1.0, -np.minimum(steps, FINEST_FRACTION))
-    t = np.round(np.clip(t, margin, 1.0 - margin) * scale) / scale
-    return a + t[:, None] * (b - a)
+    at_a, at_b = grid.field[edges.points]
+    far = edges.put_in
+    if far.any():
+        at_b[far] = values(union, (edges.start + edges.way)[far], edges.owner[far], grid.lists)
+    line = edges.start, edges.way
+    return edges.at(_roots(union, grid, line, (at_a, at_b), edges.owner, rounds))
 
 
 def _roots(

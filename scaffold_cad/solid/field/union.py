@@ -222,26 +222,40 @@ def values(union: FilletedUnion, points: Points, owners: Ints, lists: Lists) -> 
     result = np.empty(len(points))
 
     def some(block: slice) -> None:
-        which, struts, starts = lists.of(owners[block])
+        which, struts, _ = entries = lists.of(owners[block])
         x = points[block][which]
         distance, _ = union.distances(x, struts)
-        ratio = distance / union.blend[struts]
-        least = np.minimum.reduceat(ratio, starts)
-        # The fillet matters outside of all struts, where two of them are near.
-        near = (ratio < 1.0) & (least > 0.0)[which]
-        near &= (np.add.reduceat(near.astype(np.intp), starts) > 1)[which]
-        rows = np.flatnonzero(near)
-        if len(rows):
-            at, of = x[rows], struts[rows]
-            most = 1.0 - union.beyond(at, of) / union.blend[of]
-            ways = union.gradients(at, of)
-            filleted, height = _heights(which[rows], 1.0 - ratio[rows], ways, most)
-            least[filleted] = np.minimum(least[filleted], 1.0 - height)
-        result[block] = least
+        result[block] = combined(union, x, entries, distance / union.blend[struts])
 
     for _ in in_order(some, blocks(len(points), POINT_BYTES, CACHE)):
         pass
     return result
+
+
+def combined(
+    union: FilletedUnion, x: Points, entries: tuple[Ints, Ints, Ints], ratio: Floats
+) -> Floats:
+    """Return F at points from their distances to struts, shape (k,).
+
+    Parameters
+    ----------
+    x : (p, 3) the point of each entry
+    entries : the point that each is of (p,), its strut (p,), first entry of each point (k,)
+    ratio : (p,) d / ρ
+    """
+    which, struts, starts = entries
+    least = np.minimum.reduceat(ratio, starts)
+    # The fillet matters outside of all struts, where two of them are near.
+    near = (ratio < 1.0) & (least > 0.0)[which]
+    near &= (np.add.reduceat(near.astype(np.intp), starts) > 1)[which]
+    rows = np.flatnonzero(near)
+    if len(rows):
+        at, of = x[rows], struts[rows]
+        most = 1.0 - union.beyond(at, of) / union.blend[of]
+        ways = union.gradients(at, of)
+        filleted, height = _heights(which[rows], 1.0 - ratio[rows], ways, most)
+        least[filleted] = np.minimum(least[filleted], 1.0 - height)
+    return least
 
 
 def _heights(which: Ints, heights: Floats, ways: UnitVectors, most: Floats) -> tuple[Ints, Floats]:
