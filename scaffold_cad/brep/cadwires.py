@@ -11,6 +11,7 @@ from scaffold_cad.base.apart import Arrays, run_apart
 from scaffold_cad.base.arrays import Points
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.files import check_there
+from scaffold_cad.base.packed import unpacked
 from scaffold_cad.errors import FormatError
 
 
@@ -38,7 +39,8 @@ def read_wires(path: Path, sagitta: float) -> Wires:
     """
     check_there(path)
     need("build123d", f"a {path.suffix[1:].upper()} file")
-    found = run_apart(wire_arrays, path, repr(sagitta))
+    with unpacked(path) as plain:
+        found = run_apart(wire_arrays, plain, repr(sagitta))
     ends = found["ends"]
     lines = np.split(found["points"], ends[:-1]) if len(ends) else []
     return Wires(lines, int(found["faces"]))

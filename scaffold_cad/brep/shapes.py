@@ -16,6 +16,7 @@ from scaffold_cad.base.arguments import check_choice
 from scaffold_cad.base.arrays import place_text
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.files import check_there
+from scaffold_cad.base.packed import PACKED_SUFFIX, unpacked
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.base.vectors import length
 from scaffold_cad.brep.analytic import AnalyticBrep
@@ -28,7 +29,7 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh, have_distinct_corners
 if TYPE_CHECKING:
     from build123d import Shape
 
-BREP_SUFFIXES = (".step", ".stp", ".brep")
+BREP_SUFFIXES = (".step", ".stp", PACKED_SUFFIX, ".brep")
 """Suffixes of the formats of B-reps that are read and written."""
 
 Kind = Literal["solid", "shell"]
@@ -199,10 +200,11 @@ def read_shape(path: Path) -> Shape:
     from scaffold_cad.brep import occt
 
     read = occt.import_brep if path.suffix.lower() == ".brep" else occt.import_step
-    try:
-        return read(path)
-    except (OSError, RuntimeError, ValueError) as error:
-        raise FormatError(f"{path} cannot be read: {error}") from None
+    with unpacked(path) as plain:
+        try:
+            return read(plain)
+        except (OSError, RuntimeError, ValueError) as error:
+            raise FormatError(f"{path} cannot be read: {error}") from None
 
 
 def export_step(shape: Shape, path: Path, *, write_pcurves: bool = False) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from scaffold_cad import brep
+from scaffold_cad.base.packed import unpacked
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._curves import SAGITTA
 from scaffold_cad.io._raw import RawSkeleton, joined_polylines
@@ -29,7 +30,7 @@ def read_cad_wires(path: Path, recognizes: Callable[[bytes], bool]) -> RawSkelet
     FormatError
         If it cannot be read, or has no such edges.
     """
-    with path.open("rb") as stream:
+    with unpacked(path) as plain, plain.open("rb") as stream:
         if not recognizes(stream.read(HEAD)):
             raise FormatError(
                 f"{path} does not begin as {path.suffix[1:].upper()}; need such a file"

@@ -2,6 +2,7 @@
 
 ======================  ====================================================================
 .step .stp              solids, mm; faces named after their strut or node; build123d shapes too
+.stpz                   STEP packed by gzip, a fifth of the size; FreeCAD and CATIA read it
 .brep                   OCCT's own format, mm
 .stl                    binary, 32-bit coordinates, mm
 .3mf                    one mesh object, 32-bit coordinates, mm; a skeleton as a beam lattice

@@ -131,7 +131,7 @@ def test_a_file_that_holds_no_solid_is_refused_before_the_skeleton_is_read(
 ) -> None:
     assert main(["build", str(tmp_path / "absent.json"), "-o", str(tmp_path / name)]) == 2
     told = capsys.readouterr().err
-    assert told.endswith("need one of .3mf, .brep, .glb, .obj, .ply, .step, .stl, .stp\n")
+    assert told.endswith("need one of .3mf, .brep, .glb, .obj, .ply, .step, .stl, .stp, .stpz\n")
 
 
 def test_faces_of_step_files_are_named_after_their_edges_and_nodes(

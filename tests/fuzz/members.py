@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import tempfile
 from functools import cache
@@ -331,7 +332,7 @@ def _rhino() -> bytes:
         return path.read_bytes()
 
 
-CAD = ("wire.step", "wire.stp", "wire.brep", "wire.igs", "wire.iges")
+CAD = ("wire.step", "wire.stp", "wire.stpz", "wire.brep", "wire.igs", "wire.iges")
 """Names of wires in CAD files."""
 
 APART = (*CAD, "text.msh", "binary.msh", "elbow.med", "curves.3dm")
@@ -369,6 +370,7 @@ def _cad() -> dict[str, bytes]:
     return {
         "wire.step": step,
         "wire.stp": step,
+        "wire.stpz": gzip.compress(step, mtime=0),
         "wire.brep": brep,
         "wire.igs": igs,
         "wire.iges": igs,

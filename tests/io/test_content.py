@@ -45,7 +45,7 @@ from tests.meshes import (
 from tests.skeletons import STRUT, TRIPOD
 
 MESH_SUFFIXES = [".stl", ".obj", ".ply", ".glb", ".3mf"]
-SUFFIXES = [*MESH_SUFFIXES, ".step", ".stp", ".brep"]
+SUFFIXES = [*MESH_SUFFIXES, ".step", ".stp", ".stpz", ".brep"]
 
 
 def names_in(folder: Path) -> list[str]:
@@ -396,7 +396,8 @@ def test_small_parts_keep_their_shape_in_3mf(tmp_path: Path) -> None:
 
 def test_what_holds_no_solid_is_not_offered_for_one(tmp_path: Path) -> None:
     check_writable(tmp_path / "skeleton.json")
-    message = "its suffix is '.json'; need one of .3mf, .brep, .glb, .obj, .ply, .step, .stl, .stp"
+    known = ".3mf, .brep, .glb, .obj, .ply, .step, .stl, .stp, .stpz"
+    message = f"its suffix is '.json'; need one of {known}"
     with pytest.raises(FormatError, match=f"{re.escape(message)}$"):
         check_writable(tmp_path / "skeleton.json", solid=True)
 

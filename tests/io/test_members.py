@@ -42,6 +42,7 @@ RADII: dict[str, list[float] | None] = {
     "plane.wire": None,
     "wire.step": None,
     "wire.stp": None,
+    "wire.stpz": None,
     "wire.brep": None,
     "wire.igs": None,
     "wire.iges": None,

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import tempfile
 from pathlib import Path
 
 from scaffold_cad import brep
+from scaffold_cad.base.packed import PACKED_SUFFIX, pack
 from scaffold_cad.io._cad import read_cad_triangles, read_cad_wires
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io.content import Content
@@ -14,12 +16,22 @@ from scaffold_cad.io.step.patches import write_step
 from scaffold_cad.mesh.shells import check_solid
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
-STEP_SUFFIXES = (".step", ".stp")
+STEP_SUFFIXES = (".step", ".stp", PACKED_SUFFIX)
 
 
 @register_writer(*STEP_SUFFIXES, name="STEP", skeletons=False, names_unit=True)
 def write_step_content(content: Content, path: Path) -> None:
     """Write a build123d shape by OCCT, and meshes of quads straight from their arrays."""
+    if path.suffix.lower() != PACKED_SUFFIX:
+        _write_plain(content, path)
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        plain = Path(folder) / "plain.step"
+        _write_plain(content, plain)
+        pack(plain, path)
+
+
+def _write_plain(content: Content, path: Path) -> None:
     faces = None if content.write_pcurves else content.faces()
     if faces is not None:
         brep.check_edges(faces)
