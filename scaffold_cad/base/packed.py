@@ -66,7 +66,7 @@ def unpacked(path: Path) -> Iterator[Path]:
         yield plain
 
 
-def _content(source: IO[bytes]) -> IO[bytes]:
+def _content(source: IO[bytes]) -> IO[bytes] | gzip.GzipFile:
     """Return what is packed in a file: by gzip, or the one file in a zip archive."""
     if not zipfile.is_zipfile(source):
         source.seek(0)
