@@ -111,7 +111,7 @@ def field_solid(
     cell: float | None = None,
     sag: float | Floats = np.inf,
     equal_volume: bool = True,
-    rounds: int = 6,
+    rounds: int = 10,
 ) -> FieldSolid:
     """Return the solid of the filleted union of struts.
 

@@ -151,12 +151,15 @@ def _roots(
         at = values(union, line[0][rows] + t[rows, None] * line[1][rows], owner[rows], grid.lists)
         own_x, own_f = x[:, rows], f[:, rows]
         same = (at < 0) == (own_f[0] < 0)
+        # Where F is no nearer to 0 than on this side before, as at grid points near the surface,
+        # it turns back.
+        back = np.abs(at) > np.abs(np.where(same, own_f[0], own_f[1])) / 2
         for old, new in ((own_x, t[rows]), (own_f, at)):
             old[2] = np.where(same, old[0], old[1])
             old[1] = np.where(same, old[1], old[0])
             old[0] = new
         x[:, rows], f[:, rows] = own_x, own_f
-        far = np.abs(at) > NEAR_ENOUGH
+        far = back | (np.abs(at) > NEAR_ENOUGH)
         t[rows] = own_x[0] + _next(own_x, own_f, far) * (own_x[1] - own_x[0])
         rows = rows[far]
     return np.asarray(t)
