@@ -29,11 +29,12 @@ from scaffold_cad.cli.latticestruts import box_mesh
 from scaffold_cad.cli.maps import add_maps, map_of
 from scaffold_cad.cli.progress import Progress
 from scaffold_cad.errors import FormatError, OptionError
-from scaffold_cad.filling.models import Section
-from scaffold_cad.filling.parts import flush_box
+from scaffold_cad.filling.hollowing import HollowPart, hollowed
+from scaffold_cad.filling.models import maker
+from scaffold_cad.filling.parts import filled_part, flush_box, sided_maker
+from scaffold_cad.filling.solids import HollowSolid, filled_solid, hollow_solid
 from scaffold_cad.io.write import check_writable, write
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.parts import lattice_part, lattice_solid
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.struts import RoundStruts, round_struts
 
@@ -146,36 +147,30 @@ def _add_skin(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    """Fill, build and write."""
+    """Fill, build and write: all that needs no radius is checked before one is searched."""
     foams.check(options)
     for name in LENGTHS:
         if getattr(options, name) is not None:
             as_number(getattr(options, name), source.flag_of(name))
-    if options.tiles is None:
-        tiled.refuse(options)
-        if options.layer is None:
-            source.refuse(options, ["pixel", "text"], "is for layers; need --layer")
-            check_writable(options.output, solid=not options.beams, skeleton=options.beams)
-            _check_combination(options)
+    _check(options)
+    part = latticestruts.part_of(options)
+    body = _hollow(part, options)
     if options.density is not None:  # it takes seconds
         options.radius = latticeradius.radius(options)
     if options.tiles is not None:
         latticetiles.run(options, LATTICE_SIDES)
         return
     if options.layer is not None:
-        _write_layers(options)
+        _write_layers(part, options)
         return
-    product = _product(options, Progress())
+    product = _product(part, body, options, Progress())
     made = isinstance(product, Scaffold | RoundStruts)
     write(product, options.output, **(_written_with(options) if made else {}))
     _log.info("%s written", options.output)
 
 
-def _write_layers(options: argparse.Namespace) -> None:
+def _write_layers(part: TriangleMesh | None, options: argparse.Namespace) -> None:
     """Write layers, of which no mesh is made."""
-    latticelayers.check(options)
-    _check_bodies(options)
-    part = latticestruts.part_of(options)
     flush = options.trim or options.skin is not None
     if latticelayers.made_whole(options):
         skeleton = latticestruts.skeleton(part, options)
@@ -195,6 +190,23 @@ def _written_with(options: argparse.Namespace) -> dict[str, Any]:
     if options.round and options.output.suffix.lower() not in BREP_SUFFIXES:
         given.setdefault("sides", LATTICE_SIDES)
     return given
+
+
+def _check(options: argparse.Namespace) -> None:
+    """Raise where an option is out of its range, would do nothing, or makes what cannot be."""
+    if options.density is not None:
+        latticeradius.check(options)
+    if options.tiles is not None:
+        latticetiles.check(options)
+        return
+    tiled.refuse(options)
+    if options.layer is not None:
+        latticelayers.check(options)
+        _check_bodies(options)
+        return
+    source.refuse(options, ["pixel", "text"], "is for layers; need --layer")
+    check_writable(options.output, solid=not options.beams, skeleton=options.beams)
+    _check_combination(options)
 
 
 def _check_combination(options: argparse.Namespace) -> None:
@@ -243,11 +255,29 @@ def _is_filled_solid(options: argparse.Namespace) -> bool:
     )
 
 
-def _product(options: argparse.Namespace, progress: Progress) -> Any:
+def _hollow(
+    part: TriangleMesh | None, options: argparse.Namespace
+) -> HollowPart | HollowSolid | None:
+    """Return the part or the box with its skin, in which struts are cut; None for struts alone."""
+    if options.layer is None and options.foam is None and map_of(options) is None:
+        latticestruts.check_cells(part, options)
+    if options.skin is None or options.layer is not None:
+        return None
+    if _is_filled_solid(options):
+        source.refuse(options, ["drain"], "is for mesh files; cut a hole into the STEP solid")
+        return hollow_solid(read_brep(options.inside), options.skin)
+    body = box_mesh(options.box) if part is None else part
+    return hollowed(body, options.skin, drain=options.drain)
+
+
+def _product(
+    part: TriangleMesh | None,
+    body: HollowPart | HollowSolid | None,
+    options: argparse.Namespace,
+    progress: Progress,
+) -> Any:
     """Return what to write."""
-    part = latticestruts.part_of(options)
-    flush = options.trim or options.skin is not None
-    if not flush or options.foam is not None or map_of(options) is not None:
+    if body is None and not options.trim:
         skeleton = latticestruts.skeleton(part, options)
         processes.check_struts(options, skeleton)
         return skeleton if options.beams else _struts(skeleton, options, progress)
@@ -255,26 +285,25 @@ def _product(options: argparse.Namespace, progress: Progress) -> Any:
         processes.check_struts(options, latticestruts.skeleton(part, options))
     cells = latticestruts.check_cells(part, options)
     with progress.stage("lattice", cells, "cells"):
-        return _bodied(part, options)
+        return _bodied(part, body, options)
 
 
-def _bodied(part: TriangleMesh | None, options: argparse.Namespace) -> Any:
+def _bodied(
+    part: TriangleMesh | None,
+    body: HollowPart | HollowSolid | None,
+    options: argparse.Namespace,
+) -> Any:
     """Return struts that are cut flush with a box, or are in a part or a box with a skin."""
     lattice = options.cell, options.size, options.radius
     given = shapes.round_options(options)
-    if _is_filled_solid(options):
-        source.refuse(options, ["drain"], "is for mesh files; cut a hole into the STEP solid")
-        section: Section = "round" if options.round else "square"
-        solid = read_brep(options.inside)
-        return lattice_solid(solid, *lattice, skin=options.skin, section=section, **given)
     sides = (options.sides or LATTICE_SIDES) if options.round else 4
-    if options.trim:
+    if body is None:
         on = latticestruts.map_of_sizes(part, options)
         return flush_box(options.box, *lattice, on=on, sides=sides, **given)
-    body = box_mesh(options.box) if part is None else part
-    return lattice_part(
-        body, *lattice, skin=options.skin, drain=options.drain, sides=sides, **given
-    )
+    if isinstance(body, HollowSolid):
+        make = maker(section="round" if options.round else "square", **given)
+        return filled_solid(body, *lattice, make).solid
+    return filled_part(body, *lattice, sided_maker(sides, **given), sides=sides)
 
 
 def _struts(

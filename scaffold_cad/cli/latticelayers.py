@@ -13,9 +13,8 @@ from scaffold_cad.base.summaries import counted
 from scaffold_cad.cli import processes, shapes, slicing, source
 from scaffold_cad.cli.flags import told_as
 from scaffold_cad.cli.progress import Progress
-from scaffold_cad.filling.fill import lattice_around
+from scaffold_cad.filling.fill import lattice_around, whole_cells_around
 from scaffold_cad.io.stacks import write_layers
-from scaffold_cad.lattice import PeriodicLattice
 from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.layers import slices
@@ -91,8 +90,7 @@ def fills(box: Points, options: argparse.Namespace) -> bool:
     cell = as_cell(options.cell)
     if cell.is_net or not np.array_equal(cell.axes, np.eye(3)):
         return False
-    lattice: PeriodicLattice = lattice_around(
-        box, cell, cell_size(cell, options.size), options.radius
-    )
-    off = lattice.size * lattice.counts - (box[1] - box[0])
-    return bool((np.abs(off) < WHOLE * lattice.size).all())
+    size = cell_size(cell, options.size)
+    counts, _ = whole_cells_around(box, cell, size)
+    off = size * counts - (box[1] - box[0])
+    return bool((np.abs(off) < WHOLE * size).all())

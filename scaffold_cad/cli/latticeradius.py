@@ -19,18 +19,19 @@ from scaffold_cad.struts import round_struts
 _log = logging.getLogger(__name__)
 
 
-def radius(options: argparse.Namespace) -> float:
-    """Return the radius for the density that is asked for, of the struts that are made, mm.
+def check(options: argparse.Namespace) -> None:
+    """Raise if the density is out of its range, or cells have no one size.
 
-    Raises
-    ------
-    OptionError
-        If the density is out of its range, or cells have no one size: foams, maps, sizes that vary.
+    Cells of foams, on maps and of sizes that vary have none.
     """
     if options.foam is not None or callable(options.size) or map_of(options) is not None:
         raise OptionError("--density is of equal cells in a box or a part; need --radius here")
     if not 0 < options.density < 1:
         raise OptionError(f"--density is {options.density:g}; need > 0 and < 1")
+
+
+def radius(options: argparse.Namespace) -> float:
+    """Return the radius for the density that is asked for, of the struts that are made, mm."""
     given = shapes.round_options(options)
     square = not options.round and options.layer is None
 

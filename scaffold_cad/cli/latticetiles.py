@@ -35,13 +35,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace, sides: int) -> None:
-    """Make all tiles that are not there yet, and join them.
+    """Make all tiles that are not there yet, and join them; `check` has looked at the options.
 
     Parameters
     ----------
     sides : of round struts where none are given
     """
-    _check(options)
     need("joblib", "work on tiles")
     from scaffold_cad.tiles import tiles
 
@@ -70,7 +69,7 @@ def _block(options: argparse.Namespace) -> int:
     return as_count(int(options.block), "--block", 1)
 
 
-def _check(options: argparse.Namespace) -> None:
+def check(options: argparse.Namespace) -> None:
     """Raise where an option is out of its range, or would do nothing."""
     if callable(options.size):
         raise OptionError("--tiles is for cells of one size; need --size as a number")

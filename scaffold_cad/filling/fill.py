@@ -265,6 +265,20 @@ def lattice_around(
     OptionError
         If there are too many cells to be counted.
     """
+    counts, corner = whole_cells_around(bounds, cell, size)
+    return PeriodicLattice(cell, size, counts, radius=radius, origin=corner, **struts)
+
+
+def whole_cells_around(
+    bounds: Floats, cell: UnitCell, size: Floats
+) -> tuple[tuple[int, int, int], Points]:
+    """Return how many cells along their sides a lattice around a box has, and its corner.
+
+    Raises
+    ------
+    OptionError
+        If there are too many cells to be counted.
+    """
     found, corner = _cells_around(bounds, cell, size, None, None)
     if not (found < MOST_CELLS).all():
         raise OptionError(
@@ -272,7 +286,7 @@ def lattice_around(
             f"{(bounds[1] - bounds[0]).tolist()} mm; need fewer than {MOST_CELLS:g} cells aside"
         )
     x, y, z = found.astype(np.intp).tolist()
-    return PeriodicLattice(cell, size, (x, y, z), radius=radius, origin=corner, **struts)
+    return (x, y, z), corner
 
 
 def _cells_around(

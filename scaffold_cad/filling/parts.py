@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, TypeAlias, get_args
+from typing import TYPE_CHECKING, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_number, as_real, check_choice, checks_keywords
+from scaffold_cad.base.arguments import check_choice, checks_keywords
 from scaffold_cad.base.arrays import Floats, as_floats, place_text
-from scaffold_cad.base.positions import single_steps
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import BoxRegion, Region
 from scaffold_cad.base.segments import meet_box
@@ -23,42 +22,28 @@ from scaffold_cad.filling.cleaning import (
     without_crumbs,
 )
 from scaffold_cad.filling.drains import drained
-from scaffold_cad.filling.fill import HasTriangles, as_region, fill
+from scaffold_cad.filling.fill import as_region, fill
+from scaffold_cad.filling.hollowing import Body, HollowPart, hollowed
 from scaffold_cad.filling.models import RoundOptions, Section, maker
 from scaffold_cad.lattice import CellMap, UnitCell
 from scaffold_cad.lattice.maps.grading import CellSize
 from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.lattice.tiling import cell_size
-from scaffold_cad.mesh.bodies import body_of, check_uncrossed, shells_of
-from scaffold_cad.mesh.intersections import self_intersections
-from scaffold_cad.mesh.quadmesh import QuadMesh
-from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.products.models import Make
-from scaffold_cad.products.surfaces import triangles_of
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import manifolds, solidified
 from scaffold_cad.solid.rounds import SIDES, check_sides
-from scaffold_cad.solid.skins import inside_of
 from scaffold_cad.struts import round_struts
 
 if TYPE_CHECKING:
-    from build123d import Shape
     from manifold3d import Manifold
     from typing_extensions import Unpack
-
-Body: TypeAlias = "Shape | QuadMesh | TriangleMesh | HasTriangles"
-"""A build123d solid, or a closed triangle mesh of any library."""
 
 REACH = 1.5
 """How far from a box the axes of struts are that have a part in it, in their radii: a strut's own
 reaches 1 far, its fillets 1.5."""
-
-TOUCHING = 1e-9
-"""Depth down to which parts of a body only touch, mm."""
-
-LEAST_STEPS = 64.0
-"""Least thickness of a skin, and diameter of a hole, in steps of 32-bit coordinates."""
 
 FULL = 0.97
 """Share of a body beyond which it counts as full."""
@@ -126,43 +111,41 @@ def lattice_part(
     >>> 8**3 - 6**3 < part.volume() < 8**3
     True
     """
-    if skin is not None and not 0 < as_real(skin, "skin") < np.inf:
-        raise OptionError(f"skin is {skin:g} mm; need > 0, or None")
-    if skin is None and (drain is not None or drain_places is not None):
-        raise OptionError("drain holes are given without a skin; need one")
+    sides = _sides(section, sides)
+    make = sided_maker(sides, **options)
     if drain is None and drain_places is not None:
         raise OptionError("drain_places are given without drain, their diameter; need it")
-    sides = _sides(section, sides)
-    make = _maker(sides, options)
-    surface, outer = _sound(triangles_of(body))
-    _check_seen(surface, skin=skin, drain=None if drain is None else as_number(drain, "drain"))
-    region = as_region(surface)
-    inner = outer if skin is None else inside_of(surface, outer, skin)
-    extent = float(np.abs(surface.vertices).max())
+    hollow = hollowed(body, skin, drain=drain)
+    return filled_part(hollow, cell, size, radius, make, sides=sides, drain_places=drain_places)
+
+
+def filled_part(
+    hollow: HollowPart,
+    cell: str | UnitCell,
+    size: ArrayLike,
+    radius: Radius,
+    make: Make,
+    *,
+    sides: int,
+    drain_places: ArrayLike | None = None,
+) -> Manifold:
+    """Return what `lattice_part` makes of a body whose skin is made already."""
+    region = as_region(hollow.surface)
+    skin, outer, inner = hollow.skin, hollow.outer, hollow.inner
+    extent = float(np.abs(hollow.surface.vertices).max())
 
     def made(nudge: float) -> Attempt:
         struts = _struts_touching(region, cell, size, radius, nudge, skin is not None)
         solid = solidified(make(struts), sides=None if sides == 4 else sides)
         lattice = solid.manifold
         part = lattice ^ outer if skin is None else outer - (inner - lattice)
-        if skin is not None and drain is not None:
-            part = drained(part, surface, skin, drain, drain_places)
+        if skin is not None and hollow.drain is not None:
+            part = drained(part, hollow.surface, skin, hollow.drain, drain_places)
         return Attempt(part, struts, solid.united_edges)
 
     whole = first_clean("part", made, NUDGES, extent)
     _report_full(whole, outer, radius)
     return whole if skin is not None else without_crumbs(whole)
-
-
-def _check_seen(surface: TriangleMesh, **lengths: float | None) -> None:
-    """Raise if a length cannot be seen in the 32-bit coordinates of files, where the body is."""
-    least = LEAST_STEPS * float(single_steps(surface.vertices).max())
-    for name, value in lengths.items():
-        if value is not None and value < least:
-            raise OptionError(
-                f"{name} is {value:g} mm; need {least:.2g} mm or more this far from the origin, as "
-                "coordinates in files are rounded"
-            )
 
 
 def flush_box(
@@ -204,7 +187,7 @@ def flush_box(
     import manifold3d
 
     sides = _sides(section, sides)
-    make = _maker(sides, options)
+    make = sided_maker(sides, **options)
     region = BoxRegion(box)
     low, high = region.bounds
     known = as_cell(cell)
@@ -240,37 +223,6 @@ def _on_faces(part: Manifold, bounds: Floats) -> Manifold:
     return manifolds.to_manifold(TriangleMesh(vertices, mesh.triangles))
 
 
-def _sound(mesh: TriangleMesh) -> tuple[TriangleMesh, Manifold]:
-    """Return a body's surface and solid; parts of it that overlap are united.
-
-    Raises
-    ------
-    MeshError
-        If the surface is not closed, or a part crosses itself; the place is named in mm.
-    """
-    surface = body_of(mesh)
-    shell = shells_of(surface.triangles, len(surface.vertices))
-    bodies = [
-        compacted(surface.vertices, surface.triangles[shell == number])
-        for number in range(int(shell.max()) + 1)
-    ]
-    cavities = any(one.signed_volume < 0 for one in bodies)
-    crosses = len(self_intersections(surface, tolerance=TOUCHING, limit=1)) > 0
-    if not crosses and (len(bodies) == 1 or cavities):
-        return surface, manifolds.to_manifold(surface)
-    for one in bodies if crosses else []:
-        check_uncrossed(one)
-    if cavities:
-        check_uncrossed(surface)  # a cavity that crosses another shell
-    united = manifolds.union([manifolds.to_manifold(one) for one in bodies], [])
-    # No faces cross of bodies that are flush, touch with their faces, or are inside of others.
-    left = sum(one.volume() > 0 for one in united.decompose())
-    if not crosses and left == len(bodies):
-        return surface, manifolds.to_manifold(surface)
-    _log.info("%d parts of the body overlap or touch; they are united", len(bodies))
-    return manifolds.manifold_triangles(united), united
-
-
 def _sides(section: Section | None, sides: int | None) -> int:
     """Return how many sides struts of a section have; 4 are square."""
     if section is None:
@@ -285,7 +237,7 @@ def _sides(section: Section | None, sides: int | None) -> int:
     return found
 
 
-def _maker(sides: int, options: RoundOptions) -> Make:
+def sided_maker(sides: int, **options: Unpack[RoundOptions]) -> Make:
     """Return what makes struts with this number of sides."""
     check_sides(sides)
     if sides == 4 and options:

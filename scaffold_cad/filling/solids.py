@@ -19,6 +19,7 @@ from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import BrepError, OptionError
 from scaffold_cad.filling.cleaning import NUDGE_DIRECTION
 from scaffold_cad.filling.fill import as_region, struts_touching
+from scaffold_cad.filling.hollowing import check_seen
 from scaffold_cad.filling.models import RoundOptions, Section, maker
 from scaffold_cad.lattice import CellMap, UnitCell
 from scaffold_cad.lattice.maps.grading import CellSize
@@ -61,6 +62,20 @@ it shows where they are cut."""
 _MESH = "lattice_part makes it of triangles"
 
 _log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, eq=False)
+class HollowSolid(Frozen):
+    """A body, and what is inside its skin."""
+
+    solid: Solid
+    """The body."""
+    surface: TriangleMesh
+    """Triangles of it."""
+    inner: Solid
+    """What is inside the skin."""
+    inside: Manifold
+    """The same as triangles."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,32 +139,45 @@ def lattice_solid(
     (True, 2)
     """
     make = maker(section=section, **options)
-    return filled_solid(body, cell, size, radius, skin, make, origin, axes, on).solid
+    hollow = hollow_solid(body, skin)
+    return filled_solid(hollow, cell, size, radius, make, origin, axes, on).solid
 
 
-def filled_solid(
-    body: Shape,
-    cell: str | UnitCell,
-    size: CellSize,
-    radius: Radius,
-    skin: float,
-    make: Make,
-    origin: ArrayLike | None,
-    axes: ArrayLike | None,
-    on: CellMap | None,
-) -> FilledSolid:
-    """Return what `lattice_solid` makes, and its struts."""
+def hollow_solid(body: Shape, skin: float) -> HollowSolid:
+    """Return a body and what is inside its skin, before anything is put there.
+
+    Raises
+    ------
+    OptionError
+        If `skin` is out of its range or fills the body, or `body` is not one solid.
+    BrepError
+        If OCCT cannot move the faces inwards.
+    """
     thickness = as_number(skin, "skin")
     solid = _one_solid(body)
     outer = brep.tessellated(solid)
-    inner, inside = _hollow(solid, outer, thickness)
-    region, known = as_region(outer), as_cell(cell)
+    check_seen(outer, skin=thickness)
+    return HollowSolid(solid, outer, *_hollow(solid, outer, thickness))
+
+
+def filled_solid(
+    hollow: HollowSolid,
+    cell: str | UnitCell,
+    size: CellSize,
+    radius: Radius,
+    make: Make,
+    origin: ArrayLike | None = None,
+    axes: ArrayLike | None = None,
+    on: CellMap | None = None,
+) -> FilledSolid:
+    """Return what `lattice_solid` makes of a body whose skin is made already, and its struts."""
+    region, known = as_region(hollow.surface), as_cell(cell)
     fault = ""
     for nudge in NUDGES if on is None else NUDGES[:1]:
         corner = None if on is not None else _moved(region.bounds[0], origin, known, size, nudge)
         struts = struts_touching(region, known, size, origin=corner, axes=axes, on=on)
         model = make(struts.skeleton(radius))
-        fault, made = _united(solid, inner, inside, model)
+        fault, made = _united(hollow, model)
         if made is not None:
             return FilledSolid(made, model)
         _log.info("with the lattice moved by %g cells %s", nudge, fault)
@@ -203,8 +231,9 @@ def _hollow(solid: Solid, outer: TriangleMesh, skin: float) -> tuple[Solid, Mani
     )
 
 
-def _united(solid: Solid, inner: Solid, inside: Manifold, model: Model) -> tuple[str, Solid | None]:
+def _united(hollow: HollowSolid, model: Model) -> tuple[str, Solid | None]:
     """Return what is wrong, and the part if nothing is."""
+    inner, inside = hollow.inner, hollow.inside
     try:
         frame = to_brep(model)
     except BrepError as error:
@@ -217,7 +246,7 @@ def _united(solid: Solid, inner: Solid, inside: Manifold, model: Model) -> tuple
     wanted = inside.volume() - (inside - _meshed(model, frame)).volume()
     if abs(found - wanted) > OFF * wanted:
         return f"the struts inside the skin get {found:.6g} mm³ and not {wanted:.6g}", None
-    part, loose = brep.with_voids(solid, voids)
+    part, loose = brep.with_voids(hollow.solid, voids)
     if not part.is_valid:
         return "the solid is not valid", None
     if loose:

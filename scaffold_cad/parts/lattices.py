@@ -18,7 +18,7 @@ from scaffold_cad.errors import OptionError
 from scaffold_cad.filling import fill
 from scaffold_cad.filling.models import maker
 from scaffold_cad.filling.parts import flush_box
-from scaffold_cad.filling.solids import filled_solid
+from scaffold_cad.filling.solids import filled_solid, hollow_solid
 from scaffold_cad.lattice import CellMap, UnitCell
 from scaffold_cad.parts.skeletonpart import (
     BoxOptions,
@@ -194,7 +194,9 @@ class LatticeFill(SkeletonPart):
                 raise OptionError(
                     "keep, dangling or overlaps is given with a skin; need none of them"
                 )
-            filled = filled_solid(part, cell, size, radius, skin, make, origin, axes, on)
+            filled = filled_solid(
+                hollow_solid(part, skin), cell, size, radius, make, origin, axes, on
+            )
             body: Shape | Model = filled.solid
             lattice: Model = filled.struts
         else:

@@ -162,6 +162,26 @@ def test_densities_that_no_cells_have_are_refused(
     assert message in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("--box 16 --skin 1e-9 -o a.stl", "--skin is 1e-09 mm; need 0.00012 mm or more"),
+        ("--box 16 --skin 9 -o a.stl", "--skin is 9 mm, which fills the body; need less"),
+        ("--box 16 --skin 1 --drain 1e-9 -o a.stl", "--drain is 1e-09 mm; need"),
+        ("--box 16 --max-nodes 5 -o a.stl", "need at most 5 nodes"),
+        ("--box 16 --skin 1 --layer 1 --tiles t -o a.cli", "--skin is not for lattices by --tiles"),
+        ("--inside none.stl -o a.stl", "none.stl cannot be read"),
+    ],
+)
+def test_what_cannot_be_is_refused_before_a_radius_is_searched(
+    words: str, message: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("scaffold_cad.cli.latticeradius.radius", pytest.fail)
+    command = ["lattice", "--cell", "bcc", "--size", "8", "--density", "0.2", *words.split()]
+    assert main(command) == 2
+    assert message in capsys.readouterr().err
+
+
 def test_powder_gets_out_of_a_skin_that_is_drained(tmp_path: Path) -> None:
     closed, drained = tmp_path / "closed.stl", tmp_path / "drained.stl"
     skin = [*BCC, "--box", "24", "--skin", "1.5"]
