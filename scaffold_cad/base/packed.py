@@ -16,6 +16,10 @@ from scaffold_cad.errors import FormatError
 
 PACKED_SUFFIX = ".stpz"
 """Suffix of packed STEP files."""
+LARGEST = 2**30
+"""Most bytes that are unpacked: a small file may hold more than a disk."""
+BLOCK = 2**20
+"""Bytes that are unpacked at a time."""
 LEVEL = 6
 """How hard gzip tries: from 4 on files have about one size, above 6 only time grows."""
 
@@ -58,12 +62,21 @@ def unpacked(path: Path) -> Iterator[Path]:
         plain = Path(folder) / f"{path.stem}.step"
         try:
             with path.open("rb") as source, plain.open("wb") as target:
-                shutil.copyfileobj(_content(source), target)
+                _copy(_content(source), target)
         except (OSError, EOFError, ValueError, zipfile.BadZipFile, zlib.error) as error:
             raise FormatError(
                 f"{path} cannot be read: {error}; need a STEP file packed by gzip"
             ) from None
         yield plain
+
+
+def _copy(stream: IO[bytes] | gzip.GzipFile, target: IO[bytes]) -> None:
+    left = LARGEST
+    while part := stream.read(BLOCK):
+        left -= len(part)
+        if left < 0:
+            raise ValueError(f"it holds more than {LARGEST} bytes")
+        target.write(part)
 
 
 def _content(source: IO[bytes]) -> IO[bytes] | gzip.GzipFile:

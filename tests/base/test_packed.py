@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from scaffold_cad.base import packed
 from scaffold_cad.base.packed import pack, unpacked
 from scaffold_cad.errors import FormatError
 
@@ -43,4 +44,17 @@ def test_damaged_files_are_refused(held: bytes, tmp_path: Path) -> None:
     path = tmp_path / "node.stpz"
     path.write_bytes(held)
     with pytest.raises(FormatError, match=r"node\.stpz cannot be read: .*packed by gzip"):
+        unpacked(path).__enter__()
+
+
+def test_a_small_file_that_holds_too_much_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(packed, "LARGEST", 2**21)
+    path = tmp_path / "node.stpz"
+    path.write_bytes(gzip.compress(bytes(2**21)))
+    with unpacked(path) as found:
+        assert found.stat().st_size == 2**21
+    path.write_bytes(gzip.compress(bytes(2**21 + 1)))
+    with pytest.raises(FormatError, match="it holds more than 2097152 bytes"):
         unpacked(path).__enter__()
