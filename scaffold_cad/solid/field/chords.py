@@ -1,4 +1,4 @@
-"""Equal volume where struts meet: vertices move by what triangles there measure as too heavy.
+"""Equal volume where struts meet and at round ends: vertices move by what triangles there are off.
 
 Struts are a little thicker, so that triangles with their corners on them have the volume of the
 struts. That holds for a strut by itself. Where struts meet, triangles lie outside of the crease or
@@ -113,9 +113,13 @@ def evened(union: FilletedUnion, surface: Surface, thicker: Floats) -> Points:
 
 
 def _crowd_of(union: FilletedUnion, surface: Surface) -> Crowd:
-    """Return the triangles near which several struts are."""
+    """Return the triangles near which several struts are, and those of round ends."""
     group = surface.grid.groups_at(surface.vertices)  # the same in each run, unlike owners
     crowded = np.append(_crowded(union, surface.grid.lists), False)[group]  # (v,)
+    others = np.flatnonzero(~crowded & (group >= 0))
+    crowded[others] = _past_ends(
+        union, surface.vertices[others], surface.grid.lists.of(group[others])
+    )
     first, second, third = (crowded[column] for column in surface.triangles.T)
     triangles = surface.triangles[first | second | third]
     marks = np.zeros(len(crowded), dtype=np.bool_)
@@ -140,6 +144,21 @@ def _crowded(union: FilletedUnion, lists: Lists) -> Bools:
         thicker = (radii + slopes * place)[lists.struts] - radii[first] - slopes[first] * along
         off = np.maximum(off, beside + np.abs(thicker))
     return np.asarray(np.maximum.reduceat(off / radii[first], lists.starts[:-1]) > ASIDE)
+
+
+def _past_ends(union: FilletedUnion, x: Points, entries: tuple[Ints, Ints, Ints]) -> Bools:
+    """Return which points (k, 3) are past the axis of each strut near them, (k,).
+
+    Parameters
+    ----------
+    entries : struts near each, as `combined` takes them
+    """
+    which, struts, starts = entries
+    if len(which) == 0:
+        return np.zeros(len(x), dtype=np.bool_)
+    along = dot(x[which] - union.rows[:3, struts].T, union.rows[3:6, struts].T)
+    past = (along < 0) | (along > union.section[2][struts])
+    return np.asarray(np.logical_and.reduceat(past, starts))
 
 
 def _measured(union: FilletedUnion, surface: Surface, crowd: Crowd, thicker: Floats) -> Measures:

@@ -31,7 +31,7 @@ def heap() -> FieldStruts:
     return field_struts(np.stack([middles - ways, middles + ways], axis=1), 1.0, blend=0)
 
 
-@pytest.mark.parametrize(("half", "flat"), [(1.6, True), (8.0, True), (8.0, False)])
+@pytest.mark.parametrize(("half", "flat"), [(1.6, True), (1.6, False), (8.0, True), (8.0, False)])
 def test_crossing_cylinders_have_their_volume_less_what_is_in_both(half: float, flat: bool) -> None:
     ends = half * np.stack([-TURNED[:2], TURNED[:2]], axis=1)
     mesh = field_solid(field_struts(ends, 1.0, flat=flat, blend=0)).mesh
