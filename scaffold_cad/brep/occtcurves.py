@@ -28,7 +28,7 @@ TURN = np.pi / 6
 CLOSEST = 1e-7
 """Least distance that chords are asked to keep from their curve, mm."""
 
-_as_edge = TopoDS.Edge_s if hasattr(TopoDS, "Edge_s") else TopoDS.Edge  # OCP 7 and 8
+as_edge = TopoDS.Edge_s if hasattr(TopoDS, "Edge_s") else TopoDS.Edge  # OCP 7 and 8
 
 EDGE, FACE = TopAbs_ShapeEnum.TopAbs_EDGE, TopAbs_ShapeEnum.TopAbs_FACE
 
@@ -49,7 +49,7 @@ def free_edges(shape: TopoDS_Shape) -> list[TopoDS_Edge]:
     for face in _parts(shape, FACE):
         for edge in _parts(face, EDGE):
             known.add(edge)
-    edges = [_as_edge(edge) for edge in _parts(shape, EDGE) if known.add(edge)]
+    edges = [as_edge(edge) for edge in _parts(shape, EDGE) if known.add(edge)]
     return [edge for edge in edges if not BRep_Tool.Degenerated_s(edge)]
 
 

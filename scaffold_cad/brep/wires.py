@@ -6,12 +6,13 @@ they are called.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain, pairwise
 from typing import TypeAlias
 
 import numpy as np
 from build123d import Builder, Curve, Edge, Shape
+from numpy.typing import ArrayLike
 from OCP.BOPAlgo import BOPAlgo_Builder
 from OCP.BRep import BRep_Builder, BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Curve
@@ -21,20 +22,23 @@ from OCP.GeomAbs import GeomAbs_CurveType
 from OCP.TopoDS import TopoDS_Compound, TopoDS_Edge
 
 from scaffold_cad.base.arguments import as_number
-from scaffold_cad.base.arrays import Edges, Points
+from scaffold_cad.base.arrays import Edges, Floats, Points, as_floats
 from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.builders import built
 from scaffold_cad.base.radii import Radius, radii_at
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import angle_between, length, normalize
 from scaffold_cad.brep.occt import TOLERANCE
-from scaffold_cad.brep.occtcurves import TURN, sampled
+from scaffold_cad.brep.occtcurves import TURN, as_edge, sampled
 from scaffold_cad.brep.occtmeshes import line_edges
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.skeleton import Skeleton
 
 Curves: TypeAlias = Shape | Builder | Iterable[Shape | Builder]
 """A shape of build123d that has edges, or a builder that holds one, or several of them."""
+
+MemberRadius: TypeAlias = Radius | Sequence[float] | Floats
+"""A radius for all, or one for each shape or each edge of them, mm."""
 
 HALF_TURN = 5
 """Points, no more than `TURN` apart, after which a curve has turned by less than π."""
@@ -53,20 +57,56 @@ NEVER_CROSSING = (
 
 
 def skeleton_from_edges(
-    curves: Curves, radius: Radius, *, tolerance: float, contact: float
+    curves: Curves, radius: MemberRadius, *, tolerance: float, contact: float
 ) -> Skeleton:
     """Do what `Skeleton.from_edges` says."""
     tolerance, contact = as_number(tolerance, "tolerance"), as_number(contact, "contact")
-    # Each once: shapes may share edges, as a face and its wire do.
-    distinct = dict.fromkeys(edge for edge in _edges_in(curves) if not _is_degenerate(edge))
+    shapes = [list(edges) for edges in _edges_in(curves)]
+    # Each once, with its largest radius: shapes may share edges, as a face and its wire do.
+    distinct: dict[Edge, float] = {}
+    sizes = _radii_of(shapes, radius) if isinstance(radius, Sequence | np.ndarray) else None
+    for k, edge in enumerate(chain.from_iterable(shapes)):
+        if not _is_degenerate(edge):
+            own = 1.0 if sizes is None else float(sizes[k])
+            distinct[edge] = max(own, distinct.get(edge, 0.0))
     apart = contact + 2 * tolerance  # of chords whose curves do not touch
-    edges = [piece for edge in distinct for piece in _pieces(edge.wrapped, tolerance, apart)]
+    cut = [(_pieces(edge.wrapped, tolerance, apart), own) for edge, own in distinct.items()]
+    edges = [(piece, own) for pieces, own in cut for piece in pieces]
     if not edges:
         raise SkeletonError("the shapes have no edges; need at least one")
-    polylines = [sampled(edge, tolerance) for edge in _split_where_they_meet(edges, contact)]
+    split = _split_where_they_meet(edges, contact)
+    polylines = [sampled(edge.wrapped, tolerance) for edge in split]
     nodes, pairs = _chained(polylines)
-    clean = Skeleton(nodes, pairs, 1.0).cleaned(weld_distance=contact).skeleton
+    members = np.repeat(list(split.values()), [len(points) - 1 for points in polylines])
+    clean = Skeleton(nodes, pairs, edge_radii=members).cleaned(weld_distance=contact).skeleton
+    if isinstance(radius, Sequence | np.ndarray):
+        return clean
     return clean.with_radii(radii_at(clean.nodes, radius))
+
+
+def _radii_of(shapes: list[list[Edge]], radius: ArrayLike) -> Floats:
+    """Return the radius of each edge of shapes, one shape after the other, mm.
+
+    Raises
+    ------
+    OptionError
+        If there is neither a number > 0 for each shape nor one for each edge.
+    """
+    sizes = as_floats(radius, "radius", OptionError)
+    counts = [len(edges) for edges in shapes]
+    if len(shapes) > 1 and sizes.shape == (len(shapes),):
+        what, own = "shape", np.repeat(sizes, counts)
+    elif sizes.shape == (sum(counts),):
+        what, own = "edge", sizes
+    else:
+        per_shape = f"{len(shapes)}, one for each shape, or " if len(shapes) > 1 else ""
+        raise OptionError(
+            f"radius has shape {sizes.shape}; need {per_shape}{sum(counts)}, one for each edge"
+        )
+    bad = np.flatnonzero(~(np.isfinite(sizes) & (sizes > 0)))
+    if len(bad):
+        raise OptionError(f"radius of {what} {bad[0]} is {sizes[bad[0]]:g} mm; need > 0")
+    return np.asarray(own)
 
 
 def wire_compound(skeleton: Skeleton) -> Curve:
@@ -91,8 +131,8 @@ def wire_compound(skeleton: Skeleton) -> Curve:
     return Curve(compound)
 
 
-def _edges_in(curves: Curves) -> Iterator[Edge]:
-    """Return the edges of a shape or of several, one after the other."""
+def _edges_in(curves: Curves) -> Iterator[Iterable[Edge]]:
+    """Return the edges of a shape, or of each of several."""
     several = isinstance(curves, Iterable) and not isinstance(curves, Shape | str)
     shapes = [built(shape) for shape in (curves if several else [curves])]
     strange = [shape for shape in shapes if not isinstance(shape, Shape)]
@@ -101,7 +141,7 @@ def _edges_in(curves: Curves) -> Iterator[Edge]:
             f"a {type(strange[0]).__name__} is not a shape of build123d; need edges, wires or "
             "sketches"
         )
-    return chain.from_iterable(shape.edges() for shape in shapes)
+    return (shape.edges() for shape in shapes)
 
 
 def _is_degenerate(edge: Edge) -> bool:
@@ -154,8 +194,12 @@ def _comes_back(points: Points, apart: float) -> bool:
     return False
 
 
-def _split_where_they_meet(edges: list[TopoDS_Edge], distance: float) -> list[TopoDS_Edge]:
+def _split_where_they_meet(
+    edges: list[tuple[TopoDS_Edge, float]], distance: float
+) -> dict[Edge, float]:
     """Return the edges cut where they touch, cross or cover each other, each piece once.
+
+    With each edge goes its radius; a piece of several has their largest.
 
     Raises
     ------
@@ -163,16 +207,22 @@ def _split_where_they_meet(edges: list[TopoDS_Edge], distance: float) -> list[To
         If OCCT finds no way to do so.
     """
     if len(edges) == 1:
-        return edges
+        return {Edge(edge): radius for edge, radius in edges}
     fuse = BOPAlgo_Builder()
-    for edge in edges:
+    for edge, _ in edges:
         fuse.AddArgument(edge)
     fuse.SetFuzzyValue(distance)
     fuse.SetNonDestructive(True)
     fuse.Perform()
     if fuse.HasErrors():
         raise SkeletonError(f"OCCT cannot tell where the {len(edges)} edges meet; need fewer")
-    return [edge.wrapped for edge in Shape.cast(fuse.Shape()).edges()]
+    found = dict.fromkeys(Shape.cast(fuse.Shape()).edges(), 0.0)
+    for edge, radius in edges:
+        images = [Edge(as_edge(image)) for image in fuse.Modified(edge)] or [Edge(edge)]
+        for image in images:
+            if image in found:  # too short ones are gone
+                found[image] = max(found[image], radius)
+    return found
 
 
 def _chained(polylines: list[Points]) -> tuple[Points, Edges]:

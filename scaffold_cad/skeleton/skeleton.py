@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -133,7 +134,7 @@ class Skeleton(Frozen, Shown, Editing):
     def from_edges(
         cls,
         curves: Curves,
-        radius: Radius,
+        radius: Radius | Sequence[float] | Floats,
         *,
         tolerance: float = 0.1,
         contact: float = 1e-4,
@@ -147,7 +148,9 @@ class Skeleton(Frozen, Shown, Editing):
         ----------
         curves : edges, wires, sketches, builders or any other shapes of build123d, one or several:
             all edges of a face and of a solid count
-        radius : mm; one number, or a function of positions (n, 3) that returns radii (n,)
+        radius : mm; one number; one for each shape, or for each of their edges in the order of
+            `shape.edges()`; or a function of positions (n, 3) that returns radii (n,). Struts that
+            cover each other have the largest
         tolerance : largest distance of the skeleton from the curves, mm; a curve turns by 30° at
             most from one joint to the next
         contact : edges no farther apart than this touch, mm

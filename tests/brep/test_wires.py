@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import build123d as bd
 import numpy as np
@@ -206,6 +207,49 @@ def test_radius_may_be_a_function_of_places() -> None:
     assert skeleton.radii[at(skeleton, (0, 0, 0))] == pytest.approx(1.0)
     with pytest.raises(OptionError, match="radius is 0 mm; need > 0"):
         Skeleton.from_edges(line, 0.0)
+
+
+def test_each_shape_may_have_its_radius() -> None:
+    bar, post = bd.Line((0, 0, 0), (20, 0, 0)), bd.Line((10, -5, 0), (10, 5, 0))
+    skeleton = Skeleton.from_edges([bar, post], [1.0, 0.5])
+    along_bar = (skeleton.nodes[skeleton.edges][..., 1] == 0).all(axis=1)
+    assert along_bar.sum() == 2
+    np.testing.assert_array_equal(skeleton.edge_radii[along_bar], 1.0)
+    np.testing.assert_array_equal(skeleton.edge_radii[~along_bar], 0.5)
+    assert skeleton.radii[at(skeleton, (10, 0, 0))] == 1.0
+
+
+def test_each_edge_of_a_wire_may_have_its_radius() -> None:
+    wire = bd.Polyline((0, 0, 0), (10, 0, 0), (10, 10, 0))
+    for radius in ([1.0, 0.5], np.array([1.0, 0.5])):
+        skeleton = Skeleton.from_edges([wire], radius)
+        assert skeleton.radii[at(skeleton, (10, 10, 0))] == 0.5
+        assert sorted(skeleton.edge_radii[:, 0]) == [0.5, 1.0]
+
+
+def test_curves_that_cover_each_other_have_the_larger_radius() -> None:
+    long, short = bd.Line((0, 0, 0), (20, 0, 0)), bd.Line((5, 0, 0), (15, 0, 0))
+    for curves, radii in (([long, short], [0.5, 1.0]), ([short, long, short], [1.0, 0.5, 0.7])):
+        skeleton = Skeleton.from_edges(curves, radii)
+        assert skeleton.edge_radii[:, 0].tolist() == [0.5, 1.0, 0.5]
+
+
+@pytest.mark.parametrize(
+    ("radii", "message"),
+    [
+        (
+            [1.0, 2.0, 3.0, 4.0],
+            r"has shape \(4,\); need 2, one for each shape, or 3, one for each e",
+        ),
+        ([1.0, -1.0], "radius of shape 1 is -1 mm; need > 0"),
+        ([1.0, 1.0, float("nan")], "radius of edge 2 is nan mm; need > 0"),
+        ([1.0, "thick"], "radius is not an array of numbers"),
+    ],
+)
+def test_radii_that_do_not_fit_the_shapes_are_refused(radii: Any, message: str) -> None:
+    shapes = [bd.Polyline((0, 0, 0), (10, 0, 0), (10, 10, 0)), bd.Line((0, 0, 0), (0, 0, 9))]
+    with pytest.raises(OptionError, match=message):
+        Skeleton.from_edges(shapes, radii)
 
 
 @pytest.mark.parametrize("name", ["tolerance", "contact"])
