@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy import sparse
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.base.vectors import normalize
-from scaffold_cad.mechanics.hexahedra.relax import Control
+from scaffold_cad.mechanics.hexahedra.control import Control
+from scaffold_cad.mechanics.hexahedra.narrowing import narrow_controls
 from scaffold_cad.mechanics.hexahedra.sections import Frame
 from scaffold_cad.mechanics.hexahedra.surface import RimSurface
 
@@ -77,13 +79,17 @@ class Plan(Frozen):
         movable, scale = frame.movable(layers)
         hubs, rim = len(frame.hubs), len(frame.rim)
         sliding = np.zeros(len(movable), dtype=np.bool_)
+        hub = frame.hub_of_control(layers)
         if surface is None:
-            return Control(weights, cells, movable, scale, sliding, _nowhere)
+            narrow = partial(narrow_controls, frame, layers)
+            return Control(weights, cells, movable, scale, sliding, _nowhere, hub, narrow)
         sliding[hubs : hubs + rim] = frame.loose_rim
         on_rim = surface
-        return Control(
-            weights, cells, movable, scale, sliding, lambda rows, to: on_rim(rows - hubs, to)
-        )
+
+        def onto(rows: Ints, to: Points) -> tuple[Points, UnitVectors]:
+            return on_rim(rows - hubs, to)
+
+        return Control(weights, cells, movable, scale, sliding, onto, hub, None)
 
     def normals(
         self, places: Points, points: Points, weights: sparse.csr_array, sections: Ints

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 from scipy import sparse
 from scipy.optimize import minimize
 from scipy.sparse.csgraph import connected_components
 
-from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, UnitVectors
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
 from scaffold_cad.base.vectors import dot, sums_by_row
+from scaffold_cad.mechanics.hexahedra.control import Control
+from scaffold_cad.mechanics.hexahedra.narrowing import narrowed
 from scaffold_cad.mechanics.hexahedra.quality import (
     NEIGHBORS,
     SIDE_OF,
@@ -56,35 +56,13 @@ LEAST_SIDE = 1e-6
 STIFFER, SOFTER = 2.0, 1.3
 """By how much that grows where a round has made things worse, and shrinks where not."""
 
-Onto: TypeAlias = Callable[[Ints, Points], tuple[Points, UnitVectors]]
-"""What puts control points (q,), moved to places (q, 3), back on their surface, with its normals
-there, (q, 3)."""
-
-
-@dataclass(frozen=True, eq=False)
-class Control:
-    """Points of a mesh as fixed combinations of fewer control points, some of which may move."""
-
-    weights: sparse.csr_array
-    """Shape (p, c): each point is a combination of control points."""
-    hexahedra: Ints
-    """Points of each hexahedron, shape (k, 8)."""
-    movable: Bools
-    """Which control points may move, shape (c,)."""
-    scale: Floats
-    """What counts as a large move of each, shape (c,), mm."""
-    sliding: Bools
-    """Which of those that may move stay on a surface, shape (c,)."""
-    onto: Onto
-    """Puts them back there."""
-
 
 def relaxed(control: Control, places: Points, goal: float) -> Points:
     """Return the control points, moved so that no scaled Jacobian is below `goal`, if they can.
 
     The sum over corners of powers of what their scaled Jacobians lack is minimized, with a small
     cost for moves. Only points of bad hexahedra move; those that stay on a surface move along it
-    and are put back on it after each round.
+    and are put back on it after each round. Where hexahedra stay inverted, nodes are narrowed.
 
     Parameters
     ----------
@@ -98,6 +76,8 @@ def relaxed(control: Control, places: Points, goal: float) -> Points:
     aims = np.full(len(control.hexahedra), MARGIN * goal)
     for turn in range(TOGETHER + APART):
         bad = scaled_jacobians(control.weights @ places, control.hexahedra) < goal
+        if not bad.any():
+            return places
         if turn > 0:
             aims[bad] = np.minimum(RAISE * aims[bad], MOST_AIM * goal)
         part = _Part.of(control, bad, idle < PATIENCE)
@@ -115,7 +95,7 @@ def relaxed(control: Control, places: Points, goal: float) -> Points:
             idle[one.moving] = np.where(lacks > (1.0 - PROGRESS) * had, idle[one.moving] + 1, 0)
         if np.array_equal(before, places):
             break
-    return places
+    return narrowed(control, places, goal)
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +121,7 @@ class _Part:
         ----------
         trying : (c,) control points that have not been given up
         """
-        point_of = _touched(control.weights, control.hexahedra[bad])
+        point_of = control.touched(control.hexahedra[bad])
         moving = np.flatnonzero(point_of & control.movable & trying)
         if len(moving) == 0:
             return None
@@ -229,14 +209,6 @@ def _moved(
     moved: Points = found.x.reshape(-1, 3) * unit
     moved[slides] = control.onto(moving[slides], moved[slides])[0]
     return moved
-
-
-def _touched(weights: sparse.csr_array, cells: Ints) -> Bools:
-    """Return which control points the points of `cells` depend on, (c,)."""
-    rows = weights[np.unique(cells)]
-    touched = np.zeros(weights.shape[1], dtype=np.bool_)
-    touched[rows.indices] = True
-    return touched
 
 
 def _lacking(points: Points, cells: Ints, aims: Floats) -> tuple[float, Points]:

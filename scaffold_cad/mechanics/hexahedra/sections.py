@@ -70,8 +70,12 @@ class Frame(Frozen):
     def movable(self, layers: int) -> tuple[Bools, Floats]:
         """Return which controls may move, and what counts as a large move of each, mm."""
         cores = [self.loose[self.owner]] if layers else []
-        scale = [self.scale, *[self.scale[self.owner]] * (1 + len(cores))]
-        return np.concatenate([self.loose, self.loose_rim, *cores]), np.concatenate(scale)
+        scale = self.scale[self.hub_of_control(layers)]
+        return np.concatenate([self.loose, self.loose_rim, *cores]), scale
+
+    def hub_of_control(self, layers: int) -> Ints:
+        """Return the hub that each control is, or is around, (c,)."""
+        return np.concatenate([np.arange(len(self.hubs)), *[self.owner] * (2 if layers else 1)])
 
 
 class FrameParts:

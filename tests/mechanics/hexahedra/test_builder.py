@@ -223,3 +223,15 @@ def test_hexahedra_beside_short_edges_of_foams_are_good() -> None:
     assert (quality < 0.2).mean() < 0.015
     kept = scaffold.embedding().kept[mesh.edge_of_hexahedron]
     assert quality[kept].min() > 0.1
+
+
+def test_none_is_inverted_where_branch_points_are_closer_than_their_struts_are_thick() -> None:
+    foam = voronoi_foam(6, np.array([[0.0] * 3, [50.0] * 3]), 2.0)
+    assert foam.lengths.min() < 0.5 * foam.radii.min()
+    scaffold = build_scaffold(foam, collars=True)
+    assert not scaffold.embedding().certified
+    mesh = hexahedra(scaffold)
+    assert len(mesh.inverted) == 0
+    assert (face_counts(mesh.hexahedra) <= 2).all()
+    assert mesh.volumes.sum() == pytest.approx(mesh.enclosed_volume)
+    assert len(hexahedra(scaffold, relax=0).inverted) > 0  # and so are some as they are planned
