@@ -107,18 +107,31 @@ def _chain(skeleton: Skeleton, end: int, reach: float, done: Bools) -> list[tupl
 def _drawn(
     skeleton: Skeleton, chain: list[tuple[int, int]], end: float, nodes: Floats, radii: Floats
 ) -> bool:
-    """Draw the joints of a chain together past its end; return whether there is room."""
+    """Draw the joints of a chain together past its end; return whether there is room.
+
+    The last link keeps its direction, so that what is inside ends parallel to the outside, and
+    begins on the chain.
+    """
     edges, sides = np.array(chain, dtype=np.intp).reshape(-1, 2).T
     lengths = skeleton.lengths[edges]
     place = np.append(0.0, np.cumsum(lengths))  # of the nodes along the chain
     if len(edges) < 2 or place[-1] <= end * (1 + SPARE):
         return False
-    new = end + place * (1.0 - end / place[-1])  # those of what is left
-    new[0] = 0.0
     first, last = skeleton.edges[edges, sides], skeleton.edges[edges, 1 - sides]
     points = skeleton.nodes[np.append(first, last[-1])]
+    outward = (points[0] - points[1]) / lengths[0]
+    depth = (points[0] - points) @ outward  # below the plane of the end
+    reach = end + lengths[0] * (1.0 - end / place[-1])
+    deep = np.flatnonzero(depth > reach)
+    if len(deep) == 0:
+        return False
+    k = int(deep[0])
+    begin = np.interp(reach, depth[k - 1 : k + 1], place[k - 1 : k + 1])
+    share = (place[-1] - begin) / (place[-1] - place[1])
+    new = np.append(0.0, begin + (place[1:] - place[1]) * share)
     for axis in range(3):
         nodes[last[:-1], axis] = np.interp(new[1:-1], place, points[:, axis])
+    nodes[first[0]] = nodes[last[0]] + reach * outward
     near, far = skeleton.edge_radii[edges, sides], skeleton.edge_radii[edges, 1 - sides]
     # Radii may jump at joints: of both there, the place just before and just behind.
     along = np.stack([place[:-1], place[1:] * (1 - 1e-12)], axis=1).reshape(-1)
