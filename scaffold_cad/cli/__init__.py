@@ -41,6 +41,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not words:
         parser.print_help(sys.stderr)
         return running.BAD_INPUT
+    if words[0] == "help":
+        words = [*(word for word in words[1:] if word != "help"), "--help"]
     try:
         words = with_config(words, commands)
     except ScaffoldCadError as error:
@@ -61,6 +63,7 @@ def parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParse
     parser = Parser(
         prog="scaffold-cad",
         description="Solid lattice frames and organic solids from skeletons.",
+        epilog="`scaffold-cad help COMMAND` tells the options of a command.",
     )
     parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
     add_completion(parser)

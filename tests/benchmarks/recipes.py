@@ -25,15 +25,20 @@ FAMILIES = ((2, 20), (3, 30), (4, 30), (6, 30), (6, 20), (8, 30))
 """Valency and least angle, in degrees."""
 
 
-def families(count: int) -> list[Stars]:
-    """Return stars of each family, of even radii and of radii from 0.5 to 2."""
+def families(count: int, blend: float = BLEND) -> list[Stars]:
+    """Return stars of each family, of even radii and of radii from 0.5 to 2.
+
+    Parameters
+    ----------
+    blend : fillet radius, in radii of the thinnest strut
+    """
     random = np.random.default_rng(1)
     found = []
     for valency, least in FAMILIES:
         star = random_stars(count, valency, least, random)
-        found.append(stars_of(star))
+        found.append(stars_of(star, blends=blend))
         radii = np.exp(random.uniform(np.log(0.5), np.log(2), star.shape[:2]))
-        found.append(stars_of(star, radii, blends=BLEND * radii.min(axis=1)))
+        found.append(stars_of(star, radii, blends=blend * radii.min(axis=1)))
     return found
 
 
@@ -41,6 +46,7 @@ def variants() -> Iterator[tuple[str, tuple[Recipe, ...]]]:
     """Yield recipes by what is changed."""
     first, *others = RECIPES
     yield "all", RECIPES
+    yield "all for any fillet", tuple(replace(each, least=0.0, most=np.inf) for each in RECIPES)
     for number in range(len(RECIPES)):
         yield f"without {number}", (*RECIPES[:number], *RECIPES[number + 1 :])
     for name in ("openness", "momentum", "urge"):
@@ -70,7 +76,11 @@ def main() -> None:
     """Print a line per variant."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--stars", type=int, default=30, help="of each family, default: 30")
-    stars = families(parser.parse_args().stars)
+    parser.add_argument(
+        "--blend", type=float, default=BLEND, help="fillet radius in radii of the thinnest strut"
+    )
+    options = parser.parse_args()
+    stars = families(options.stars, options.blend)
     print(f"{'recipes':<24}  proved  shallow   misfit    most     time")
     for name, recipes in variants():
         print(f"{name:<24}{measured(recipes, stars)}", flush=True)

@@ -560,3 +560,26 @@ def test_info_tells_once_what_a_file_with_a_wrong_suffix_is_read_as(
     path.write_text(skeleton_to_json(named.STRUT))
     assert main(["info", str(path)]) == 0
     assert capsys.readouterr().err.count("is read as") == 1
+
+
+@pytest.mark.parametrize(
+    ("words", "same"), [(["help"], ["--help"]), (["help", "build"], ["build", "--help"])]
+)
+def test_help_is_a_word_too(
+    words: list[str], same: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    told = []
+    for line in (words, same):
+        with pytest.raises(SystemExit, match="0"):
+            main(line)
+        told.append(capsys.readouterr().out)
+    assert told[0] == told[1]
+    assert told[0].startswith("usage: scaffold-cad")
+
+
+def test_help_for_a_word_that_is_no_command_names_the_nearest(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(["help", "buid"])
+    assert "did you mean 'build'?" in capsys.readouterr().err

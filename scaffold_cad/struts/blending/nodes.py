@@ -85,8 +85,11 @@ def blends(stars: Stars, recipes: Iterable[Recipe] = RECIPES) -> tuple[Blends, .
     own = _rounded(seen[one])
     best = _Best(len(own))
     fitted: dict[float, Collars] = {}
+    fillets = own.blends / own.radii.min(axis=1)  # (U,), less where there is no room
     open_nodes = np.arange(len(own))
     for trial, recipe in enumerate(recipes):
+        if trial > 0:
+            open_nodes = open_nodes[recipe.suits(fillets[open_nodes])]
         if recipe.swell > 1:
             open_nodes = open_nodes[~best.proved[open_nodes]]
         if len(open_nodes) == 0:
@@ -95,6 +98,7 @@ def blends(stars: Stars, recipes: Iterable[Recipe] = RECIPES) -> tuple[Blends, .
             fitted[recipe.swell] = collars_of(own, recipe.swell)
         if trial == 0:
             open_nodes = _with_room(best, own, fitted[recipe.swell], recipe, open_nodes)
+            fillets = fitted[recipe.swell].blends / own.radii.min(axis=1)
             if len(open_nodes) == 0:
                 break
         found = _solved(own[open_nodes], fitted[recipe.swell][open_nodes], recipe)
@@ -133,8 +137,9 @@ def _refine(
     best: _Best, own: Stars, fitted: Collars, recipe: Recipe, rows: Ints, found: Solved
 ) -> None:
     """Try to better blends (k) of the nodes `rows` (k,) that are proved but not good."""
-    for stage in FINER:
+    for stage, most in FINER:
         is_off = found.proved & found.has_room & ~best.good[rows]
+        is_off &= fitted.blends[rows] <= most * own.radii[rows].min(axis=1)
         rows, found = rows[is_off], found[np.flatnonzero(is_off)]
         if len(rows):
             finer = replace(recipe, stages=(stage,), kept=1)

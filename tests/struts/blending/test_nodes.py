@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from scaffold_cad.errors import OptionError
-from scaffold_cad.struts import Blends, Stars, blends, sampled
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.struts import Blends, Stars, blends, round_struts, sampled
+from scaffold_cad.struts.blending import nodes
 from scaffold_cad.struts.blending.bends import bend_partitions
 from scaffold_cad.struts.blending.fitting import union_of
 from tests.struts.stars import (
@@ -287,3 +289,24 @@ def test_struts_of_mixed_radii_do_not_bulge_where_another_recipe_is_better(name:
     away = value / np.maximum(np.linalg.norm(gradient, axis=0), 0.1)
     assert away.max() < 0.1 * radii.min()
     assert found.shapes.bulge[0] < 0.1
+
+
+@pytest.mark.parametrize(("fillet", "most"), [(1e-9, 3), (20.0, 2)])
+def test_few_ways_are_tried_for_fillets_that_nobody_can_see_or_have(
+    fillet: float, most: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    solve, tried = nodes._solved, []
+    monkeypatch.setattr(nodes, "_solved", lambda *given: tried.append(given[2]) or solve(*given))
+    (found,) = blends(stars_of(BODY_CENTERED, blends=fillet))
+    assert not found.proved[0]
+    assert 1 <= len(tried) <= most
+
+
+def test_a_fillet_that_is_far_too_wide_becomes_as_wide_as_can_be() -> None:
+    arms = Skeleton(
+        np.vstack([np.zeros(3), 20 * BODY_CENTERED]), [[0, k] for k in range(1, 9)], 1.0
+    )
+    (node,) = (each for each in round_struts(arms, blend=1e9).blended)
+    assert node.shapes.sound.all()
+    assert 4.0 < node.shapes.rho[0] < 6.0
+    assert node.shapes.bulge[0] < 0.2
