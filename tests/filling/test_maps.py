@@ -179,7 +179,7 @@ def test_quads_are_as_large_as_a_function_of_position_asks() -> None:
         mesh_map(ball, 2.0, size=lambda points: np.full(len(points), -1.0))
 
 
-@pytest.mark.parametrize("thickness", [1.0, -0.5])
+@pytest.mark.parametrize("thickness", [1.0, -0.5, -1.5])
 def test_layers_on_parts_with_sharp_edges_lean_where_cells_would_fold(thickness: float) -> None:
     corner = Box(20, 10, 10) + Pos(-5, 0, 10) * Box(10, 10, 10)
     layer = mesh_map(corner, thickness, size=1.5)
@@ -221,3 +221,14 @@ def test_what_cannot_be_is_refused_by_name() -> None:
     bore = (Box(20, 20, 5) - Cylinder(4, 9)).faces().filter_by(GeomType.CYLINDER)[0]
     with pytest.raises(SkeletonError, match="the map folds cell"):
         tile("bcc", 1.0, radius=0.1, on=face_map(bore, 5.0))
+
+
+@pytest.mark.parametrize("size", [0.8, 1.4])
+def test_layers_inside_blocks_with_holes_fold_no_cell(size: float) -> None:
+    block = Box(20, 20, 10) - Cylinder(4, 10)
+    lattice = tile("bcc", counts=1, radius=0.05, on=mesh_map(block, -0.5, size=size))
+    assert lattice.component_count == 1
+    x, y, z = lattice.nodes.T
+    assert np.hypot(x, y).min() > 3.98  # none is in the hole
+    assert np.abs([x, y]).max() < 10.001
+    assert np.abs(z).max() < 5.001
