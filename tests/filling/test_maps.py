@@ -179,7 +179,7 @@ def test_quads_are_as_large_as_a_function_of_position_asks() -> None:
         mesh_map(ball, 2.0, size=lambda points: np.full(len(points), -1.0))
 
 
-@pytest.mark.parametrize("thickness", [1.0, -0.5, -1.5])
+@pytest.mark.parametrize("thickness", [1.0, -0.5])
 def test_layers_on_parts_with_sharp_edges_lean_where_cells_would_fold(thickness: float) -> None:
     corner = Box(20, 10, 10) + Pos(-5, 0, 10) * Box(10, 10, 10)
     layer = mesh_map(corner, thickness, size=1.5)

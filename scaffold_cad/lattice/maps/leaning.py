@@ -149,6 +149,11 @@ def _leaned_near(
         along -= dot(along, here[rows])[:, None] * here[rows]
         return value, (along / length(flat.reshape(-1, 3))[:, None]).reshape(-1)
 
-    start = directions[rows].reshape(-1)
-    options = {"maxiter": STEPS, "maxfun": 2 * STEPS}
-    return turned(minimize(cost, start, jac=True, method="L-BFGS-B", options=options).x)
+    found = minimize(
+        cost,
+        directions[rows].reshape(-1),
+        jac=True,
+        method="L-BFGS-B",
+        options={"maxiter": STEPS, "maxfun": 2 * STEPS},
+    )
+    return turned(found.x)
