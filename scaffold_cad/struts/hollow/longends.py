@@ -7,9 +7,11 @@ branch as short as its end is a stump in a branch point's body, and so is what i
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Floats, place_text
+from scaffold_cad.base.arrays import Floats, Ints, place_text
 from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton
 
@@ -45,25 +47,21 @@ def with_long_ends(skeleton: Skeleton, at_ends: Floats) -> tuple[Skeleton, Float
         return skeleton, at_ends
     at_ends = at_ends.copy()
     nodes, radii = skeleton.nodes.copy(), skeleton.edge_radii.copy()
-    done = np.zeros(len(skeleton.edges), dtype=np.bool_)
-    for edge in short.tolist():
-        for side in np.flatnonzero(cut[edge] > 0).tolist():
-            end = int(skeleton.edges[edge, side])
-            chain = _chain(skeleton, end, REACH * at_ends[end], done)
-            done[[link for link, _ in chain]] = True
-            if _drawn(skeleton, chain, float(at_ends[end]), nodes, radii):
-                continue
-            if _at_branch_point(skeleton, chain):
-                links = [link for link, _ in chain]
-                at_ends[end] = (1.0 - STUMP) * skeleton.lengths[links].sum()
-                _drawn(skeleton, chain, float(at_ends[end]), nodes, radii)
-            else:
-                near = place_text(skeleton.nodes[end])
-                raise OptionError(
-                    f"edge {edge} near {near} is {skeleton.lengths[edge]:g} mm long; need more "
-                    f"than its closed ends of {cut[edge].max():g} mm, in it or in links that "
-                    "follow it (ends='open' has none)"
-                )
+    for end in np.unique(skeleton.edges[short][cut[short] > 0]).tolist():
+        chain = _chain(skeleton, end, at_ends)
+        if chain.limit > at_ends[end] * (1 + SPARE):
+            _draw(skeleton, chain, float(at_ends[end]), nodes, radii)
+        elif chain.leads_to_branch_point:
+            at_ends[end] = (1.0 - STUMP) * chain.limit
+            _draw(skeleton, chain, float(at_ends[end]), nodes, radii)
+        else:
+            edge, size = chain.edges[0], chain.place[-1]
+            links = f", and its chain {size:g} mm" if len(chain.edges) > 1 else ""
+            raise OptionError(
+                f"edge {edge} near {place_text(skeleton.nodes[end])} is "
+                f"{skeleton.lengths[edge]:g} mm long{links}; need more than its closed ends of "
+                f"{at_ends[end]:g} mm on both sides (ends='open' has none)"
+            )
     drawn = Skeleton(nodes, skeleton.edges, skeleton.radii, radii)
     # Chains that bend lead less far.
     last, at = np.nonzero(is_end)
@@ -72,69 +70,77 @@ def with_long_ends(skeleton: Skeleton, at_ends: Floats) -> tuple[Skeleton, Float
     return drawn, at_ends
 
 
-def _at_branch_point(skeleton: Skeleton, chain: list[tuple[int, int]]) -> bool:
-    """Return whether a chain leads to a branch point."""
-    if len(chain) == 0:
-        return False
-    edge, side = chain[-1]
-    return bool(skeleton.valency[skeleton.edges[edge, 1 - side]] > 2)
+@dataclass(frozen=True, eq=False)
+class _Chain:
+    """Links from an extremity on."""
+
+    edges: Ints
+    """Shape (k,)."""
+    sides: Ints
+    """Side of each that is nearer to the extremity, shape (k,)."""
+    place: Floats
+    """How far along the chain its nodes are, shape (k + 1,), mm."""
+    limit: float
+    """How far along it joints are drawn together, mm."""
+    leads_to_branch_point: bool
 
 
-def _chain(skeleton: Skeleton, end: int, reach: float, done: Bools) -> list[tuple[int, int]]:
-    """Return the links from an extremity on, and the side that each begins at.
+def _chain(skeleton: Skeleton, end: int, at_ends: Floats) -> _Chain:
+    """Return the links from an extremity on that are drawn together.
 
-    The chain is as long as `reach`, or leads to a node that is not a joint or to a link that is
-    `done`. If it leads to another extremity before twice as much, half of it is for that one.
+    They are as long as `REACH`, or lead to a node that is not a joint. Of those between two
+    extremities each end has its part.
     """
-    chain: list[tuple[int, int]] = []
-    lengths: list[float] = []
-    node, before = end, -1
-    while sum(lengths) < 2 * reach:
+    edges, sides, place = [], [], [0.0]
+    node, ahead, reach = end, [end], REACH * float(at_ends.max())
+    while len(ahead) == 1 and place[-1] < 2 * reach:
         links = skeleton.incidence.at_nodes(np.array([node]), int(skeleton.valency[node]))[0]
-        ahead = [(half // 2, half % 2) for half in links.tolist() if half // 2 != before]
-        if len(ahead) != 1 or done[ahead[0][0]]:
-            break
-        before, side = ahead[0]
-        chain.append((before, side))
-        lengths.append(float(skeleton.lengths[before]))
-        node = int(skeleton.edges[before, 1 - side])
-    whole = np.cumsum(lengths)
+        ahead = [half for half in links.tolist() if half // 2 not in edges[-1:]]
+        if len(ahead) == 1:
+            edges.append(ahead[0] // 2)
+            sides.append(ahead[0] % 2)
+            place.append(place[-1] + float(skeleton.lengths[edges[-1]]))
+            node = int(skeleton.edges[edges[-1], 1 - sides[-1]])
+    limit = min(REACH * float(at_ends[end]), place[-1])
     if len(ahead) == 0:
-        reach = min(reach, float(whole[-1]) / 2)
-    return chain[: int(np.searchsorted(whole, reach)) + 1]
+        limit = min(limit, place[-1] * float(at_ends[end] / (at_ends[end] + at_ends[node])))
+    return _Chain(np.array(edges), np.array(sides), np.array(place), limit, len(ahead) > 1)
 
 
-def _drawn(
-    skeleton: Skeleton, chain: list[tuple[int, int]], end: float, nodes: Floats, radii: Floats
-) -> bool:
-    """Draw the joints of a chain together past its end; return whether there is room.
+def _draw(skeleton: Skeleton, chain: _Chain, end: float, nodes: Floats, radii: Floats) -> None:
+    """Draw the joints of a chain together past its end.
 
-    The last link keeps its direction, so that what is inside ends parallel to the outside, and
-    begins on the chain.
+    The last link keeps its direction where there is room, so that what is inside ends parallel to
+    the outside, and begins on the chain.
     """
-    edges, sides = np.array(chain, dtype=np.intp).reshape(-1, 2).T
-    lengths = skeleton.lengths[edges]
-    place = np.append(0.0, np.cumsum(lengths))  # of the nodes along the chain
-    if len(edges) < 2 or place[-1] <= end * (1 + SPARE):
-        return False
+    edges, sides, place = chain.edges, chain.sides, chain.place
+    count = int(np.searchsorted(place, chain.limit * (1 - SPARE))) - 1
+    if count == 0:
+        return
     first, last = skeleton.edges[edges, sides], skeleton.edges[edges, 1 - sides]
-    points = skeleton.nodes[np.append(first, last[-1])]
-    outward = (points[0] - points[1]) / lengths[0]
+    points = skeleton.nodes[np.append(first, last[-1])]  # (k + 1, 3)
+    size = place[1]
+    outward = (points[0] - points[1]) / size
     depth = (points[0] - points) @ outward  # below the plane of the end
-    reach = end + lengths[0] * (1.0 - end / place[-1])
-    deep = np.flatnonzero(depth > reach)
-    if len(deep) == 0:
-        return False
-    k = int(deep[0])
-    begin = np.interp(reach, depth[k - 1 : k + 1], place[k - 1 : k + 1])
-    share = (place[-1] - begin) / (place[-1] - place[1])
-    new = np.append(0.0, begin + (place[1:] - place[1]) * share)
+    reach = end + size * (1.0 - end / chain.limit)
+    deep = np.flatnonzero((depth[1:] > reach) & (depth[:-1] <= reach))
+    begin = reach
+    if len(deep):
+        k = int(deep[0])
+        begin = float(np.interp(reach, depth[k : k + 2], place[k : k + 2]))
+    is_room = len(deep) > 0 and begin < chain.limit
+    begin = begin if is_room else reach
+    share = (chain.limit - begin) / (chain.limit - size)
+    new = np.append(0.0, begin + (place[1 : count + 1] - size) * share)  # of the end and joints
+    joints = last[:count]
     for axis in range(3):
-        nodes[last[:-1], axis] = np.interp(new[1:-1], place, points[:, axis])
-    nodes[first[0]] = nodes[last[0]] + reach * outward
+        nodes[joints, axis] = np.interp(new[1:], place, points[:, axis])
+    if is_room:
+        nodes[first[0]] = nodes[joints[0]] + reach * outward
     near, far = skeleton.edge_radii[edges, sides], skeleton.edge_radii[edges, 1 - sides]
     # Radii may jump at joints: of both there, the place just before and just behind.
     along = np.stack([place[:-1], place[1:] * (1 - 1e-12)], axis=1).reshape(-1)
     sizes = np.interp(new, along, np.stack([near, far], axis=1).reshape(-1))
-    radii[edges, sides], radii[edges, 1 - sides] = sizes[:-1], sizes[1:]
-    return True
+    radii[edges[:count], sides[:count]] = sizes[:count]
+    radii[edges[:count], 1 - sides[:count]] = sizes[1:]
+    radii[edges[count : count + 1], sides[count : count + 1]] = sizes[count]
