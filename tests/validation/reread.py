@@ -73,7 +73,7 @@ def least_wall(shape: Shape, wall: float) -> float:
     curved = [face for face in shape.faces() if face.geom_type != GeomType.PLANE]
     number = {face: k for k, face in enumerate(curved)}
     pairs = [(number[one], number[other]) for (_, one), (_, other) in _shared_edges(shape)]
-    rows, columns = np.array(pairs).T
+    rows, columns = np.array(pairs, dtype=np.intp).reshape(-1, 2).T
     graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(len(curved), len(curved)))
     count, label = connected_components(graph, directed=False)
     meshes = [_triangles([curved[k] for k in np.flatnonzero(label == part)], SAG * wall)
