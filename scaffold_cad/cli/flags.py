@@ -33,6 +33,9 @@ PHRASES = {
 NUMBER = re.compile(r"[-+]?(?:[\d.][-+\d.eExX,:]*|nan|inf)", re.IGNORECASE)
 """A value of a flag that is a number, or several."""
 
+LENGTH = re.compile(r"[-+\d.e]+ mm\b")
+"""A length in a message."""
+
 GUARDS = frozenset({"--jobs", "--max-nodes", "--seed", "--face-number", "--to-face"})
 """Flags whose numbers are no measures."""
 
@@ -59,9 +62,10 @@ def with_flags(message: str) -> str:
 
 
 def with_measures(message: str, words: Sequence[str]) -> str:
-    """Return a message that names no flag with the measures that the command line asks for.
+    """Return a message with the measures that the command line asks for, and that it does not name.
 
-    What cannot be made is often told by what it comes to, such as the struts of all cells.
+    What cannot be made is often told by what it comes to, such as the struts of all cells. A
+    message that sets a flag against another length may be due to any of the others.
 
     Parameters
     ----------
@@ -73,6 +77,8 @@ def with_measures(message: str, words: Sequence[str]) -> str:
     '8e+27 struts; need at most 1e+08 (asked for: --size 1e-9)'
     >>> with_measures("--size is 0 mm; need > 0", ["lattice", "--size", "0"])
     '--size is 0 mm; need > 0'
+    >>> with_measures("--layer is 2 mm for 1e9 mm; need more", ["slice", "--radius", "1e9"])
+    '--layer is 2 mm for 1e9 mm; need more (asked for also: --radius 1e9)'
     """
     given = {}
     for word, after in zip(words, [*words[1:], ""][: len(words)], strict=True):
@@ -80,9 +86,12 @@ def with_measures(message: str, words: Sequence[str]) -> str:
         measure = value or after
         if flag.startswith("--") and flag not in GUARDS and NUMBER.fullmatch(measure):
             given[flag] = measure
-    if not given or message.startswith("--") or any(flag in message for flag in given):
+    is_named = message.startswith("--") or any(flag in message for flag in given)
+    others = {flag: value for flag, value in given.items() if flag not in message}
+    if not others or (is_named and len(LENGTH.findall(message)) < 2):
         return message
-    return f"{message} (asked for: {', '.join(map(' '.join, given.items()))})"
+    word = "asked for also" if is_named else "asked for"
+    return f"{message} ({word}: {', '.join(map(' '.join, others.items()))})"
 
 
 def _flag(name: str) -> str:

@@ -6,6 +6,7 @@ import argparse
 
 import numpy as np
 
+from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.base.summaries import range_text, size_text
 from scaffold_cad.cli import source
 from scaffold_cad.errors import FormatError
@@ -15,9 +16,10 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.mesh.welding import welded
 from scaffold_cad.printability.triangletopology import TriangleTopology
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.skeleton.repair import least_radius
 
 THIN = 1e-6
-"""Radius in place of those that a file does not have, mm."""
+"""Least radius in place of those that a file does not have, mm."""
 
 
 def add_parser(
@@ -49,11 +51,10 @@ def _skeleton_rows(options: argparse.Namespace) -> dict[str, str]:
     """Return what is printed of a file with a skeleton, in order."""
     raw = read_raw(options.input, source.max_nodes(options))
     has_radii = raw.has_radii
-    # A radius that nothing is thick beside: it is not shown.
     cleaning = with_repairs(
         options.input,
         raw,
-        None if has_radii else THIN,
+        None if has_radii else _thin,
         units=options.units,
         scale=options.scale,
     )
@@ -69,6 +70,15 @@ def _skeleton_rows(options: argparse.Namespace) -> dict[str, str]:
     if raw.beyond_skeleton:
         rows["beside it"] = ", ".join(raw.beyond_skeleton)
     return rows
+
+
+def _thin(nodes: Points) -> Floats:
+    """Return radii (n,) that nothing is thick beside, and that rounding does not hide.
+
+    They are not shown.
+    """
+    placed = nodes[np.isfinite(nodes).all(axis=1)]
+    return np.full(len(nodes), max(THIN, 2 * least_radius(placed)))
 
 
 def _solid(options: argparse.Namespace) -> TriangleMesh | None:

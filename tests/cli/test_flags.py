@@ -356,6 +356,17 @@ def test_sizes_that_are_none_are_told_by_the_flag(
     assert not list(folder.glob("a.*"))
 
 
+@pytest.mark.parametrize("place", [0, 2_000, 4_500_000])
+def test_info_counts_files_without_radii_wherever_they_are(
+    place: int, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("far.obj").write_text(f"v {place} 0 0\nv {place + 2000} 0 0\nl 1 2\n")
+    assert main(["info", "far.obj"]) == 0
+    told = capsys.readouterr().out
+    assert "none in the file" in told
+    assert "2000 mm" in told
+
+
 def test_info_asks_for_no_units_where_it_knows_no_radii(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -370,6 +381,11 @@ def test_info_asks_for_no_units_where_it_knows_no_radii(
     ("words", "message"),
     [
         ("build bare.obj --radius 1e-9 -o a.stl", "--radius is 1e-09 mm; need 3e-08 mm or more"),
+        (
+            "build bare.obj --radius 1 --scale 1e9 -o a.stl",
+            "this far from the origin, for rounding (asked for also: --scale 1e9)",
+        ),
+        ("slice tripod.json --radius 1e9 --layer 2 -o a.cli", "(asked for also: --radius 1e9)"),
         ("build tripod.json --join 1e9 -o a.stl", "mm; need at least one (asked for: --join 1e9)"),
         (
             "build tripod.json --round --wall 1e-9 --ends open -o a.stl",
