@@ -1,6 +1,7 @@
 """B-reps: Bézier patches, shells and solids of them; only this wing and parts use OCCT."""
 
 from scaffold_cad.brep.bodies import bodies, with_plane_faces
+from scaffold_cad.brep.brepfiles import check_brep_file
 from scaffold_cad.brep.cadwires import Wires, read_wires
 from scaffold_cad.brep.shapes import (
     BREP_SUFFIXES,
@@ -27,6 +28,7 @@ __all__ = [
     "bodies",
     "brep_of_faces",
     "brep_of_patches",
+    "check_brep_file",
     "check_edges",
     "check_sizes",
     "export_brep",

@@ -21,6 +21,7 @@ from scaffold_cad.base.topology import component_labels
 from scaffold_cad.base.vectors import length
 from scaffold_cad.brep.analytic import AnalyticBrep
 from scaffold_cad.brep.beziermesh import BezierMesh
+from scaffold_cad.brep.brepfiles import check_brep_file
 from scaffold_cad.errors import BrepError, FormatError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.shells import check_oriented, check_solid, quads_of_shells
@@ -199,7 +200,10 @@ def read_shape(path: Path) -> Shape:
     need("build123d", f"a {path.suffix[1:].upper()} file")
     from scaffold_cad.brep import occt
 
-    read = occt.import_brep if path.suffix.lower() == ".brep" else occt.import_step
+    is_brep = path.suffix.lower() == ".brep"
+    if is_brep:
+        check_brep_file(path)
+    read = occt.import_brep if is_brep else occt.import_step
     with unpacked(path) as plain:
         try:
             return read(plain)

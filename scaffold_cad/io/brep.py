@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 from scaffold_cad import brep
-from scaffold_cad.errors import FormatError
 from scaffold_cad.io._cad import read_cad_triangles, read_cad_wires
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io._text import LARGEST_FILE, check_size
 from scaffold_cad.io.content import Content
 from scaffold_cad.io.register import register_mesh_reader, register_reader, register_writer
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-
-_SHAPE = re.compile(rb"[+-]\d+ \d+")
-"""The last line of a file: a shape and where it is."""
 
 
 @register_writer(".brep", name="OCCT B-rep", skeletons=False, names_unit=True)
@@ -40,13 +35,6 @@ def read_brep_wires(path: Path) -> RawSkeleton:
 
     Curves become edges within 1/1000 of their size, and join where they have equal points.
     """
-    _refuse_cut(path)
-    return read_cad_wires(path, _recognizes)
-
-
-def _refuse_cut(path: Path) -> None:
-    """Raise unless the file ends with a shape: OCCT would never end reading it."""
     check_size(path, LARGEST_FILE)
-    last = path.read_bytes().rstrip().rpartition(b"\n")[2]
-    if not _SHAPE.fullmatch(last.strip()):
-        raise FormatError(f"{path} cannot be read: it was cut short; need the whole file")
+    brep.check_brep_file(path)
+    return read_cad_wires(path, _recognizes)

@@ -81,6 +81,27 @@ def test_a_damaged_file_does_not_end_the_program(tmp_path: Path, name: str) -> N
 
 
 @pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (b"Ve\n1e-07", b"Ve\xfe1e-07", "record 1 of its shapes is damaged"),
+        (b"\nWi\n", b"\nWl\n", "record 6 of its shapes is damaged"),
+        (b"*\nEd", b"\nEd", "it has 4 records of shapes and names 6"),
+        (b"TShapes 6", b"TShapes -6", "it has no records of shapes"),
+        (b"+1 0", b"+1", "it was cut short"),
+    ],
+)
+def test_records_that_occt_never_ends_reading_are_refused_at_once(
+    tmp_path: Path, old: bytes, new: bytes, message: str
+) -> None:
+    content = sample_apart("wire.brep")
+    assert old in content
+    path = written(tmp_path, "x.brep", content.replace(old, new))
+    for read in (read_raw, read_triangles):
+        with pytest.raises(FormatError, match=rf"x\.brep cannot be read: {message}"):
+            read(path)
+
+
+@pytest.mark.parametrize(
     ("text", "message"),
     [
         ("<svg/>", r"x\.svg has no outlines; need paths, lines or shapes"),
