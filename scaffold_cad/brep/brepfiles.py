@@ -16,6 +16,13 @@ RECORDS = re.compile(rb"^TShapes (\d{1,12})\s", re.MULTILINE)
 KINDS = frozenset({b"Ve", b"Ed", b"Wi", b"Fa", b"Sh", b"So", b"CS", b"Co"})
 """First words of records: vertex, edge, wire, face, shell, solid, compound solid and compound."""
 
+STRANGE = re.compile(
+    rb"(?<!\S)(?!(?:[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?(?:C[0-3N]|G[12])?"
+    rb"|\*|[A-Z][a-zS]|C[0-3N]|G[12])(?!\S))\S+"
+)
+"""A word in these records that is no number, kind, continuity (OCCT also writes it right behind a
+number) or end of a record: from there on, OCCT takes no word any more."""
+
 
 def check_brep_file(path: Path) -> None:
     """Raise unless the records of shapes in a BREP file are whole.
@@ -23,7 +30,7 @@ def check_brep_file(path: Path) -> None:
     Raises
     ------
     FormatError
-        If the file is cut short, or a record begins with no kind of shape.
+        If the file is cut short, a record begins with no kind of shape, or a number is none.
     """
     content = path.read_bytes().rstrip()
     if not SHAPE.fullmatch(content.rpartition(b"\n")[2].strip()):
@@ -43,3 +50,10 @@ def check_brep_file(path: Path) -> None:
                 f"{path} cannot be read: record {number} of its shapes is damaged; need a sound "
                 "file"
             )
+    strange = STRANGE.search(content, begin.end())
+    if strange:
+        line = content.count(b"\n", 0, strange.start()) + 1
+        word = strange[0][:30].decode("ascii", errors="replace")
+        raise FormatError(
+            f"{path} cannot be read: line {line} has {word!r} in a record of a shape; need a number"
+        )

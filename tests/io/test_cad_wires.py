@@ -86,6 +86,8 @@ def test_a_damaged_file_does_not_end_the_program(tmp_path: Path, name: str) -> N
         (b"Ve\n1e-07", b"Ve\xfe1e-07", "record 1 of its shapes is damaged"),
         (b"\nWi\n", b"\nWl\n", "record 6 of its shapes is damaged"),
         (b"*\nEd", b"\nEd", "it has 4 records of shapes and names 6"),
+        (b"10 10 0\n0 0", b"10 10 0\x1a0 0", r"line 38 has '0\\x1a0' in a record of a shape"),
+        (b"10 10 0\n0 0", b"10 1o 0\n0 0", "line 38 has '1o' in a record of a shape"),
         (b"TShapes 6", b"TShapes -6", "it has no records of shapes"),
         (b"+1 0", b"+1", "it was cut short"),
     ],
