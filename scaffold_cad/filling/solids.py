@@ -59,6 +59,13 @@ FINE_DISTANCE, FINE_ANGLE = 1e-3, 0.1
 """Of the triangles that stand for the void, mm and rad: between thin walls struts are so short that
 it shows where they are cut."""
 
+MOST_STRUTS = 5000
+"""Most struts that OCCT is given: 4 100 in a block take 2 minutes and 9 GB, 10 600 in a thin tube
+end in no 7 minutes."""
+
+STRUT_TIME = 0.033
+"""What OCCT takes to cut a strut, s: 0.021 to 0.035 in blocks of 60 to 4 100, and in tubes."""
+
 _MESH = "lattice_part makes it of triangles"
 
 _log = logging.getLogger(__name__)
@@ -106,8 +113,8 @@ def lattice_solid(
 
     Its faces are those of the body, the same moved inwards by the skin, whole cylinders and the
     like in quarters, and those of the struts: round ones are true cylinders up to where they meet
-    the skin. It can be written as STEP. OCCT takes some 20 to 35 ms per strut. Where it fails,
-    `lattice_part` makes the same of triangles.
+    the skin. It can be written as STEP. OCCT takes some 20 to 35 ms per strut, and more than 5 000
+    are refused. Where it fails, `lattice_part` makes the same of triangles.
 
     Parameters
     ----------
@@ -125,8 +132,8 @@ def lattice_solid(
     SkeletonError
         If no strut is in the body.
     BrepError
-        If OCCT cannot move the faces inwards, struts overlap, or OCCT cannot unite struts and skin
-        wherever the lattice is put.
+        If OCCT cannot move the faces inwards, there are more than 5 000 struts, struts overlap, or
+        OCCT cannot unite struts and skin wherever the lattice is put.
     MissingBackendError
         If build123d or manifold3d is not installed.
 
@@ -176,12 +183,25 @@ def filled_solid(
     for nudge in NUDGES if on is None else NUDGES[:1]:
         corner = None if on is not None else _moved(region.bounds[0], origin, known, size, nudge)
         struts = struts_touching(region, known, size, origin=corner, axes=axes, on=on)
-        model = make(struts.skeleton(radius))
+        skeleton = struts.skeleton(radius)
+        _check_count(len(skeleton.edges))
+        model = make(skeleton)
         fault, made = _united(hollow, model)
         if made is not None:
             return FilledSolid(made, model)
         _log.info("with the lattice moved by %g cells %s", nudge, fault)
     raise BrepError(f"OCCT cannot unite the struts with the skin: {fault}; {_MESH}")
+
+
+def _check_count(count: int) -> None:
+    """Raise if OCCT cannot cut so many struts in minutes; log what it takes otherwise."""
+    seconds = STRUT_TIME * count
+    if count > MOST_STRUTS:
+        raise BrepError(
+            f"the body has {count} struts, for which OCCT takes some {seconds / 60:.0f} minutes if "
+            f"it ends at all; need {MOST_STRUTS} or fewer, such as larger cells ({_MESH})"
+        )
+    _log.info("OCCT takes some %.0f s for %s", seconds, counted(count, "strut"))
 
 
 def _moved(
