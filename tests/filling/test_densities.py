@@ -94,9 +94,9 @@ def test_voids_that_close_are_refused_with_the_densities_beside() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "density", "most"), [("octet", 0.9, 6), ("weaire_phelan", 0.5, 4), ("sc", 0.01, 5)]
+    ("name", "density", "most"), [("octet", 0.9, 4), ("weaire_phelan", 0.5, 4), ("sc", 0.01, 5)]
 )
-def test_few_solids_are_measured_and_one_of_them_is_a_whole_block(
+def test_few_solids_are_measured_and_a_whole_block_where_a_radius_is_found(
     name: str, density: float, most: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     reaches = []
@@ -114,7 +114,7 @@ def test_few_solids_are_measured_and_one_of_them_is_a_whole_block(
         radius = solve_radius(name, 5.0, density, measured=True)
         assert 0 < radius < 2.5
     assert len(reaches) <= most
-    assert np.isinf(reaches).sum() == 1
+    assert np.isinf(reaches).sum() == (0 if name == "octet" else 1)
 
 
 @pytest.mark.parametrize("name", ["octet", "kelvin", "diamond"])
