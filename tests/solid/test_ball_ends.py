@@ -14,6 +14,7 @@ from scaffold_cad.products import to_brep
 from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts import Nodes
 from tests.crossings import check_as_written
+from tests.solid.field.judges import thicknesses
 from tests.solids import contains
 
 DUMBBELL = Skeleton([[0, 0, 0], [20, 0, 0]], [[0, 1]], [1.5, 3.0], edge_radii=1.0)
@@ -128,6 +129,11 @@ def test_balls_are_hollow_where_struts_are(ends: str) -> None:
     assert contains(mesh, center + 2.73 * ways).all()
     assert not contains(mesh, center + 2.67 * ways).any()
     assert not contains(mesh, center + 3.03 * ways).any()
+
+
+def test_walls_of_hollow_balls_are_as_thick_as_asked_between_triangles() -> None:
+    mesh = round_mesh(round_struts(DUMBBELL, wall=0.3), 16)
+    assert thicknesses(mesh).min() > 0.95 * 0.3  # 0.83 where rings inside had other latitudes
 
 
 def test_walls_of_a_hollow_dumbbell_have_their_volume() -> None:

@@ -94,10 +94,11 @@ def round_ends(
     runs = struts.runs
     number, sides = rings.shape
     sphere = end_spheres(struts, ends)
-    center, size, start, radius = sphere.center, sphere.size, sphere.start, sphere.radius
+    center, size, radius = sphere.center, sphere.size, sphere.radius
     levels = quarters * max(1, sides // 4)
     share = np.arange(1, levels) / levels
-    latitude = start[:, None] + share * (np.pi / 2 - start[:, None])  # (e, levels - 1)
+    first = _first_latitudes(struts, ends, sphere)
+    latitude = first[:, None] + share * (np.pi / 2 - first[:, None])  # (e, levels - 1)
     node = runs.nodes[runs.tails[ends]]
     outward = -runs.directions[ends]
     spoke = points - points.mean(axis=1, keepdims=True)  # (e, s, 3), as long as the ring is wide
@@ -112,14 +113,14 @@ def round_ends(
     inner = node[:, None, None] + larger[:, None, None, None] * around
     pole = node + larger[:, None] * tip
     block = (levels - 1) * sides + 1
-    first = count + block * np.arange(number)
-    own = first[:, None, None] + np.arange((levels - 1) * sides).reshape(levels - 1, sides)
+    begin = count + block * np.arange(number)
+    own = begin[:, None, None] + np.arange((levels - 1) * sides).reshape(levels - 1, sides)
     stack = np.concatenate([rings[:, None], own], axis=1)  # (e, levels, s)
     low, above = stack[:, :-1].reshape(-1, sides), stack[:, 1:].reshape(-1, sides)
     a, b, d, c = low, np.roll(low, -1, 1), above, np.roll(above, -1, 1)
     bands = np.stack([np.stack([b, a, d], -1), np.stack([b, d, c], -1)], axis=2)
     last = stack[:, -1]
-    tip = np.broadcast_to((first + block - 1)[:, None], last.shape)
+    tip = np.broadcast_to((begin + block - 1)[:, None], last.shape)
     fans = np.stack([np.roll(last, -1, axis=1), last, tip], axis=-1)
     vertices = np.concatenate(
         [inner.reshape(number, (levels - 1) * sides, 3), pole[:, None]], axis=1
@@ -128,6 +129,17 @@ def round_ends(
         [bands.reshape(number, 2 * (levels - 1) * sides, 3), fans], axis=1
     )  # end by end
     return vertices.reshape(-1, 3), closing.reshape(-1, 3)
+
+
+def _first_latitudes(struts: RoundStruts, ends: Ints, sphere: EndSpheres) -> Floats:
+    """Return the latitude of the last circle of a strut, of what is inside the one outside, (e,).
+
+    So the rings of balls inside are at the latitudes of those outside, a wall apart.
+    """
+    wall = struts.within
+    outside = -np.arccos(np.clip((sphere.radius + wall) / (sphere.size + wall), -1.0, 1.0))
+    inside = struts.at_balls[ends] & (wall > 0)
+    return np.where(inside, outside, sphere.start)
 
 
 def _larger(base: Floats, around: Floats, tip: Floats, wanted: Floats) -> Floats:
