@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from itertools import takewhile
 from pathlib import Path
 
 from scaffold_cad import __version__
@@ -33,6 +34,9 @@ from scaffold_cad.errors import ScaffoldCadError
 
 COMMANDS = (build, lattice, slicing, convert, cells, check, strength, view, formats, info)
 
+LOGGING = ("-q", "--quiet", "-v", "--verbose")
+"""Flags of all commands that may stand before the command, too."""
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
@@ -41,6 +45,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not words:
         parser.print_help(sys.stderr)
         return running.BAD_INPUT
+    ahead = list(takewhile(LOGGING.__contains__, words))  # such as -q build: as build -q
+    words = [*words[len(ahead) :][:1], *ahead, *words[len(ahead) + 1 :]]
     if words[0] == "help":
         words = [*(word for word in words[1:] if word != "help"), "--help"]
     try:

@@ -583,3 +583,17 @@ def test_help_for_a_word_that_is_no_command_names_the_nearest(
     with pytest.raises(SystemExit, match="2"):
         main(["help", "buid"])
     assert "did you mean 'build'?" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [["-q", "formats"], ["formats", "-q"], ["-v", "-q", "formats"]])
+def test_flags_of_the_log_may_stand_before_the_command(
+    words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(words) == 0
+    assert ".stl" in capsys.readouterr().out
+
+
+def test_flags_of_the_log_alone_name_what_is_missing(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(["-q"])
+    assert "scaffold-cad: error: " in capsys.readouterr().err
