@@ -91,7 +91,9 @@ def _chain(skeleton: Skeleton, end: int, at_ends: Floats) -> _Chain:
     They are as long as `REACH`, or lead to a node that is not a joint. Of those between two
     extremities each end has its part.
     """
-    edges, sides, place = [], [], [0.0]
+    edges: list[int] = []
+    sides: list[int] = []
+    place = [0.0]
     node, ahead, reach = end, [end], REACH * float(at_ends.max())
     while len(ahead) == 1 and place[-1] < 2 * reach:
         links = skeleton.incidence.at_nodes(np.array([node]), int(skeleton.valency[node]))[0]
