@@ -27,12 +27,13 @@ def size_text(points: Points) -> str:
 
 
 def range_text(values: Floats, unit: str = "mm") -> str:
-    """Return the least and the greatest of `values` (n,), with n ≥ 1.
+    """Return the least and the greatest of `values` (n,), with n ≥ 1, once if they are equal.
 
-    >>> range_text(np.array([2.0, 0.5, 1.0]))
-    '0.5 to 2 mm'
+    >>> range_text(np.array([2.0, 0.5, 1.0])), range_text(np.array([0.5, 0.5]))
+    ('0.5 to 2 mm', '0.5 mm')
     """
-    return f"{values.min():.6g} to {values.max():.6g} {unit}"
+    both = dict.fromkeys(f"{value:.6g}" for value in (values.min(), values.max()))
+    return f"{' to '.join(both)} {unit}"
 
 
 def radii_text(radii: Floats) -> str:
