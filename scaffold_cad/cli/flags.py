@@ -29,6 +29,8 @@ PHRASES = {
     "the socket ": "--socket: the socket ",
 }
 """What messages are about in other words than the flag's."""
+ADVICE = {"lattice_part makes it of triangles": "-o part.stl makes it of triangles"}
+"""What messages advise in Python, and what does the same here."""
 
 NUMBER = re.compile(r"[-+]?(?:[\d.][-+\d.eExX,:]*|nan|inf)", re.IGNORECASE)
 """A value of a flag that is a number, or several."""
@@ -53,7 +55,11 @@ def with_flags(message: str) -> str:
     '--drain is 0 mm; need > 0'
     >>> with_flags("unit cell is 'x'; need one of sc, bcc")
     "--cell is 'x'; need one of sc, bcc"
+    >>> with_flags("unions stay wrong (lattice_part makes it of triangles)")
+    'unions stay wrong (-o part.stl makes it of triangles)'
     """
+    for advice, way in ADVICE.items():
+        message = message.replace(advice, way)
     for phrase, flag in PHRASES.items():
         if message.startswith(phrase):
             return flag + message.removeprefix(phrase)
