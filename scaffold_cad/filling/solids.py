@@ -61,7 +61,7 @@ it shows where they are cut."""
 
 MOST_STRUTS = 5000
 """Most struts that OCCT is given: 4 100 in a block take 2 minutes and 9 GB, 10 600 in a thin tube
-end in no 7 minutes."""
+did not end in 400 s."""
 
 STRUT_TIME = 0.033
 """What OCCT takes to cut a strut, s: 0.021 to 0.035 in blocks of 60 to 4 100, and in tubes."""
