@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Sequence
 from itertools import product
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, get_args
@@ -14,6 +15,7 @@ from scaffold_cad.base.arrays import Floats, Points, as_floats, place_text
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import BoxRegion, ImplicitRegion, Keep, Region
 from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.filling.innercell import is_full
 from scaffold_cad.lattice.clipping import clipped, least_length
 from scaffold_cad.lattice.crumbs import report_small, without_crumbs
 from scaffold_cad.lattice.maps import CellMap
@@ -33,6 +35,8 @@ from scaffold_cad.skeleton import Skeleton
 
 if TYPE_CHECKING:
     from build123d import Shape
+
+_log = logging.getLogger(__name__)
 
 SHORTEST_FRACTION = 1e-3
 """Length below which the rest of a cut strut is given up, as a fraction of the cell's size."""
@@ -119,6 +123,8 @@ def fill(
     space = as_region(region, bounds)
     if on is None:
         struts, sizes = _endless(space, cell, size, origin, axes)
+        if is_full(cell, sizes, radius):
+            _log.warning("the struts fill the region: a radius of %s mm is too large", radius)
     elif origin is None and axes is None:
         struts, sizes = _on_map(on, cell, size)
     else:

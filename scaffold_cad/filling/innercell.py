@@ -10,8 +10,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Points
+from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.segments import meet_box
 from scaffold_cad.lattice import UnitCell
+from scaffold_cad.lattice.density import density_of_unit_radius
 from scaffold_cad.lattice.repetition import further_layers, placed
 from scaffold_cad.lattice.tiling import tile
 from scaffold_cad.skeleton import Skeleton
@@ -24,6 +26,9 @@ PLACES = 14
 
 FIRST = 1000
 """Of the places nearest to axes, the one up to which the estimate is a parabola."""
+
+FULL = 0.97
+"""Share of a body beyond which it counts as full."""
 
 SAMPLES = 48
 """Samples along each strut that stand for its axis where distances are taken."""
@@ -73,6 +78,13 @@ def capsules(cell: UnitCell, size: Floats) -> Capsules:
     places = around + Sobol(3, scramble=False).random_base2(PLACES)
     distances, _ = cKDTree(axes).query(placed(cell, size, places))
     return Capsules(np.sort(distances))
+
+
+def is_full(cell: UnitCell, size: Floats, radius: Radius) -> bool:
+    """Return whether struts leave next to nothing of a cell of a size (3,) free, mm."""
+    if callable(radius) or density_of_unit_radius(cell, size) * radius**2 < 1.0:
+        return False
+    return capsules(cell, size).density(radius) > FULL
 
 
 def solid_density(cell: UnitCell, size: Floats, radius: float, reach: float = np.inf) -> float:

@@ -24,6 +24,7 @@ from scaffold_cad.filling.cleaning import (
 from scaffold_cad.filling.drains import drained
 from scaffold_cad.filling.fill import as_region, fill
 from scaffold_cad.filling.hollowing import Body, HollowPart, hollowed
+from scaffold_cad.filling.innercell import FULL
 from scaffold_cad.filling.models import RoundOptions, Section, maker
 from scaffold_cad.lattice import CellMap, UnitCell
 from scaffold_cad.lattice.maps.grading import CellSize
@@ -44,9 +45,6 @@ if TYPE_CHECKING:
 REACH = 1.5
 """How far from a box the axes of struts are that have a part in it, in their radii: a strut's own
 reaches 1 far, its fillets 1.5."""
-
-FULL = 0.97
-"""Share of a body beyond which it counts as full."""
 
 _log = logging.getLogger(__name__)
 

@@ -17,6 +17,7 @@ from scaffold_cad.base.regions import Keep
 from scaffold_cad.base.vectors import rotate
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
 from scaffold_cad.filling import fill
+from scaffold_cad.filling.innercell import solid_density
 from scaffold_cad.lattice import CylinderMap, UnitCell, cells, tile, unit_cell
 from scaffold_cad.lattice.meshregion import MeshRegion
 from scaffold_cad.lattice.struts import Struts
@@ -493,3 +494,12 @@ def test_dangling_chains_go_all_along() -> None:
     nodes = np.random.default_rng(0).uniform(size=(6, 3))
     edges = np.array([[0, 1], [1, 2], [2, 0], [2, 3], [3, 4], [4, 5]])
     assert Struts(nodes, edges).without_dangling().edges.tolist() == [[0, 1], [1, 2], [2, 0]]
+
+
+def test_struts_that_fill_the_region_are_said(caplog: pytest.LogCaptureFixture) -> None:
+    box = [[0, 0, 0], [10, 10, 10]]
+    fill(box, "bcc", 5.0, 1.5)
+    assert caplog.messages == []
+    fill(box, "bcc", 5.0, 2.6)
+    assert caplog.messages == ["the struts fill the region: a radius of 2.6 mm is too large"]
+    assert solid_density(unit_cell("bcc"), np.full(3, 5.0), 2.6) > 0.99
