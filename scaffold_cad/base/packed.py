@@ -14,6 +14,8 @@ from typing import IO
 
 from scaffold_cad.errors import FormatError
 
+GZIP = b"\x1f\x8b"
+"""First bytes of what gzip packs."""
 PACKED_SUFFIX = ".stpz"
 """Suffix of packed STEP files."""
 LARGEST = 2**30

@@ -94,7 +94,7 @@ def test_voids_that_close_are_refused_with_the_densities_beside() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "density", "most"), [("octet", 0.9, 4), ("weaire_phelan", 0.5, 4), ("sc", 0.01, 5)]
+    ("name", "density", "most"), [("octet", 0.9, 4), ("kelvin", 0.5, 4), ("sc", 0.01, 5)]
 )
 def test_few_solids_are_measured_and_a_whole_block_where_a_radius_is_found(
     name: str, density: float, most: int, monkeypatch: pytest.MonkeyPatch

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Quads, UnitVectors
 from scaffold_cad.base.vectors import dot, length, normalize, sums_by_row, triple
@@ -133,6 +132,8 @@ def _leaned_near(
     ----------
     upright : (v, 3), those that turns are measured from
     """
+    from scipy.optimize import minimize  # takes a fifth of a second, and few layers need it
+
     near = layer.around(rows)
 
     def turned(flat: Floats) -> UnitVectors:
