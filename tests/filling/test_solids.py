@@ -46,8 +46,8 @@ def tube() -> Any:
 
 
 def thin_tube() -> Any:
-    """Return a wall of 2 mm, whose insides struts meet in some 200 places."""
-    return Cylinder(15, 5) - Cylinder(13, 5)
+    """Return a wall of 2 mm, whose insides struts meet in some 120 places."""
+    return Cylinder(9, 5) - Cylinder(7, 5)
 
 
 def housing() -> Any:

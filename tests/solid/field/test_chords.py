@@ -47,7 +47,7 @@ def test_crossing_cylinders_have_their_volume_less_what_is_in_both(half: float, 
     ids=["thick gyroid", "thick bcc", "thin bcc", "heap"],
 )
 def test_struts_thick_and_thin_have_the_volume_of_their_union(struts: FieldStruts) -> None:
-    volume, deviation = sampled_volume(struts, 1_000_000)
+    volume, deviation = sampled_volume(struts, 300_000)
     mesh = field_solid(struts).mesh
     assert abs(mesh.signed_volume - volume) < ERROR * volume + 3 * deviation
     check_exact(mesh)
