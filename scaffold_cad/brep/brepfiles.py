@@ -30,7 +30,7 @@ def check_brep_file(path: Path) -> None:
     Raises
     ------
     FormatError
-        If the file is cut short, a record begins with no kind of shape, or a number is none.
+        If the file is cut short, or a record has no kind of shape or a word that is no number.
     """
     content = path.read_bytes().rstrip()
     if not SHAPE.fullmatch(content.rpartition(b"\n")[2].strip()):

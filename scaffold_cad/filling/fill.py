@@ -124,7 +124,9 @@ def fill(
     if on is None:
         struts, sizes = _endless(space, cell, size, origin, axes)
         if is_full(cell, sizes, radius):
-            _log.warning("the struts fill the region: a radius of %s mm is too large", radius)
+            _log.warning(
+                "the struts fill the region: a radius of %g mm is too large for its cells", radius
+            )
     elif origin is None and axes is None:
         struts, sizes = _on_map(on, cell, size)
     else:

@@ -46,7 +46,7 @@ class HollowPart(Frozen):
     outer: Manifold
     """The same as a solid."""
     inner: Manifold
-    """What is inside the skin: all of it where there is none."""
+    """What is inside the skin; the whole body if it has no skin."""
     skin: float | None
     """Thickness of the skin, mm; None for none."""
     drain: float | None
