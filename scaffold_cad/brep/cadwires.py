@@ -39,8 +39,7 @@ def read_wires(path: Path, sagitta: float) -> Wires:
     """
     check_there(path)
     need("build123d", f"a {path.suffix[1:].upper()} file")
-    with unpacked(path) as plain:
-        found = run_apart(wire_arrays, plain, repr(sagitta))
+    found = run_apart(wire_arrays, path, repr(sagitta))
     ends = found["ends"]
     lines = np.split(found["points"], ends[:-1]) if len(ends) else []
     return Wires(lines, int(found["faces"]))
@@ -50,12 +49,13 @@ def wire_arrays(path: Path, sagitta: str) -> Arrays:
     """Return the points of all lines, where each ends among them, and the number of faces."""
     from scaffold_cad.brep import occtcurves
 
-    try:
-        shape = occtcurves.read_shape(path)
-        lines = occtcurves.polylines(shape, float(sagitta))
-        faces = occtcurves.face_count(shape)
-    except (OSError, RuntimeError, ValueError) as error:
-        raise FormatError(f"{path} cannot be read: {error}; need a sound file") from None
+    with unpacked(path) as plain:
+        try:
+            shape = occtcurves.read_shape(plain)
+            lines = occtcurves.polylines(shape, float(sagitta))
+            faces = occtcurves.face_count(shape)
+        except (OSError, RuntimeError, ValueError) as error:
+            raise FormatError(f"{path} cannot be read: {error}; need a sound file") from None
     return {
         "points": np.concatenate([np.zeros((0, 3)), *lines]),
         "ends": np.cumsum([len(line) for line in lines], dtype=np.intp),

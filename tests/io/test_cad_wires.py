@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gzip
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -135,3 +137,10 @@ def test_rhino_curves_are_in_the_unit_of_the_file(tmp_path: Path) -> None:
 def test_a_damaged_rhino_file_is_refused(tmp_path: Path) -> None:
     with pytest.raises(FormatError, match=r"x\.3dm is not a sound 3DM file"):
         read_raw(written(tmp_path, "x.3dm", b"3D Geometry File Format and no more"))
+
+
+def test_a_damaged_packed_file_is_named_as_it_was_given(tmp_path: Path) -> None:
+    path = tmp_path / "node.stpz"
+    path.write_bytes(gzip.compress(b"ISO-10303-21;\nHEADER;\n"))
+    with pytest.raises(FormatError, match=re.escape(f"{path} cannot be read: OCCT cannot read it")):
+        read_skeleton(path, radius=1.0)
