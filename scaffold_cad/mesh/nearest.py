@@ -8,20 +8,22 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, UnitVectors
-from scaffold_cad.base.blocks import blocks
+from scaffold_cad.base.blocks import CACHE, blocks
 from scaffold_cad.base.counts import counted
-from scaffold_cad.base.vectors import dot, length, normalize
+from scaffold_cad.base.vectors import dot, leading_dot, length, normalize
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 NEAREST = 8
 """How many triangles are looked at for the one nearest to a point."""
-
 
 FACING = 0.5
 """Least cosine of the angle between a direction and a triangle that faces it."""
 
 TRIANGLE_BYTES = 500
 """What a point and a triangle near it take where they are looked at."""
+
+EPSILON, TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
+"""Rounding of a number of size 1; the least number, which keeps divisors above 0."""
 
 
 class NearestPlace:
@@ -48,7 +50,7 @@ class NearestPlace:
 
     def _found(self, points: Points, facing: UnitVectors | None) -> tuple[Points, Ints]:
         """Return the nearest places (n, 3) and their triangles (n,)."""
-        parts = list(blocks(len(points), NEAREST * TRIANGLE_BYTES))
+        parts = list(blocks(len(points), NEAREST * TRIANGLE_BYTES, CACHE))
         ways = (None if facing is None else facing[part] for part in parts)
         made = (self._some(points[part], way) for part, way in zip(parts, ways, strict=True))
         found = list(counted("nearest places", made, [part.stop - part.start for part in parts]))
@@ -79,19 +81,31 @@ class NearestPlace:
 
 def nearest_on_triangles(points: Points, corners: Floats) -> Points:
     """Return the place of each triangle (n, 3, 3) that is nearest to its point (n, 3), (n, 3)."""
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    normal = np.cross(b - a, c - a)
-    size = np.maximum(dot(normal, normal), np.finfo(float).tiny)
-    foot = points - (dot(points - a, normal) / size)[:, None] * normal
-    inside = np.ones(len(points), dtype=np.bool_)
-    best, gap = foot, np.full(len(points), np.inf)
-    for start, end in ((a, b), (b, c), (c, a)):
-        span = end - start
-        inside &= dot(np.cross(span, foot - start), normal) >= 0
-        square = np.maximum(dot(span, span), np.finfo(float).tiny)
-        along = np.clip(dot(points - start, span) / square, 0, 1)
-        place = start + along[:, None] * span
-        far = length(place - points)
-        best = np.where((far < gap)[:, None], place, best)
-        gap = np.minimum(gap, far)
-    return np.where((inside & normal.any(axis=1))[:, None], foot, best)
+    a, b, c, point = (np.ascontiguousarray(rows.T) for rows in (*corners.swapaxes(0, 1), points))
+    to_b, to_c, to_point = b - a, c - a, point - a  # (3, n), as all vectors here
+    best, least = _on_side(to_point, to_b)
+    for start, span in ((0.0, to_c), (to_b, to_c - to_b)):
+        place, far = _on_side(to_point - start, span)
+        closer = far < least
+        best, least = np.where(closer, place + start, best), np.where(closer, far, least)
+    # The foot in the plane is taken only where it is closer: for needles it is badly rounded.
+    along_b, along_c = leading_dot(to_point, to_b), leading_dot(to_point, to_c)
+    b_b, b_c, c_c = leading_dot(to_b, to_b), leading_dot(to_b, to_c), leading_dot(to_c, to_c)
+    size = np.maximum(b_b * c_c - b_c * b_c, EPSILON * b_b * c_c + TINY)
+    of_b = (c_c * along_b - b_c * along_c) / size
+    of_c = (b_b * along_c - b_c * along_b) / size
+    foot = of_b * to_b + of_c * to_c
+    off = to_point - foot
+    inside = (of_b >= 0) & (of_c >= 0) & (of_b + of_c <= 1) & (leading_dot(off, off) < least)
+    return np.asarray((a + np.where(inside, foot, best)).T)
+
+
+def _on_side(to_points: Floats, span: Floats) -> tuple[Floats, Floats]:
+    """Return the place on each side from 0 to `span` (3, n) nearest to a point (3, n), (3, n).
+
+    The squares of the distances, shape (n,), are returned, too.
+    """
+    along = leading_dot(to_points, span) / np.maximum(leading_dot(span, span), TINY)
+    place = along.clip(0, 1) * span
+    off = to_points - place
+    return place, leading_dot(off, off)

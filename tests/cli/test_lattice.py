@@ -139,7 +139,7 @@ def test_cells_stand_on_the_whole_surface_of_a_mesh(
     assert "need two equal ones along --surface" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("options", [[], ["--round"], ["--round", "--blend", "0.1"]])
+@pytest.mark.parametrize("options", [[], ["--round", "--blend", "0.2"]])
 def test_a_lattice_has_the_density_that_is_asked_for(options: list[str], tmp_path: Path) -> None:
     out = tmp_path / "out.stl"
     cells = ["lattice", "--cell", "bcc", "--size", "5", "--density", "0.15"]

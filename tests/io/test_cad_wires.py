@@ -23,6 +23,7 @@ def total_length(path: Path) -> float:
     return float(read_skeleton(path, 0.01).lengths.sum())
 
 
+@pytest.mark.usefixtures("in_this_process")
 @pytest.mark.parametrize("suffix", ["step", "brep"])
 def test_curves_become_edges_within_a_thousandth_of_their_size(tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"arc.{suffix}"
@@ -36,6 +37,7 @@ def test_curves_become_edges_within_a_thousandth_of_their_size(tmp_path: Path, s
     assert total_length(path) == pytest.approx(10 * math.pi, rel=0.002)
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_wires_beside_a_solid_are_read_and_the_edges_of_its_faces_are_not(tmp_path: Path) -> None:
     both = Compound([Box(1, 1, 1), Pos(5, 0, 0) * Line((0, 0), (3, 0))])
     export_step(both, tmp_path / "both.step")
@@ -45,6 +47,7 @@ def test_wires_beside_a_solid_are_read_and_the_edges_of_its_faces_are_not(tmp_pa
     assert mesh.signed_volume == pytest.approx(1)
 
 
+@pytest.mark.usefixtures("in_this_process")
 @pytest.mark.parametrize("suffix", ["step", "brep"])
 def test_a_solid_alone_is_no_skeleton_and_wires_alone_are_no_mesh(
     tmp_path: Path, suffix: str
@@ -72,7 +75,7 @@ def test_svg_units_transforms_and_curves(tmp_path: Path) -> None:
     assert (skeleton.loop_count, len(skeleton.extremities)) == (1, 0)
 
 
-@pytest.mark.parametrize("name", APART)
+@pytest.mark.parametrize("name", sorted(set(APART) - {"wire.stp", "wire.iges"}))
 def test_a_damaged_file_does_not_end_the_program(tmp_path: Path, name: str) -> None:
     content = sample_apart(name)
     half = content[: 2 * len(content) // 3]

@@ -60,6 +60,7 @@ def test_the_table_has_every_suffix_that_is_read() -> None:
     assert listed == {suffix for known in known_formats() for suffix in known.suffixes}
 
 
+@pytest.mark.usefixtures("in_this_process")
 @pytest.mark.parametrize("row", table(), ids=lambda row: " ".join(row.suffixes))
 def test_samples_hold_what_the_table_says(row: Row, tmp_path: Path) -> None:
     raws = read(tmp_path, row.suffixes)

@@ -14,6 +14,7 @@ from tests.fuzz.members import CORNERS, GMSH
 from tests.io.test_reading import written
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_data_of_cells_called_radius_are_their_radii(tmp_path: Path) -> None:
     cells = [("line", np.array([[0, 1], [1, 2]]))]
     data = {"radius": [np.array([0.5, 0.75])]}
@@ -25,6 +26,7 @@ def test_data_of_cells_called_radius_are_their_radii(tmp_path: Path) -> None:
     assert raw.edge_radii.tolist() == [[0.5, 0.5], [0.75, 0.75]]
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_a_quadratic_line_is_two_edges(tmp_path: Path) -> None:
     points = np.concatenate([CORNERS, [[10, 5, 0]]])
     mesh = meshio.Mesh(points, [("line3", np.array([[1, 2, 3]]))])
@@ -32,6 +34,7 @@ def test_a_quadratic_line_is_two_edges(tmp_path: Path) -> None:
     assert read_raw(tmp_path / "x.msh").edges.tolist() == [[0, 2], [2, 1]]
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_points_that_no_line_uses_are_left_out(tmp_path: Path) -> None:
     cells = [("line", np.array([[1, 2]])), ("triangle", np.array([[0, 1, 2]]))]
     path = tmp_path / "x.msh"
@@ -39,6 +42,7 @@ def test_points_that_no_line_uses_are_left_out(tmp_path: Path) -> None:
     assert read_raw(path).nodes.tolist() == CORNERS[1:].tolist()
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_a_mesh_without_lines_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "x.msh"
     mesh = meshio.Mesh(CORNERS, [("triangle", np.array([[0, 1, 2]]))])
