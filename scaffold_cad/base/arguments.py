@@ -16,6 +16,9 @@ import numpy as np
 
 from scaffold_cad.errors import KeywordError, OptionError
 
+LIKE = 0.65
+"""Ratio of `difflib` from which words are like each other: "unit" is, "quiet" is not like "units"."""
+
 _Given = ParamSpec("_Given")
 _Result = TypeVar("_Result")
 
@@ -83,8 +86,11 @@ def did_you_mean(value: object, known: Iterable[str]) -> str:
     >>> did_you_mean("colars", ["fit", "section", "collars"])
     "; did you mean 'collars'?"
     """
-    near = get_close_matches(value.lower(), list(known), n=1) if isinstance(value, str) else []
-    return f"; did you mean {near[0]!r}?" if near else ""
+    if not isinstance(value, str):
+        return ""
+    by_word = {word.lstrip("-"): word for word in known}  # dashes make no flag like another
+    near = get_close_matches(value.lower().lstrip("-"), by_word, n=1, cutoff=LIKE)
+    return f"; did you mean {by_word[near[0]]!r}?" if near else ""
 
 
 def checks_keywords(
@@ -201,7 +207,8 @@ def as_number(
     number = as_real(value, name, hint=hint)
     if 0 < number < np.inf or (or_zero and number == 0):
         return number
-    raise OptionError(f"{name} is {number:g}{unit}; need {'>=' if or_zero else '>'} 0")
+    finite = " and finite" if number == np.inf else ""
+    raise OptionError(f"{name} is {number:g}{unit}; need {'>=' if or_zero else '>'} 0{finite}")
 
 
 def as_real(value: Any, name: str, *, hint: str = "") -> float:

@@ -157,7 +157,8 @@ def as_radii(values: ArrayLike, name: str, count: int, places: Points | None = N
     bad = np.flatnonzero(~(np.isfinite(radii) & (radii > 0)))
     if len(bad):
         at = "" if places is None else f" at {place_text(places[bad[0]])}"
-        raise SkeletonError(f"node {bad[0]}{at} has radius {radii[bad[0]]:g} mm; need > 0")
+        finite = " and finite" if radii[bad[0]] == np.inf else ""
+        raise SkeletonError(f"node {bad[0]}{at} has radius {radii[bad[0]]:g} mm; need > 0{finite}")
     return read_only(radii)
 
 
@@ -182,7 +183,10 @@ def as_edge_radii(values: ArrayLike, name: str, count: int, places: Points | Non
     bad = np.flatnonzero(~(np.isfinite(radii) & (radii > 0)).all(axis=1))
     if len(bad):
         at = "" if places is None else f" near {place_text(places[bad[0]])}"
-        raise SkeletonError(f"edge {bad[0]}{at} has radii {radii[bad[0]].tolist()} mm; need > 0")
+        finite = " and finite" if np.inf in radii[bad[0]] else ""
+        raise SkeletonError(
+            f"edge {bad[0]}{at} has radii {radii[bad[0]].tolist()} mm; need > 0{finite}"
+        )
     return read_only(radii)
 
 

@@ -41,7 +41,7 @@ def with_config(arguments: list[str], commands: dict[str, argparse.ArgumentParse
     if command not in commands:
         return arguments
     found = argparse.ArgumentParser(add_help=False, allow_abbrev=False, exit_on_error=False)
-    found.add_argument("--config", type=Path)
+    found.add_argument("--config", type=Path, nargs="?")  # a missing file is told by the command
     path = found.parse_known_args(arguments[1:])[0].config
     if path is None:
         return arguments
@@ -82,4 +82,7 @@ def _words(path: Path, key: str, value: Any, parser: argparse.ArgumentParser) ->
         raise OptionError(f"{path} has {key} = {value!r}; need {need}")
     if is_switch:
         return [flag] if value else []
-    return [f"{flag}={one}" for one in (value if isinstance(value, list) else [value])]
+    values = value if isinstance(value, list) else [value]
+    if len(values) != 1 and not isinstance(flags[flag], argparse._AppendAction):
+        raise OptionError(f"{path} has {key} = {value!r}; need one value")
+    return [f"{flag}={one}" for one in values]

@@ -15,12 +15,23 @@ CHOICE = re.compile(r"invalid choice: '(.*?)' \(choose from (.*)\)")
 KIND = re.compile(r"invalid (int|float) value: ('.*')")
 """What argparse says of a value that is not a number."""
 
+DASHES = "-\N{EN DASH}\N{EM DASH}\N{MINUS SIGN}"
+"""What flags begin with, and what word processors make of it."""
+
+NEGATIVE = re.compile(r"-(?:\.?\d|inf\b)")
+"""How a value begins that is a negative number, or begins with one, as -1e3 and -1,0,0 do."""
+
 KINDS = {"int": "a whole number", "float": "a number"}
 """What is needed, by the type."""
 
 
 class Parser(argparse.ArgumentParser):
     """A parser of a command line, or of one of its commands."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        """Make a parser that takes values of flags for what they are if they begin with a minus."""
+        super().__init__(*args, **kwargs)
+        self._negative_number_matcher = NEGATIVE
 
     def parse_known_args(  # type: ignore[override]  # the overloads of argparse
         self, args: Sequence[str] | None = None, namespace: Any = None
@@ -30,7 +41,9 @@ class Parser(argparse.ArgumentParser):
         if unknown:
             flags = [flag for action in self._actions for flag in action.option_strings]
             first = unknown[0].partition("=")[0]
-            near = did_you_mean(first, flags) if first.startswith("-") else ""
+            bare = first.lstrip(DASHES)
+            is_flag = bare != first or "=" in unknown[0]
+            near = did_you_mean(bare, flags) if is_flag else ""
             self.error(f"unrecognized arguments: {' '.join(unknown)}{near}")
         return found, []
 
