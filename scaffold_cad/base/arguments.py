@@ -17,7 +17,7 @@ import numpy as np
 from scaffold_cad.errors import KeywordError, OptionError
 
 LIKE = 0.65
-"""Ratio of `difflib` from which words are like each other: "unit" is, "quiet" is not like "units"."""
+"""Ratio of `difflib` from which words are like each other: quiet is not like units."""
 
 _Given = ParamSpec("_Given")
 _Result = TypeVar("_Result")

@@ -280,7 +280,8 @@ def as_floats(
             raise TypeError("it is None")
         return np.array(raw, dtype=np.float64, order="C")
     except (TypeError, ValueError, OverflowError) as reason:
-        raise error(f"{name} is not an array of numbers: {reason}") from None
+        why = _uneven(values) or reason
+        raise error(f"{name} is not an array of numbers: {why}") from None
 
 
 def _check_unmasked(values: ArrayLike, name: str, error: type[ScaffoldCadError]) -> None:
@@ -325,8 +326,25 @@ def as_indices(values: ArrayLike, name: str, error: type[ScaffoldCadError]) -> I
         if bad.size:
             raise error(f"{name} holds {bad[0]}; need whole numbers")
     elif raw.size and raw.dtype.kind not in "iu":
-        raise error(f"{name} has dtype {raw.dtype}; need whole numbers")
+        items = raw.reshape(-1).tolist()
+        odd = next((item for item in items if not _is_index(item)), items[0])
+        below = f" below {LARGEST_WHOLE:.2g}" if type(odd) is int else ""
+        raise error(f"{name} holds {odd!r:.40}; need whole numbers{below}")
     return np.array(raw, dtype=np.intp, order="C")
+
+
+def _is_index(item: object) -> bool:
+    return isinstance(item, int) and not isinstance(item, bool) and abs(item) < LARGEST_WHOLE
+
+
+def _uneven(values: ArrayLike) -> str:
+    """Return which row has another length than the first, "" where none has."""
+    rows: list[Any] = list(values) if isinstance(values, list | tuple) else []
+    sizes = [len(row) if isinstance(row, Sized) else 0 for row in rows]
+    odd = next((k for k, size in enumerate(sizes) if size != sizes[0]), None)
+    if odd is None or isinstance(rows[odd], str):
+        return ""
+    return f"row {odd} is {rows[odd]!r:.40}, and row 0 is {rows[0]!r:.40}"
 
 
 def _as_array(values: ArrayLike, name: str, error: type[ScaffoldCadError]) -> NDArray[Any]:
@@ -334,7 +352,7 @@ def _as_array(values: ArrayLike, name: str, error: type[ScaffoldCadError]) -> ND
     try:
         return np.asarray(values)
     except ValueError as reason:
-        raise error(f"{name} is not an array of indices: {reason}") from None
+        raise error(f"{name} is not an array of indices: {_uneven(values) or reason}") from None
 
 
 def _as_rows(

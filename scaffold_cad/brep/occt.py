@@ -34,7 +34,7 @@ from OCP.Geom2d import Geom2d_BSplineCurve, Geom2d_Curve, Geom2d_Line
 from OCP.gp import gp_Ax3, gp_Dir, gp_Dir2d, gp_Pnt, gp_Pnt2d
 from OCP.IMeshTools import IMeshTools_Parameters
 from OCP.Interface import Interface_Static
-from OCP.Message import Message, Message_Gravity
+from OCP.Message import Message
 from OCP.ShapeAnalysis import ShapeAnalysis_ShapeTolerance
 from OCP.STEPControl import STEPControl_Controller
 from OCP.TopAbs import TopAbs_Orientation
@@ -313,7 +313,8 @@ def import_step(path: Path) -> Shape:
 
 def import_brep(path: Path) -> Shape:
     """Return the shape in a BREP file."""
-    return read_brep_file(path)
+    with _quiet():
+        return read_brep_file(path)
 
 
 def export_step(shape: Shape, path: Path, *, write_pcurves: bool) -> bool:
@@ -378,13 +379,13 @@ def _restored(*settings: str) -> Iterator[None]:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep OCCT from printing what is not a failure."""
-    printers = list(Message.DefaultMessenger_s().Printers())
-    before = [printer.GetTraceLevel() for printer in printers]
+    """Keep OCCT from printing: on standard output, where results go; its failures are raised."""
+    messenger = Message.DefaultMessenger_s()
+    printers = list(messenger.Printers())
     try:
         for printer in printers:
-            printer.SetTraceLevel(Message_Gravity.Message_Fail)
+            messenger.RemovePrinter(printer)
         yield
     finally:
-        for printer, level in zip(printers, before, strict=True):
-            printer.SetTraceLevel(level)
+        for printer in printers:
+            messenger.AddPrinter(printer)

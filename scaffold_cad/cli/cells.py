@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 import logging
 from html import escape
-from pathlib import Path
 
 from scaffold_cad.base.files import check_page, replacing
+from scaffold_cad.cli import sizes
 from scaffold_cad.cli.flags import told_as
 from scaffold_cad.lattice import UnitCell, cell_picture, cells
 
@@ -43,7 +43,7 @@ def add_parser(
     parser.add_argument(
         "-o",
         "--output",
-        type=Path,
+        type=sizes.path,
         metavar="PAGE",
         help="write them as a page with pictures, .html",
     )

@@ -13,6 +13,7 @@ from typing import Any
 from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.files import check_page
 from scaffold_cad.cli import shapes, sizes, source, tiled
+from scaffold_cad.cli.flags import with_ways
 from scaffold_cad.cli.progress import Progress
 from scaffold_cad.cli.source import flag_of
 from scaffold_cad.errors import OptionError
@@ -71,7 +72,7 @@ def add_parser(
         type=_direction,
         default=(0.0, 0.0, 1.0),
         metavar="X,Y,Z",
-        help='build direction, or "best" (default: 0,0,1; as in --direction=-1,0,0)',
+        help='build direction, such as -1,0,0, or "best" (default: 0,0,1)',
     )
     parser.add_argument(
         "--no-supports", action="store_true", help="faces that need supports are failures"
@@ -126,7 +127,7 @@ def run(options: argparse.Namespace) -> int:
         supports=not options.no_supports,
         name=Path(options.input).name,
     )
-    print(report.to_json() if options.json else report)
+    print(report.to_json() if options.json else with_ways(str(report)))
     if options.html is not None:
         write_page(report, options.html)
         _log.info("%s written", options.html)
@@ -194,4 +195,4 @@ def _process(options: argparse.Namespace) -> Process:
 
 
 def _direction(text: str) -> Any:
-    return text if text == "best" else sizes.direction(text)
+    return "best" if text.lower() == "best" else sizes.direction(text)

@@ -15,7 +15,8 @@ PARAMETER = re.compile(
 """Parameters of the library that are flags here, as messages give them with a value."""
 SUBJECT = re.compile(
     r"^(radius|blend|wall|sides|skin|drain|thickness|units|scale|bend|max_nodes|material|strength"
-    r"|hollow|count|seed|regularity|stretch|density|socket(?=s))s? (?=is |of node |has )"
+    r"|hollow|count|seed|regularity|stretch|density|joints|ends|section|fit|socket(?=s))s? "
+    r"(?=is |of node |has )"
 )
 """The same, where they are what a message is about."""
 PHRASES = {
@@ -29,7 +30,15 @@ PHRASES = {
     "the socket ": "--socket: the socket ",
 }
 """What messages are about in other words than the flag's."""
-ADVICE = {"lattice_part makes it of triangles": "-o part.stl makes it of triangles"}
+ADVICE = {
+    "lattice_part makes it of triangles": "-o part.stl makes it of triangles",
+    "(to_solid unites these struts instead)": "(files of meshes have these struts united instead)",
+    "(`to_solid` does for a scaffold)": "(scaffold-cad build does for skeletons)",
+    "(`to_solid`)": "(scaffold-cad build does for skeletons)",
+    "(skeleton.joined(tolerance))": "(scaffold-cad build --join TOL)",
+    "(those of a part's faces: ": "(those of a part's faces, in Python: ",
+    ", or a Material": "",
+}
 """What messages advise in Python, and what does the same here."""
 
 NUMBER = re.compile(r"[-+]?(?:[\d.][-+\d.eExX,:]*|nan|inf)", re.IGNORECASE)
@@ -51,6 +60,8 @@ def with_flags(message: str) -> str:
     'need --overlaps unite, or --radius for all'
     >>> with_flags("wall is 1 mm; need less")
     '--wall is 1 mm; need less'
+    >>> with_flags("ends is 'open' without a wall; need wall=, mm")
+    "--ends is 'open' without a wall; need --wall, mm"
     >>> with_flags("drain is 0 mm; need > 0")
     '--drain is 0 mm; need > 0'
     >>> with_flags("unit cell is 'x'; need one of sc, bcc")
@@ -58,13 +69,25 @@ def with_flags(message: str) -> str:
     >>> with_flags("unions stay wrong (lattice_part makes it of triangles)")
     'unions stay wrong (-o part.stl makes it of triangles)'
     """
-    for advice, way in ADVICE.items():
-        message = message.replace(advice, way)
+    message = with_ways(message)
     for phrase, flag in PHRASES.items():
         if message.startswith(phrase):
             return flag + message.removeprefix(phrase)
     named = SUBJECT.sub(lambda found: f"{_flag(found[1])} ", message)
     return PARAMETER.sub(lambda found: f"{_flag(found[1])} {found[3]}".strip(), named)
+
+
+def with_ways(text: str) -> str:
+    """Return a text with what the command does in place of what it advises in Python.
+
+    Examples
+    --------
+    >>> with_ways("unite the parts (`to_solid`), or give them smaller radii")
+    'unite the parts (scaffold-cad build does for skeletons), or give them smaller radii'
+    """
+    for advice, way in ADVICE.items():
+        text = text.replace(advice, way)
+    return text
 
 
 def with_measures(message: str, words: Sequence[str]) -> str:

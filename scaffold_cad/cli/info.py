@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 
 import numpy as np
 
@@ -53,7 +54,7 @@ def _skeleton_rows(options: argparse.Namespace) -> dict[str, str]:
     has_radii = raw.has_radii
     cleaning = with_repairs(
         options.input,
-        raw,
+        replace(raw, left_out=(), flat_ends=0),  # told in a row of its own
         None if has_radii else _thin,
         units=options.units,
         scale=options.scale,

@@ -1,9 +1,10 @@
-"""Numbers of the command line: sizes, boxes, directions and sockets."""
+"""Values on the command line: sizes, boxes, directions, sockets and names of files."""
 
 from __future__ import annotations
 
 import argparse
 import re
+from pathlib import Path
 
 import numpy as np
 
@@ -100,3 +101,15 @@ def _numbers(text: str) -> Floats:
         return np.array([float(word) for word in re.split("[xX,]", text)])
     except ValueError:
         return np.zeros(0)
+
+
+def name(text: str) -> str:
+    """Return the name of a file or a folder, which must have one character at least."""
+    if not text:
+        raise argparse.ArgumentTypeError("'' is not a name; need that of a file or a folder")
+    return text
+
+
+def path(text: str) -> Path:
+    """Return the path of a file or a folder, see `name`."""
+    return Path(name(text))

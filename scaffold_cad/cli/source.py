@@ -40,6 +40,7 @@ def add_input(parser: argparse.ArgumentParser, several: bool = False) -> None:
     """Add the argument of the file, or of several files, that a command works on."""
     parser.add_argument(
         "input",
+        type=sizes.name,
         metavar="INPUT",
         nargs="+" if several else None,
         help="files with skeletons, one or several; - for standard input"
@@ -176,6 +177,11 @@ def assembly_from(options: argparse.Namespace, *, ends: bool = True) -> Assembly
         return None
     if options.units is not None:
         in_millimeters(path, read_raw(path), options.units, None)  # refuses another unit
+    if options.strict and assembly.beams_left_out:
+        raise FormatError(
+            f"{path} has {counted(assembly.beams_left_out, 'beam')} without a length or a radius "
+            "> 0; need none (or read it without --strict)"
+        )
     if options.strict:
         for lattice in assembly.lattices:
             check_skeleton(lattice.skeleton)

@@ -12,6 +12,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from scaffold_cad.base.files import check_name, make_folder
+from scaffold_cad.cli import sizes
 from scaffold_cad.errors import OptionError
 
 STREAM = "-"
@@ -24,7 +25,7 @@ def add_output(parser: argparse.ArgumentParser, about: str) -> None:
         "-o",
         "--output",
         required=True,
-        type=Path,
+        type=sizes.path,
         metavar="OUT",
         help=f"{about}; - for standard output, or a folder, with --format",
     )
@@ -73,8 +74,26 @@ def each_file(options: argparse.Namespace) -> list[argparse.Namespace]:
     Raises
     ------
     OptionError
-        If several inputs have one file to go to, or the format of a folder is missing.
+        If several inputs have one file to go to, or the format of a folder is missing, or an output
+        would replace its input.
     """
+    files = _files(options)
+    for one in files:
+        _check_apart(one)
+    return files
+
+
+def _check_apart(options: argparse.Namespace) -> None:
+    """Raise if an output would replace its own input."""
+    given, output = getattr(options, "input", None), getattr(options, "output", None)
+    if given is None or output is None or not output.exists() or not Path(given).exists():
+        return
+    if output.samefile(given):
+        raise OptionError(f"cannot write {output}: it is the input; need another name")
+
+
+def _files(options: argparse.Namespace) -> list[argparse.Namespace]:
+    """Return the options for each of several inputs, with its output."""
     inputs = getattr(options, "input", None)
     if not isinstance(inputs, list):
         _refuse_format(options)

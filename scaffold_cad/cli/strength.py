@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.files import check_page
-from scaffold_cad.cli import source, strengthtiles, tiled
+from scaffold_cad.cli import sizes, source, strengthtiles, tiled
+from scaffold_cad.cli.flags import told_as
 from scaffold_cad.errors import OptionError
 from scaffold_cad.io.write import check_writable, write
 
@@ -83,7 +83,7 @@ def add_parser(
     parser.add_argument(
         "-o",
         "--output",
-        type=Path,
+        type=sizes.path,
         metavar="OUT",
         help="write the beam model, .inp .bdf .tcl .vtu, or the skeleton with its radii, .json ...",
     )
@@ -107,7 +107,8 @@ def run(options: argparse.Namespace) -> None:
     model = _model(options, skeleton)
     result = None
     if options.size is not None:
-        result = sized(model, least_radius=as_number(options.size, "--size"))
+        with told_as(least_radius="--size"):
+            result = sized(model, least_radius=options.size)
     solution = model.solved() if result is None else result.solution
     rows = _summary(solution, result)
     if options.json:
@@ -245,7 +246,7 @@ def _force(text: str, force: str) -> list[float]:
     except ValueError:
         parts = []
     if len(parts) != 3 or not np.isfinite(parts).all():
-        raise OptionError(f"--load is {text!r}; need WHERE:FX,FY,FZ, N")
+        raise OptionError(f"--load is {text!r}; need WHERE:FX,FY,FZ, N, as in zmax:0,0,-50")
     return parts
 
 

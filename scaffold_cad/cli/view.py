@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scaffold_cad.base.files import check_page
-from scaffold_cad.cli import shapes, source
+from scaffold_cad.cli import shapes, sizes, source
 from scaffold_cad.products.overlaps import to_unite
 from scaffold_cad.solid import frame_scaffold, solidified
 from scaffold_cad.struts import round_struts
@@ -43,7 +43,7 @@ def add_parser(
     parser.add_argument(
         "-o",
         "--output",
-        type=Path,
+        type=sizes.path,
         metavar="PAGE",
         help="page to write, .html (default: a temporary file)",
     )

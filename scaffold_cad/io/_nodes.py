@@ -14,8 +14,8 @@ from scaffold_cad.io._raw import RawSkeleton
 
 
 def radius_of_area(area: float) -> float:
-    """Return the radius of the circle of an area; NaN if the area is not positive."""
-    return math.sqrt(area / math.pi) if area > 0 else math.nan
+    """Return the radius of the circle of an area; NaN for none, and less than 0 as the area is."""
+    return math.copysign(math.sqrt(abs(area) / math.pi), area) if area else math.nan
 
 
 class NamedGraph:

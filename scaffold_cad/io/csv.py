@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import logging
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -70,6 +71,9 @@ _NODE_FILES, _MEMBER_FILES = (
     ("nodes", "points"),
     ("members", "edges", "elements", "links", "struts"),
 )
+
+SEPARATOR = re.compile(r"sep=.?", re.IGNORECASE)
+"""First line by which Excel tells itself what separates columns."""
 
 _NEED = (
     "columns x1 y1 z1 x2 y2 z2 of members, x y z of nodes beside start and end of members, or x y z"
@@ -130,7 +134,8 @@ def _recognizes(head: bytes) -> bool:
     if b"\0" in head or b"\n" not in head:
         return False
     lines = head.decode("utf-8-sig", errors="replace").replace("\r", "\n").split("\n")
-    first = next((line for line in lines if line.strip() and not line.startswith("#")), "")
+    told = (line for line in lines if line.strip() and not line.startswith("#"))
+    first = next((line for line in told if not SEPARATOR.fullmatch(line.strip())), "")
     names = {plain_name(cell) for cell in cells_of(first)}
     return len(names) >= 2 and len(names & _KNOWN) >= 2
 
@@ -261,9 +266,9 @@ def _beside(path: Path, kinds: Sequence[str], others: Sequence[str]) -> Path | N
 def _tables(path: Path) -> list[_Table]:
     """Return the tables of a file, which empty lines part; a comment begins with ``#``."""
     tables: list[_Table] = []
-    inside = False
+    inside, width = False, 0
     for line, text in enumerate(read_text(path).split("\n"), start=1):
-        if text.lstrip().startswith("#"):
+        if text.lstrip().startswith("#") or (line == 1 and SEPARATOR.fullmatch(text.strip())):
             continue
         cells = cells_of(text)
         if not any(cell.strip() for cell in cells):
@@ -272,13 +277,18 @@ def _tables(path: Path) -> list[_Table]:
             named = [(plain_name(cell), unit_of(cell)) for cell in cells]
             columns: dict[str, int] = {}
             for k, (name, _) in enumerate(named):
-                columns.setdefault(name, k)
+                if columns.setdefault(name, k) != k and name in _KNOWN:
+                    raise line_error(path, line, f"column {name} is there twice", "it once")
             units = {name: unit for name, unit in named if unit is not None}
             said = {name: unit_name(cells[k]) for name, k in columns.items() if unit_name(cells[k])}
             tables.append(_Table(path, columns, units, said, []))
-            inside = True
+            inside, width = True, len(cells)
         elif not tables:
             raise line_error(path, line, f"{text.strip()!r} names no columns", _NEED)
+        elif any(cell.strip() for cell in cells[width:]):
+            raise line_error(
+                path, line, f"{len(cells)} cells below {width} headings", "as many, or fewer"
+            )
         else:
             tables[-1].rows.append((line, cells))
             inside = True

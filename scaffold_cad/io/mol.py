@@ -77,8 +77,12 @@ def _v3000(path: Path, lines: list[str]) -> Molecule:
             ends = [number.get(word, -1) for word in words[2:4]]
             _add_bond(path, k, molecule, *(ends if len(ends) == 2 else (-1, -1)))
     found = [str(len(molecule.elements)), str(len(molecule.bonds))]
+    if len(counts) != 2:
+        raise FormatError(f"{path} does not say how many atoms and bonds; need M  V30 COUNTS")
     if found != counts:
-        raise FormatError(f"{path} has {found} atoms and bonds; need {counts}, as it says")
+        raise FormatError(
+            f"{path} has {' atoms and '.join(found)} bonds; need {' and '.join(counts)}, as it says"
+        )
     return molecule
 
 

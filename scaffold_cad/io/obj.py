@@ -175,7 +175,8 @@ def _vertices(path: Path, line: int, words: list[str], seen: int, total: int) ->
         raise line_error(path, line, "vertex 0", need)
     for number in (min(numbers), max(numbers)):
         if not -seen <= number <= total:
-            raise line_error(path, line, f"vertex {number}", f"1 to {total}, or -1 to -{seen}")
+            need = f"1 to {total}, or -1 to -{seen}" if total else "lines 'v x y z' of vertices"
+            raise line_error(path, line, f"vertex {number}", need)
     return [number - 1 if number > 0 else seen + number for number in numbers]
 
 

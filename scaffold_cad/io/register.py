@@ -245,8 +245,13 @@ def mesh_format_of(path: Path) -> MeshFormat | None:
     return found[-1] if found else None
 
 
-def written_format_of(path: Path, solid: bool = False) -> WrittenFormat:
+def written_format_of(path: Path, solid: bool = False, skeleton: bool = False) -> WrittenFormat:
     """Return the format that is written to files with the suffix of `path`.
+
+    Parameters
+    ----------
+    solid : whether it must be able to hold solids
+    skeleton : whether only those that hold skeletons are named where none has the suffix
 
     Raises
     ------
@@ -256,7 +261,7 @@ def written_format_of(path: Path, solid: bool = False) -> WrittenFormat:
     found = [known for known in written_formats(solid) if path.suffix.lower() in known.suffixes]
     if found:
         return found[-1]
-    raise unknown_suffix(path, written_suffixes(solid))
+    raise unknown_suffix(path, written_suffixes(solid, skeleton))
 
 
 def _lowered(suffixes: tuple[str, ...]) -> tuple[str, ...]:

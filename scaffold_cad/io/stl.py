@@ -72,6 +72,8 @@ def _corners(path: Path) -> Points:
 
 def _of_binary(path: Path, data: bytes) -> Points:
     """Return the corners of the facets, shape (3 t, 3)."""
+    if len(data) < _HEADER:
+        raise FormatError(f"{path} has {len(data)} bytes; need an STL file, of {_HEADER} and more")
     count = int.from_bytes(data[80:84], "little")
     size = _HEADER + count * _FACET.itemsize
     if len(data) != size or not count:

@@ -139,7 +139,7 @@ def check_writable(
         read-only.
     """
     path = as_path(path)
-    known = written_format_of(path, solid)
+    known = written_format_of(path, solid, skeleton)
     if skeleton and not known.skeletons:
         holds = ", ".join(written_suffixes(skeleton=True))
         raise FormatError(f"{path} cannot hold a skeleton, only a solid of it; need {holds}")

@@ -29,6 +29,9 @@ FREEDOMS = ("x", "y", "z", "rx", "ry", "rz")
 
 _Item = TypeVar("_Item")
 
+LARGEST_FORCE = 1e15
+"""Largest force, N, or moment, N mm, that is believed."""
+
 RANK_TOLERANCE = 1e-9
 """Least singular value of a body's supports over the largest; no unit."""
 
@@ -246,8 +249,11 @@ def _freedoms(fixed: str) -> list[int]:
 
 def _three(values: ArrayLike, name: str, number: int) -> Floats:
     three = as_floats(values, name, OptionError)
-    if three.shape != (3,) or not np.isfinite(three).all():
-        raise OptionError(f"{name} of load {number} is {three.tolist()}; need 3 finite numbers")
+    if three.shape != (3,) or not (np.abs(three) <= LARGEST_FORCE).all():
+        raise OptionError(
+            f"{name} of load {number} is {three.tolist()}; need 3 finite numbers, "
+            f"{LARGEST_FORCE:g} at most"
+        )
     return three
 
 

@@ -15,6 +15,9 @@ from scaffold_cad.base.arguments import (
 )
 from scaffold_cad.errors import OptionError
 
+STIFFEST = 1e9
+"""Largest Young's modulus that is believed, MPa; its inverse is the least. Diamond has 1e6."""
+
 
 @checks_keywords()
 @dataclass(frozen=True)
@@ -44,7 +47,11 @@ class Material:
     """What it is called."""
 
     def __post_init__(self) -> None:
-        as_number(self.young, "Young's modulus", unit=" MPa")
+        young = as_number(self.young, "Young's modulus", unit=" MPa")
+        if not 1.0 / STIFFEST <= young <= STIFFEST:
+            raise OptionError(
+                f"Young's modulus is {young:g} MPa; need {1.0 / STIFFEST:g} to {STIFFEST:g} MPa"
+            )
         as_number(self.density, "density", unit=" kg/m³", or_zero=True)
         if not as_real(self.strength, "strength") > 0:
             raise OptionError(f"strength is {self.strength:g} MPa; need > 0")

@@ -23,6 +23,9 @@ BELOW = 2e-4
 RUNAWAY = 1e3
 """Radius in lengths of the longest strut beyond which sizing is given up."""
 
+THINNEST = 1e-6
+"""Least radius in lengths of the longest strut: stiffness goes with its fourth power."""
+
 SETTLED = 1e-3
 """Relative change of the radii at which they count as settled."""
 
@@ -121,11 +124,20 @@ def sized(
     """
     check_kind(model, BeamModel)
     low = as_number(least_radius, "least_radius")
+    longest = float(model.skeleton.lengths.max())
+    if not THINNEST * longest <= low <= RUNAWAY * longest:
+        raise OptionError(
+            f"least_radius is {low:g} mm; need {THINNEST * longest:.3g} to "
+            f"{RUNAWAY * longest:.3g} mm for struts of up to {longest:.4g} mm"
+        )
     high = float(largest_radius)
     if not high > low:
         raise OptionError(f"largest_radius is {high:g} mm; need more than {low:g} mm, the least")
-    if not np.isfinite(model.material.strength) or model.material.density == 0:
-        raise OptionError("the material has no strength or no density; need both to size struts")
+    strength, density = model.material.strength, model.material.density
+    if not np.isfinite(strength):
+        raise OptionError(f"strength is {strength:g} MPa; need a finite one to size struts")
+    if density == 0:
+        raise OptionError("density is 0 kg/m³; need > 0 to size struts")
     group = _groups(groups, len(model.skeleton.edges))
     most = as_count(steps, "steps", 1)
 

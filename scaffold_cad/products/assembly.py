@@ -44,11 +44,16 @@ class Assembly(Frozen):
     """Each with the mesh of its object, and what it is clipped to: a TriangleMesh or None."""
     meshes: tuple[TriangleMesh, ...]
     """Objects without beams."""
+    beams_left_out: int
+    """Beams of the file it was read from that have no length, or no radius > 0."""
 
     def __init__(
-        self, lattices: Iterable[BeamLattice] = (), meshes: Iterable[TriangleMesh] = ()
+        self,
+        lattices: Iterable[BeamLattice] = (),
+        meshes: Iterable[TriangleMesh] = (),
+        beams_left_out: int = 0,
     ) -> None:
-        self._keep(lattices=tuple(lattices), meshes=tuple(meshes))
+        self._keep(lattices=tuple(lattices), meshes=tuple(meshes), beams_left_out=beams_left_out)
         for lattice in self.lattices:
             check_kind(lattice, BeamLattice)
         for mesh in self.meshes:
@@ -105,6 +110,7 @@ class Assembly(Frozen):
         return Assembly(
             [_transformed(lattice, turn, factor) for lattice in self.lattices],
             [_turned_mesh(mesh, turn) for mesh in self.meshes],
+            self.beams_left_out,
         )
 
     def with_skeletons(self, change: Callable[[Skeleton], Skeleton]) -> Assembly:
@@ -114,7 +120,7 @@ class Assembly(Frozen):
         log says so.
         """
         lattices = [_with_skeleton(lattice, change(lattice.skeleton)) for lattice in self.lattices]
-        return Assembly(lattices, self.meshes)
+        return Assembly(lattices, self.meshes, self.beams_left_out)
 
     def beyond_skeleton(self) -> list[str]:
         """Return in words what a skeleton of the beams does not keep; nothing if it keeps all."""
@@ -256,7 +262,10 @@ def assembly_solid(
 
 
 def log_united(assembly: Assembly, path: str) -> None:
-    """Log what of a file is one solid with the beams, if there is anything."""
+    """Log what of a file is one solid with the beams, if there is anything, and what is not."""
+    if assembly.beams_left_out:
+        what = counted(assembly.beams_left_out, "beam")
+        _log.warning("%s: left out %s without a length or a radius > 0", path, what)
     beside = ", ".join(assembly.beside_beams())
     if beside:
         _log.info("%s: %s united with %s", path, counted(assembly.beam_count, "beam"), beside)

@@ -47,9 +47,10 @@ def to_unite(overlaps: Overlaps, edges: Ints, skeleton: Skeleton) -> bool:
     if overlaps == "refuse":
         raise BrepError(
             f"{found}: faces would cross; need struts apart (smaller radii, larger cells, fewer "
-            "joints) or joined where they cross, or overlaps='unite' for their union (round struts "
-            "get plane facets where they overlap, square ones throughout), overlaps='allow' for "
-            "faces that cross, or a mesh format, which unites them"
+            "joints) or joined where they cross (skeleton.joined(tolerance)), or overlaps='unite' "
+            "for their union (round struts get plane facets where they overlap, square ones "
+            "throughout), overlaps='allow' for faces that cross, or a mesh format, which unites "
+            "them"
         )
     if overlaps == "allow":
         _log.warning("%s: faces cross there", found)

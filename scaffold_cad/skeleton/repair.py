@@ -49,6 +49,8 @@ class Repairs:
     radii_replaced: int = 0
     """Radii of nodes that were not finite numbers > 0, or too small beside the coordinates, taken
     from their struts or else from the nearest node along the graph."""
+    edge_radii_replaced: int = 0
+    """Edges with a radius that was given and not a finite number > 0: taken from their nodes."""
     nodes_welded: int = 0
     """Nodes merged into another one at the same place."""
     zero_length_edges: int = 0
@@ -127,9 +129,10 @@ def repaired(
         weld_distance = as_number(weld_distance, "weld distance", or_zero=True)
     located: Bools = np.asarray(np.isfinite(nodes).all(axis=1))
     counts = {"nodes_without_position": int(np.sum(~located))}
-    kept = located[edges].all(axis=1)
+    kept: Bools = np.asarray(located[edges].all(axis=1))
     placed, sizes = edges[kept], _known_sizes(edge_radii, len(edges))[kept]
     counts["edges_without_position"] = len(edges) - len(placed)
+    counts["edge_radii_replaced"] = _faulty_sizes(edge_radii, kept)
     if weld_distance is None:
         weld_distance = default_weld_distance(nodes[located])
 
@@ -196,6 +199,14 @@ def _known_sizes(edge_radii: Floats | None, count: int) -> Floats:
     return np.where(np.isfinite(edge_radii) & (edge_radii > 0), edge_radii, np.nan)
 
 
+def _faulty_sizes(edge_radii: Floats | None, kept: Bools) -> int:
+    """Return how many of the kept edges have a radius that is given, and none."""
+    if edge_radii is None:
+        return 0
+    given = edge_radii[kept]
+    return int((~np.isnan(given) & ~(np.isfinite(given) & (given > 0))).any(axis=1).sum())
+
+
 def least_radius(nodes: Points) -> float:
     """Return the radius below which rounding hides struts between nodes, (n, 3), mm."""
     return LEAST_RADIUS * float(np.abs(nodes).max(initial=0.0))
@@ -230,7 +241,8 @@ def _with_radii_filled(
     if len(lost):
         raise SkeletonError(
             f"node {lost[0]} at {place_text(nodes[lost[0]])} and all that is joined to it have no "
-            f"radius > {least_radius(nodes[used]):.3g} mm; need one at least"
+            f"radius above {least_radius(nodes[used]):.3g} mm, the least for these coordinates; "
+            "need one at least, or radius= for all"
         )
     filled = radii.copy()
     filled[missing] = radii[nearest[missing]]

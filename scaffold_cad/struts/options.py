@@ -93,8 +93,8 @@ class StrutOptions:
         for name, value in asked.items():
             if value is not usual[name] and not (isinstance(value, str) and value == usual[name]):
                 raise OptionError(
-                    f"{name} with nodes={self.nodes!r}, whose struts meet in edges; need {name} "
-                    "left out"
+                    f"{name} is given with nodes={self.nodes!r}, whose struts meet in edges; need "
+                    f"no {name}="
                 )
 
     def blends(self, nodes: Ints, thin: Floats) -> Floats:

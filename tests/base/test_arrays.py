@@ -122,8 +122,8 @@ def test_radii_that_are_none_are_refused(values: Any, message: str) -> None:
         ([[0, 1], [1, 3]], r"edges\[1\] joins nodes \[1, 3\]; need 0 to 2"),
         ([[-1, 1]], r"edges\[0\] joins nodes \[-1, 1\]; need 0 to 2"),
         ([[0.5, 1.0]], "edges holds 0.5; need whole numbers"),
-        ([[True, False]], "edges has dtype bool; need whole numbers"),
-        ([[0, 2**70]], "edges has dtype object; need whole numbers"),
+        ([[True, False]], "edges holds True; need whole numbers"),
+        ([[0, 2**70]], f"edges holds {2**70}; need whole numbers below 9e"),
         ([[0, 1, 2]], r"edges has shape \(1, 3\); need \(n, 2\)"),
         ([0, 1], r"edges has shape \(2,\); need \(n, 2\)"),
         ([[0, 1], [2]], "edges is not an array of indices"),
@@ -154,7 +154,7 @@ def test_quads_that_are_none_are_refused(values: Any, message: str) -> None:
         ([[0, 1, 4]], r"triangles\[0\] has vertices \[0, 1, 4\]; need 0 to 3"),
         ([[0, 1, 2, 3]], r"triangles has shape \(1, 4\); need \(n, 3\)"),
         ([[0, 1, 2], [0]], "triangles is not an array of indices"),
-        ([["a", "b", "c"]], "triangles has dtype <U1; need whole numbers"),
+        ([["a", "b", "c"]], "triangles holds 'a'; need whole numbers"),
     ],
 )
 def test_triangles_that_are_none_are_refused(values: Any, message: str) -> None:

@@ -33,6 +33,15 @@ def test_it_gives_0_for_printable_1_for_not_and_2_for_bad_input(
     assert "absent.stl" in capsys.readouterr().err
 
 
+def test_occt_prints_nothing_where_results_go(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "page.step"
+    path.write_text("<!DOCTYPE html>")
+    assert main(["check", str(path), "--json"]) == 2
+    assert capfd.readouterr().out == ""
+
+
 def test_it_prints_json_and_writes_the_page(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -159,6 +160,7 @@ def test_options_come_from_a_file(folder: Path, capsys: pytest.CaptureFixture[st
         ("round = true", "need tables named as commands"),
         ('[build]\nround = "yes"', "need true or false"),
         ("[build]\nblend = true", "need a text, a number"),
+        ("[build]\nsides = [8, 12]", "has sides = [8, 12]; need one value"),
         ("[build", "is not a TOML file"),
     ],
 )
@@ -170,6 +172,45 @@ def test_a_file_of_options_is_checked(
         main(["build", "strut.json", "--config", "o.toml", "-o", "a.stl"])
     assert stop.value.code == 2
     assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("build strut.json -o a.stl --config", "argument --config: expected one argument"),
+        ("build strut.json -o a.stl \N{EM DASH}radius 3", "did you mean '--radius'?"),
+        ("build strut.json -o a.stl radius=3", "did you mean '--radius'?"),
+        (
+            "lattice --cell bcc --size 8 --radius 1 --box 8 -o a.stl --units m",
+            "arguments: --units m\n",
+        ),
+        ("build strut.json -o ''", "'' is not a name; need that of a file or a folder"),
+        ("build '' -o a.stl", "'' is not a name; need that of a file or a folder"),
+        ("convert strut.json -o strut.json", "cannot write strut.json: it is the input; need"),
+        ("convert strut.json -o . --format json", "cannot write strut.json: it is the input"),
+        ("build strut.json -o a.stl --scale -1e3", "--scale is -1000; need > 0"),
+        ("check strut.json --direction -0,-0,-0", "--direction is [-0.0, -0.0, -0.0]; need 3"),
+        ("build strut.json -o a.stl --round --ends open", "--ends is 'open' without a wall"),
+        ("convert strut.json -o a.dwg", "need one of .3mf, .csv, .graphml, .inp, .json, .obj"),
+        ("strength strut.json --weight --young 1e99", "--young is 1e+99 MPa; need 1e-09 to 1e+09"),
+        ("strength strut.json --weight --material x", "pla, petg, abs\n"),
+        ("strength strut.json --load xmax:0,0,-1e99", "need 3 finite numbers, 1e+15 at most"),
+        ("strength strut.json --weight --size 1e9", "--size is 1e+09 mm; need 1e-05 to 1e+04 mm"),
+        ("strength strut.json --weight --strength inf --size 1", "--strength is inf MPa; need"),
+    ],
+)
+def test_what_newcomers_get_wrong_is_told(
+    line: str, message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = Path("strut.json").read_bytes()
+    try:
+        code: object = main(shlex.split(line))
+    except SystemExit as stop:
+        code = stop.code
+    assert code == 2
+    assert message in capsys.readouterr().err
+    assert Path("strut.json").read_bytes() == before
+    assert not list(Path().glob("a.*"))
 
 
 def test_advice_that_is_logged_names_flags(capsys: pytest.CaptureFixture[str]) -> None:

@@ -265,6 +265,25 @@ def test_what_is_beside_the_beams_is_told_and_a_body_of_its_own_in_a_cad_file(
     assert len(read_skeleton(path).edges) == 2
 
 
+def test_beams_that_are_none_are_told_and_refused_where_nothing_may_go(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    beams = '<b:beam v1="0" v2="1"/><b:beam v1="1" v2="2" r1="-1" r2="-1"/>'
+    path = str(
+        packed(
+            tmp_path, model([mesh(beams), SOLID], items='<item objectid="1"/><item objectid="2"/>')
+        )
+    )
+    assert main(["check", path]) == 0
+    assert "left out 1 beam without a length or a radius > 0" in capsys.readouterr().err
+    assert main(["check", path, "--strict"]) == 2
+    assert "has 1 beam without a length or a radius > 0; need none" in capsys.readouterr().err
+    path = str(packed(tmp_path, model([mesh(lattice='radius="-1" minlength="0.1"')])))
+    for command in (["check"], ["build", "-o", str(tmp_path / "a.stl")]):
+        assert main([*command, path]) == 2
+        assert "no radius above 1e-08 mm, the least for these" in capsys.readouterr().err
+
+
 def test_repairs_of_the_beams_that_struts_stand_for_are_told(
     caplog: pytest.LogCaptureFixture,
 ) -> None:

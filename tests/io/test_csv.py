@@ -69,6 +69,8 @@ def test_a_skeleton_reads_back_exactly(tmp_path: Path) -> None:
         ("node,x,y\n1,0,0\n1,9,0\n\ni,j\n1,1\n", r"line 3: node '1' is there already; need each"),
         ("node,x,y\n1,0,0\n2,9,0\n\ni,j\n1,7\n", r"line 6: an edge has the end '7'; need a node"),
         ("x1,y1,z1,x2,y2\n0,0,0,9,0\n", r"x\.csv has a column z1 and no column z2; need both"),
+        ("x1,y1,x1,x2,y2\n0,0,9,9,0\n", r"x\.csv, line 1: column x1 is there twice; need it once"),
+        ("x1,y1,x2,y2\n0,5,0,9,0\n", r"x\.csv, line 2: 5 cells below 4 headings; need as many"),
         ("x1,y1,x2,y2,z2\n0,0,9,0,0\n", r"x\.csv has a column z2 and no column z1; need both"),
         ("x [px],y [px]\n0,0\n9,0\n", r"column x has the unit 'px'; need one of nm, um, mm"),
         ("x,y,r (acres)\n0,0,1\n9,0,1\n", r"column r has the unit 'acres'; need one of nm"),
@@ -93,6 +95,13 @@ def test_columns_name_units_and_no_other_is_taken(tmp_path: Path) -> None:
     np.testing.assert_array_equal(read_skeleton(path, units="inch").nodes, again.nodes)
     with pytest.raises(OptionError, match=r"strut\.csv says that its unit is in; need no units"):
         read_skeleton(path, units="m")
+
+
+def test_the_line_by_which_excel_names_its_separator_is_passed_over(tmp_path: Path) -> None:
+    path = written(tmp_path, "x.csv", "sep=;\nx1;y1;x2;y2;radius\n0;0;9,5;0;1,25\n\n;;;;;;\n")
+    strut = read_skeleton(path)
+    np.testing.assert_array_equal(strut.nodes, [[0, 0, 0], [9.5, 0, 0]])
+    assert strut.edge_radii.tolist() == [[1.25, 1.25]]
 
 
 def test_only_skeletons_are_written(tmp_path: Path) -> None:

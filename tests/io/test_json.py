@@ -85,7 +85,10 @@ def test_radii_may_be_left_out_and_further_keys_are_ignored(tmp_path: Path) -> N
         (changed(edges=[[0, 2]]), r"bad\.json: edges\[0\] joins nodes \[0, 2\]; need 0 to 1"),
         (changed(edges=[[0, -1]]), r"edges\[0\] joins nodes \[0, -1\]; need 0 to 1"),
         (changed(edges=[[0, 0.5]]), "edges holds 0.5; need whole numbers"),
-        (changed(edges=[[0, 10**30]]), "edges has dtype object; need whole numbers"),
+        (
+            changed(edges=[[0, 10**30]]),
+            f"edges holds {10**30}; need whole numbers below 9e",
+        ),
         (changed(edges=[[0, 1, 0]]), r"edges has shape \(1, 3\); need \(n, 2\)"),
         (changed(edges=[[0], [0, 1]]), "edges is not an array of indices"),
         (changed(radii=[1]), r"bad\.json: radii have shape \(1,\); need \(2,\), one per node"),

@@ -109,6 +109,8 @@ def test_what_no_radius_can_carry_is_told() -> None:
     ("options", "message"),
     [
         ({"least_radius": 0.0}, "least_radius is 0 mm"),
+        ({"least_radius": 1e9}, "least_radius is 1e\\+09 mm; need 0.0001 to 1e\\+05 mm for struts"),
+        ({"least_radius": 1e-99}, "least_radius is 1e-99 mm; need 0.0001 to"),
         ({"least_radius": 1.0, "largest_radius": 0.5}, "largest_radius is 0.5 mm; need more"),
         ({"least_radius": 1.0, "groups": [0, 1]}, r"groups has shape \(2,\); need \(1,\)"),
         ({"least_radius": 1.0, "steps": 0}, "steps is 0"),
@@ -122,8 +124,10 @@ def test_bad_arguments_are_named(options: dict[str, float], message: str) -> Non
 def test_a_material_without_strength_is_refused() -> None:
     strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
     model = beam_model(strut, Material(1e3), Support([0]))
-    with pytest.raises(OptionError, match="no strength or no density"):
+    with pytest.raises(OptionError, match="strength is inf MPa; need a finite one to size"):
         sized(model, least_radius=1.0)
+    with pytest.raises(OptionError, match="density is 0 kg/m³; need > 0 to size"):
+        sized(beam_model(strut, Material(1e3, strength=9.0), Support([0])), least_radius=1.0)
 
 
 def test_struts_that_become_thicker_than_long_are_told(caplog: pytest.LogCaptureFixture) -> None:

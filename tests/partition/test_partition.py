@@ -315,7 +315,7 @@ def test_models_that_are_no_partitions_are_refused(quads: object, message: str) 
     ("quads", "message"),
     [
         ([[[0, 1], [2]]], "like is not an array of indices"),
-        ("quads", "like has dtype <U5; need whole numbers"),
+        ("quads", "like holds 'quads'; need whole numbers"),
     ],
 )
 def test_quads_that_are_no_numbers_are_refused(quads: Any, message: str) -> None:
@@ -380,7 +380,7 @@ def test_no_neighbors_ask_for_nothing() -> None:
         ([(2, 2)], "neighbors 2 and 2 are not two"),
         ([(0, 1, 2)], r"neighbors has shape \(1, 3\); need \(k, 2\)"),
         ([(0, 1), (2,)], "neighbors is not an array of indices"),
-        ([("a", "b")], "neighbors has dtype <U1; need whole numbers"),
+        ([("a", "b")], "neighbors holds 'a'; need whole numbers"),
         ([(0, k) for k in range(1, 6)], "direction 0 is to have 5 neighbors"),
     ],
 )

@@ -218,9 +218,17 @@ def test_each_component_needs_a_radius() -> None:
         ([1, 0, 0, np.nan], "2 at [0, 5, 0] mm"),
         ([1e-9] * 4, "0 at [0, 0, 0] mm"),
     ]:
-        message = f"node {lost} and all that is joined to it have no radius > 5e-09 mm; need one"
+        message = f"node {lost} and all that is joined to it have no radius above 5e-09 mm, the"
         with pytest.raises(SkeletonError, match=re.escape(message)):
             mended(nodes, [[0, 1], [2, 3]], radii)
+
+
+def test_radii_of_edges_that_are_none_follow_the_nodes_and_are_counted() -> None:
+    sizes = np.array([[1, -1], [np.nan, np.nan], [0, np.inf]])
+    nodes = [[0, 0, 0], [3, 0, 0], [0, 5, 0], [0, 0, 5]]
+    whole = mended(nodes, [[0, 1], [0, 2], [0, 3]], 2.0, edge_radii=sizes)
+    assert whole.edge_radii.tolist() == [[1, 2], [2, 2], [2, 2]]
+    assert str(whole.repairs) == "2 edge radii replaced"
 
 
 def test_a_node_that_goes_needs_no_radius() -> None:

@@ -384,8 +384,9 @@ def test_some_edges_make_a_skeleton_of_their_own() -> None:
         ([[0, 1]], r"edges has shape \(1, 2\); need \(k,\)"),
         ([True], r"edges has shape \(1,\); need \(2,\), a mark each"),
         ([0.5], "edges holds 0.5; need whole numbers"),
-        (["0"], "edges has dtype <U1; need whole numbers"),
-        ([0, [1]], "edges is not an array of indices"),
+        (["0"], "edges holds '0'; need whole numbers"),
+        ([0, [1]], r"edges is not an array of indices: row 1 is \[1\], and row 0 is 0"),
+        ([[0, 1], [1, 10**30]], "edges holds 1000000000000000000000000000000; need whole"),
     ],
 )
 def test_edges_that_cannot_be_chosen_are_refused(chosen: Any, message: str) -> None:

@@ -213,14 +213,14 @@ def _radius(path: Path, block: Block) -> float:
     if not block.rows:
         return math.nan
     line, words = block.rows[0]
-    values = [abs(x) for x in numbers_of(path, line, [w for w in words if w], "sizes of a section")]
+    values = numbers_of(path, line, [w for w in words if w], "sizes of a section")
     if not values:
         return math.nan
     if block.keyword != "BEAMSECTION":
         return radius_of_area(values[0])
     kind = block.options.get("SECTION", "").upper()
     if kind == "CIRC" and len(values) > 1:  # CalculiX: its widths, not its radius
-        return math.sqrt(values[0] * values[1]) / 2
+        return math.copysign(math.sqrt(abs(values[0] * values[1])) / 2, min(values[:2]))
     if kind in ("CIRC", "PIPE", "THICKPIPE"):
         return values[0]
     if kind in ("RECT", "BOX") and len(values) > 1:

@@ -73,7 +73,7 @@ def read_3mf_triangles(path: Path) -> TriangleMesh:
     if not any(len(piece.body.beams) for piece in pieces):
         return triangles_of(pieces)
     assembly = assembly_of(pieces)
-    if assembly.is_skeleton:
+    if assembly.is_skeleton or not (assembly.lattices or assembly.meshes):
         return joined_meshes([])
     log_united(assembly, str(path))
     return manifold_triangles(assembly_solid(assembly))

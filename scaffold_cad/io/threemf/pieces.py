@@ -68,7 +68,7 @@ def triangles_of(pieces: Sequence[Piece]) -> TriangleMesh:
 def assembly_of(pieces: Sequence[Piece]) -> Assembly:
     """Return the bodies as what they are: beam lattices, with what they are clipped to, and meshes.
 
-    Beams without a length or a radius > 0 are left out.
+    Beams without a length or a radius > 0 are left out, and counted.
 
     Raises
     ------
@@ -78,7 +78,9 @@ def assembly_of(pieces: Sequence[Piece]) -> Assembly:
     lattices = [_lattice(piece) for piece in pieces if len(piece.body.beams)]
     bodies = [piece for piece in pieces if not len(piece.body.beams)]
     meshes = [_mesh(piece, piece.body) for piece in bodies if len(piece.body.triangles)]
-    return Assembly([one for one in lattices if len(one.skeleton.edges) or one.mesh], meshes)
+    lost = sum(len(piece.body.beams) for piece in pieces)
+    lost -= sum(len(one.skeleton.edges) for one in lattices)
+    return Assembly([one for one in lattices if len(one.skeleton.edges) or one.mesh], meshes, lost)
 
 
 def _lattice(piece: Piece) -> BeamLattice:

@@ -101,7 +101,7 @@ def test_nodes_without_room_are_crowded() -> None:
     ("option", "value"), [("blend", 0.3), ("joints", "curve"), ("bend", "torus"), ("bend", 9.0)]
 )
 def test_what_is_for_blends_is_refused(option: str, value: object) -> None:
-    with pytest.raises(OptionError, match=f"{option} with nodes='sharp', whose struts meet in"):
+    with pytest.raises(OptionError, match=f"{option} is given with nodes='sharp', whose"):
         round_struts(BEND, nodes="sharp", **{option: value})
 
 
