@@ -278,7 +278,9 @@ def test_beams_that_are_none_are_told_and_refused_where_nothing_may_go(
     assert "left out 1 beam without a length or a radius > 0" in capsys.readouterr().err
     assert main(["check", path, "--strict"]) == 2
     assert "has 1 beam without a length or a radius > 0; need none" in capsys.readouterr().err
-    path = str(packed(tmp_path, model([mesh(lattice='radius="-1" minlength="0.1"')])))
+    path = str(
+        packed(tmp_path, model([mesh('<b:beam v1="0" v2="1"/>', 'radius="-1" minlength="0.1"')]))
+    )
     for command in (["check"], ["build", "-o", str(tmp_path / "a.stl")]):
         assert main([*command, path]) == 2
         assert "no radius above 1e-08 mm, the least for these" in capsys.readouterr().err
