@@ -94,6 +94,9 @@ def test_a_damaged_file_does_not_end_the_program(tmp_path: Path, name: str) -> N
         (b"10 10 0\n0 0", b"10 10 0\x1a0 0", r"line 38 has '0\\x1a0' in a record of a shape"),
         (b"10 10 0\n0 0", b"10 1o 0\n0 0", "line 38 has '1o' in a record of a shape"),
         (b"TShapes 6", b"TShapes -6", "it has no records of shapes"),
+        (b"10 10 0\n0 0", b"10 10 0\n0", "record 4 of its shapes has more or fewer numbers"),
+        (b"10 10 0\n0 0", b"10 10 0\n0 1.5", "record 4 of its shapes has more or fewer numbers"),
+        (b"Locations 0", b"Locations 1\n2 1 1.5 0", "its places are damaged"),
         (b"+1 0", b"+1", "it was cut short"),
     ],
 )
