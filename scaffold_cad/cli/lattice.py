@@ -64,6 +64,9 @@ def add_parser(
     _add_cells(parser)
     _add_place(parser)
     _add_skin(parser)
+    shapes.add_square_arguments(
+        parser.add_argument_group("square struts"), "square struts of lattices always have collars"
+    )
     shapes.add_round_arguments(parser)
     shapes.add_overlaps_argument(parser)
     processes.add_process(parser)
@@ -153,6 +156,7 @@ def run(options: argparse.Namespace) -> None:
         if getattr(options, name) is not None:
             as_number(getattr(options, name), source.flag_of(name))
     _check(options)
+    _check_square(options)
     part = latticestruts.part_of(options)
     body = _hollow(part, options)
     if options.density is not None:  # it takes seconds
@@ -207,6 +211,16 @@ def _check(options: argparse.Namespace) -> None:
     source.refuse(options, ["pixel", "text"], "is for layers; need --layer")
     check_writable(options.output, solid=not options.beams, skeleton=options.beams)
     _check_combination(options)
+
+
+def _check_square(options: argparse.Namespace) -> None:
+    """Raise where an option of square struts is given for others, or for those of a body."""
+    others = ("round", "skin", "trim", "beams", "layer", "tiles", "density")
+    if any(getattr(options, name) not in (None, False) for name in others):
+        flags = ", ".join(map(source.flag_of, others))
+        source.refuse(
+            options, shapes.SQUARE_OPTIONS, f"is for square struts alone; need no {flags}"
+        )
 
 
 def _check_combination(options: argparse.Namespace) -> None:
@@ -315,4 +329,4 @@ def _struts(
         with progress.stage("struts", struts, "struts"):
             return round_struts(skeleton, **shapes.round_options(options))
     with progress.stage("scaffold", struts, "struts"):
-        return build_scaffold(skeleton, collars=True)
+        return build_scaffold(skeleton, **{**shapes.scaffold_options(options), "collars": True})

@@ -69,6 +69,16 @@ def add_scaffold_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="R",
         help=f"radius of a frame's struts, mm (default: {FRAME_RADIUS} of the median radius)",
     )
+    add_square_arguments(
+        square,
+        "straight struts of constant section, as an engineer's: without it they widen from "
+        "their middles to their nodes (an octet lattice of radius 0.4 mm in cells of 8 mm has "
+        "1.25 times the volume of its cylinders, with it 1.11)",
+    )
+
+
+def add_square_arguments(square: argparse._ActionsContainer, collars: str) -> None:
+    """Add the arguments that `scaffold_options` reads; `collars` is the help of `--collars`."""
     square.add_argument(
         "--fit",
         choices=get_args(Fit),
@@ -80,13 +90,7 @@ def add_scaffold_arguments(parser: argparse.ArgumentParser) -> None:
         choices=get_args(Section),
         help="which square section stands for a circle of the radius (default: circumscribed)",
     )
-    square.add_argument(
-        "--collars",
-        action="store_true",
-        help="straight struts of constant section, as an engineer's: without it they widen from "
-        "their middles to their nodes (an octet lattice of radius 0.4 mm in cells of 8 mm has "
-        "1.25 times the volume of its cylinders, with it 1.11)",
-    )
+    square.add_argument("--collars", action="store_true", help=collars)
 
 
 def add_round_arguments(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
