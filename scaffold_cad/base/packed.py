@@ -57,7 +57,7 @@ def unpacked(path: Path) -> Iterator[Path]:
     ...     print(plain)
     node.step
     """
-    if path.suffix.lower() != PACKED_SUFFIX:
+    if path.suffix.lower() != PACKED_SUFFIX and not _is_gzip(path):
         yield path
         return
     with tempfile.TemporaryDirectory() as folder:
@@ -70,6 +70,27 @@ def unpacked(path: Path) -> Iterator[Path]:
                 f"{path} cannot be read: {error}; need a STEP file packed by gzip"
             ) from None
         yield plain
+
+
+def unpacked_head(head: bytes) -> bytes:
+    """Return how what gzip packed begins, of the first bytes of the file; others as they are.
+
+    >>> unpacked_head(gzip.compress(b"ISO-10303-21;")), unpacked_head(b"ISO-10303-21;")
+    (b'ISO-10303-21;', b'ISO-10303-21;')
+    """
+    if not head.startswith(GZIP):
+        return head
+    try:
+        return zlib.decompressobj(16 + zlib.MAX_WBITS).decompress(head, BLOCK)
+    except zlib.error:
+        return b""
+
+
+def _is_gzip(path: Path) -> bool:
+    if not path.is_file():
+        return False
+    with path.open("rb") as stream:
+        return stream.read(len(GZIP)) == GZIP
 
 
 def _copy(stream: IO[bytes] | gzip.GzipFile, target: IO[bytes]) -> None:

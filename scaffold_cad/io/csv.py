@@ -295,7 +295,20 @@ def _tables(path: Path) -> list[_Table]:
     if not tables:
         raise FormatError(f"{path} holds no table; need {_NEED}")
     _check_units(path, tables)
+    _check_ends(path, tables)
     return tables
+
+
+def _check_ends(path: Path, tables: list[_Table]) -> None:
+    """Raise where a column of radii is that of one end of members, and the other end has none."""
+    for table in tables:
+        for pair in (("r1", "r2"), ("radius1", "radius2")):
+            there = [name for name in pair if name in table.columns]
+            if len(there) == 1:
+                missing = pair[1 - pair.index(there[0])]
+                raise FormatError(
+                    f"{path} has a column {there[0]} and no column {missing}; need both, or radius"
+                )
 
 
 def _check_units(path: Path, tables: list[_Table]) -> None:

@@ -205,8 +205,9 @@ def read_raw(path: str | PathLike[str], max_nodes: int | None = None) -> RawSkel
     except SkeletonError as error:
         raise FormatError(f"{path}: {error}") from None
     if len(raw.edges) == 0:
+        but = "but" if len(raw.nodes) else "and"
         raise FormatError(
-            f"{path} has {counted(len(raw.nodes), 'node')} but no edges; need at least one"
+            f"{path} has {counted(len(raw.nodes), 'node')} {but} no edges; need at least one"
         )
     if max_nodes is not None and len(raw.nodes) > as_count(max_nodes, "max_nodes"):
         size = len(raw.edges) * BYTES_PER_EDGE / 1e9

@@ -70,6 +70,7 @@ def test_a_skeleton_reads_back_exactly(tmp_path: Path) -> None:
         ("node,x,y\n1,0,0\n2,9,0\n\ni,j\n1,7\n", r"line 6: an edge has the end '7'; need a node"),
         ("x1,y1,z1,x2,y2\n0,0,0,9,0\n", r"x\.csv has a column z1 and no column z2; need both"),
         ("x1,y1,x1,x2,y2\n0,0,9,9,0\n", r"x\.csv, line 1: column x1 is there twice; need it once"),
+        ("x1,y1,x2,y2,r1\n0,0,9,0,1\n", r"x\.csv has a column r1 and no column r2; need both"),
         ("x1,y1,x2,y2\n0,5,0,9,0\n", r"x\.csv, line 2: 5 cells below 4 headings; need as many"),
         ("x1,y1,x2,y2,z2\n0,0,9,0,0\n", r"x\.csv has a column z2 and no column z1; need both"),
         ("x [px],y [px]\n0,0\n9,0\n", r"column x has the unit 'px'; need one of nm, um, mm"),

@@ -6,7 +6,7 @@ import tempfile
 from pathlib import Path
 
 from scaffold_cad import brep
-from scaffold_cad.base.packed import GZIP, PACKED_SUFFIX, pack
+from scaffold_cad.base.packed import PACKED_SUFFIX, pack, unpacked_head
 from scaffold_cad.io._cad import read_cad_triangles, read_cad_wires
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io.content import Content
@@ -53,7 +53,7 @@ def read_step_triangles(path: Path) -> TriangleMesh:
 
 
 def _recognizes(head: bytes) -> bool:
-    return head.lstrip().startswith((b"ISO-10303-21", GZIP))
+    return unpacked_head(head).lstrip().startswith(b"ISO-10303-21")
 
 
 @register_reader("STEP", *STEP_SUFFIXES, recognizes=_recognizes)
