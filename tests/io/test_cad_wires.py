@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import gzip
+import io
 import math
 import re
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +17,8 @@ from build123d import Box, CenterArc, Compound, Line, Pos, export_brep, export_s
 from scaffold_cad import write
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io import read_raw, read_skeleton, read_triangles
+from scaffold_cad.io.register import reader_of
+from scaffold_cad.io.step import read_step_wires
 from tests.fuzz.members import APART, sample_apart
 from tests.io.test_reading import written
 
@@ -150,3 +154,14 @@ def test_a_damaged_packed_file_is_named_as_it_was_given(tmp_path: Path) -> None:
     path.write_bytes(gzip.compress(b"ISO-10303-21;\nHEADER;\n"))
     with pytest.raises(FormatError, match=re.escape(f"{path} cannot be read: OCCT cannot read it")):
         read_skeleton(path, radius=1.0)
+
+
+def test_packed_files_are_step_where_they_hold_step() -> None:
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as archive:
+        archive.writestr("node.STEP", "ISO-10303-21;")
+    for head in (packed.getvalue(), gzip.compress(b"ISO-10303-21;")):
+        assert reader_of(Path("node.stpz"), head) is read_step_wires
+    assert reader_of(Path("node.step.gz"), gzip.compress(b"ISO-10303-21;")) is read_step_wires
+    with pytest.raises(FormatError, match=r"graph\.gz is of no known format"):
+        reader_of(Path("graph.gz"), gzip.compress(b"{}"))

@@ -18,6 +18,12 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 STEP_SUFFIXES = (".step", ".stp", PACKED_SUFFIX)
 
+ZIP = b"PK\x03\x04"
+"""First bytes of what zip packs."""
+
+NAMES = (b".step", b".stp")
+"""How names of STEP files in archives end."""
+
 
 @register_writer(*STEP_SUFFIXES, name="STEP", skeletons=False, names_unit=True)
 def write_step_content(content: Content, path: Path) -> None:
@@ -53,6 +59,8 @@ def read_step_triangles(path: Path) -> TriangleMesh:
 
 
 def _recognizes(head: bytes) -> bool:
+    if head.startswith(ZIP):  # so do others: the name of the first file within tells
+        return head[30 : 30 + int.from_bytes(head[26:28], "little")].lower().endswith(NAMES)
     return unpacked_head(head).lstrip().startswith(b"ISO-10303-21")
 
 
