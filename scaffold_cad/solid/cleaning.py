@@ -8,11 +8,12 @@ neighbors.
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Edges, Points
+from scaffold_cad.base.arrays import Bools, Edges, Points, place_text
 from scaffold_cad.base.positions import equal_positions, in_single_precision, single_steps
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.topology import component_labels, sides_of
@@ -53,6 +54,8 @@ FLAT = 1e-3
 """A vertex whose neighbors' mean is as near as this, in lengths of edges, stays: its sheet is flat,
 and the other one moves."""
 
+_log = logging.getLogger(__name__)
+
 
 class FaultySurfaceError(MeshError):
     """A surface that is not that of a solid, and where."""
@@ -63,18 +66,23 @@ class FaultySurfaceError(MeshError):
         """Points near the faults, shape (k, 3), mm; none where they are not known."""
 
 
-def clean_surface(manifold: Manifold) -> TriangleMesh:
-    """Return the surface of a union in 32-bit coordinates, as files hold it.
+def clean_surface(manifold: Manifold, factor: float = 1.0) -> TriangleMesh:
+    """Return the surface of a union in 32-bit coordinates, as files hold it, in their lengths.
 
     Edges and slivers that these cannot hold, which would be written with two ends at one place or
     turned over, are drawn together before; what that leaves of cracks and crests goes; where it
-    touches itself, it is parted.
+    touches itself, it is parted, and the log says by how much.
+
+    Parameters
+    ----------
+    factor : what lengths are multiplied with in a file
 
     Raises
     ------
     FaultySurfaceError
         If it crosses itself, does not stay closed in 32-bit coordinates, or cannot be parted.
     """
+    manifold = manifold.scale((factor, factor, factor))
     low, high = np.reshape(manifold.bounding_box(), (2, 3))
     extent = float(np.abs([low, high]).max())
     least = SINGLE_PRECISION * extent
@@ -89,7 +97,7 @@ def clean_surface(manifold: Manifold) -> TriangleMesh:
         raise FaultySurfaceError(message, places) from None
     if len(written.triangles) < len(mesh.triangles):  # vertices have become one
         written = with_fans_apart(written)
-    return parted(_uncrossed(written, least), extent)
+    return parted(_uncrossed(written, least), extent, factor)
 
 
 def _uncrossed(mesh: TriangleMesh, least: float) -> TriangleMesh:
@@ -179,12 +187,13 @@ def _crossings_within(mesh: TriangleMesh, low: Points, high: Points) -> Edges:
     return found
 
 
-def parted(mesh: TriangleMesh, extent: float) -> TriangleMesh:
+def parted(mesh: TriangleMesh, extent: float, factor: float = 1.0) -> TriangleMesh:
     """Return a closed mesh of 32-bit coordinates, no two vertices of it at one place.
 
     Parameters
     ----------
-    extent : greatest coordinate, mm
+    extent : greatest coordinate
+    factor : lengths in it over those in mm
 
     Raises
     ------
@@ -194,12 +203,16 @@ def parted(mesh: TriangleMesh, extent: float) -> TriangleMesh:
     touching = _at_one_place(mesh)
     if not touching.any():
         return mesh
+    places = mesh.vertices[touching]
+    count = counted(len(np.unique(places, axis=0)), "place")
     for parting in PARTINGS:
         found = _drawn_in(mesh, touching, parting * extent)
         if not _at_one_place(found).any() and len(self_intersections(found)) == 0:
+            moved = length(found.vertices - mesh.vertices).max() / factor
+            one = place_text(places[0] / factor)
+            told = f"the surface touches itself at {count} (one is {one})"
+            _log.info("%s: vertices there are moved apart by up to %.2g mm", told, moved)
             return found
-    places = mesh.vertices[touching]
-    count = counted(len(np.unique(places, axis=0)), "place")
     raise FaultySurfaceError(f"touches itself at {count}", places)
 
 

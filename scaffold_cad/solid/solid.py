@@ -243,7 +243,7 @@ def _cleaned(
     FaultySurfaceError
         If it has a fault or more bodies; its places are in the lengths of the file.
     """
-    surface = clean_surface(manifold.scale((factor, factor, factor)))
+    surface = clean_surface(manifold, factor)
     # What touched the outside along an edge alone is a void of its own once it is parted.
     mesh, voids = without_voids(TriangleMesh(surface.vertices / factor, surface.triangles))
     pieces = pieces_of(mesh)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from manifold3d import Manifold
@@ -32,14 +34,20 @@ TOUCHING = {
 
 
 @pytest.mark.parametrize("name", TOUCHING)
-def test_what_touches_itself_is_parted_as_written(name: str) -> None:
+def test_what_touches_itself_is_parted_as_written_and_told(
+    name: str, caplog: pytest.LogCaptureFixture
+) -> None:
     solid = TOUCHING[name]
-    mesh = clean_surface(solid)
+    with caplog.at_level("INFO"):
+        mesh = clean_surface(solid)
     check_as_written(mesh)
     assert len(np.unique(mesh.vertices, axis=0)) == len(mesh.vertices)
     assert mesh.signed_volume == pytest.approx(solid.volume(), rel=1e-3)
     off = np.abs(mesh.vertices - np.round(mesh.vertices)).max()
     assert off < 1.1 * cleaning.PARTINGS[0] * np.abs(mesh.vertices).max()  # rounded
+    told = re.search(r"touches itself at .* moved apart by up to (\S+) mm", caplog.text)
+    assert told
+    assert 0.94 * off < float(told[1]) < 1.8 * off  # the way, not what it is along an axis
 
 
 @pytest.mark.skipif(not INSTALLED, reason="CGAL is not installed")
