@@ -117,10 +117,10 @@ def test_only_struts_near_a_fault_are_made_anew(monkeypatch: pytest.MonkeyPatch)
     asked = []
     clean = solid.clean_surface
 
-    def faulty_twice(manifold: Manifold) -> TriangleMesh:
+    def faulty_twice(manifold: Manifold, factor: float) -> TriangleMesh:
         if len(asked) < 3:
             raise solid.FaultySurfaceError("has a fault", np.array([[10.0, 5.0, 0.5]]))
-        return clean(manifold)
+        return clean(manifold, factor)
 
     def pieces(scaffold: Scaffold, embedded: Embedding, wobble: np.ndarray) -> Pieces:
         asked.append(wobble)
@@ -143,10 +143,10 @@ def test_a_union_that_comes_apart_is_made_anew(
     calls: list[float] = []
     clean = solid.clean_surface
 
-    def apart_once(manifold: Manifold) -> TriangleMesh:
+    def apart_once(manifold: Manifold, factor: float) -> TriangleMesh:
         calls.append(manifold.volume())
         crumb = Manifold.cube([0.1] * 3).translate([0.0, 0.0, 9.0])
-        return clean(manifold + crumb if len(calls) == 1 else manifold)
+        return clean(manifold + crumb if len(calls) == 1 else manifold, factor)
 
     monkeypatch.setattr(solid, "clean_surface", apart_once)
     caplog.set_level("DEBUG", "scaffold_cad")
@@ -161,7 +161,7 @@ def test_a_union_that_comes_apart_is_made_anew(
 def test_where_no_union_is_clean_struts_are_round_of_the_same_section(
     factor: float, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    def faulty(manifold: Manifold) -> TriangleMesh:
+    def faulty(manifold: Manifold, factor: float) -> TriangleMesh:
         raise solid.FaultySurfaceError("has a fault", np.zeros((0, 3)))
 
     scaffold = build_scaffold(CROSSING)
