@@ -19,7 +19,7 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.closing import shortened
 from scaffold_cad.solid.clusters.growth import Core
 from scaffold_cad.solid.clusters.sags import Sags
-from scaffold_cad.solid.clusters.spans import Spans
+from scaffold_cad.solid.clusters.spans import CUT, Spans
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
 from scaffold_cad.struts.meshes.surface import inside_of
 from scaffold_cad.struts.model import RoundStruts
@@ -117,15 +117,18 @@ def _nodes_of(triangles: Ints, outside: _Made, inside: _Made) -> Ints:
     return node
 
 
-def _along(spans: Spans, runs: Runs, inside: Runs) -> Spans:
-    """Return the spans at nodes as those of the same runs inside, which may begin further on.
+def _along(spans: Spans, runs: Runs, inside: Runs, wall: float) -> Spans:
+    """Return the spans as those of the same runs inside, which may begin further on.
 
-    Others are where struts cross by their outsides, and perhaps not by their insides.
+    They go on past the rings of those outside, where facets are inside of the round surface: what
+    is inside of facets can move away from them.
     """
-    spans = spans.chosen((spans.low == 0) | (spans.high == runs.lengths[spans.run]))
     way = inside.nodes[inside.edges[:, 0]] - runs.nodes[runs.edges[:, 0]]
     shift = dot(way, runs.directions[::2])[spans.run]
-    return Spans(spans.run, spans.low - shift, spans.high - shift)
+    more = (1.0 + CUT) * wall  # a ring is `CUT` radii past its span, and radii inside are less
+    low = np.where(spans.low > 0, spans.low - more, -np.inf)
+    high = np.where(spans.high < runs.lengths[spans.run], spans.high + more, np.inf)
+    return Spans(spans.run, low - shift, high - shift)
 
 
 def _both(
@@ -148,7 +151,7 @@ def _both(
         outside = make(struts, fillets, core, sags, None)
         own = shortened(inner, core.nodes & is_end, wall)
         core = core.with_zone(outside.pieces)
-        there = core.with_spans(_along(outside.spans, struts.runs, own.runs))
+        there = core.with_spans(_along(outside.spans, struts.runs, own.runs, wall))
         # Fields of fillets a wall wider would be parallel where struts meet at right angles only.
         inside = make(own, outside.fillets, there, sags, outside)
         more = (outside.nodes | inside.nodes) & is_end & ~core.nodes & is_open
