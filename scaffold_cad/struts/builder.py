@@ -25,7 +25,7 @@ from scaffold_cad.struts.elbows import Elbows, elbow_curves, elbows_of
 from scaffold_cad.struts.groups import Group, with_blends, with_walls
 from scaffold_cad.struts.hollow.insides import hollow_nodes, limits_beside
 from scaffold_cad.struts.hollow.sockets import sockets_of
-from scaffold_cad.struts.hollow.walls import without_wall
+from scaffold_cad.struts.hollow.walls import end_walls, without_wall
 from scaffold_cad.struts.likes import check_like
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.options import Bend, Blend, Ends, Joints, Nodes, StrutOptions, as_blend
@@ -116,7 +116,7 @@ def round_struts(
     if wall is None:
         return outer
     bored = sockets_of(sockets, skeleton, wall)
-    at_ends = np.full(len(skeleton.nodes), wall if ends == "flat" else 0.0)
+    at_ends = end_walls(skeleton, wall, ends)
     at_ends[ball_ends(skeleton, outer.runs)] = 0.0  # they are a wall smaller themselves
     at_ends[bored.nodes] = bored.depths
     inside = without_wall(skeleton, wall, at_ends)

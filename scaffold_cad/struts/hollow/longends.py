@@ -105,7 +105,8 @@ def _chain(skeleton: Skeleton, end: int, at_ends: Floats) -> _Chain:
             node = int(skeleton.edges[edges[-1], 1 - sides[-1]])
     limit = min(REACH * float(at_ends[end]), place[-1])
     if len(ahead) == 0:
-        limit = min(limit, place[-1] * float(at_ends[end] / (at_ends[end] + at_ends[node])))
+        other = max(float(at_ends[node]), 0.0)  # what is inside of a round end may reach further
+        limit = min(limit, place[-1] * float(at_ends[end]) / (float(at_ends[end]) + other))
     return _Chain(np.array(edges), np.array(sides), np.array(place), limit, len(ahead) > 1)
 
 

@@ -17,10 +17,26 @@ from scaffold_cad.struts.curves.curve import ALONG, Curves
 from scaffold_cad.struts.hollow.gaps import Gaps
 from scaffold_cad.struts.hollow.longends import with_long_ends
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
+from scaffold_cad.struts.options import Ends
 from scaffold_cad.struts.runs import balls_of, straight_runs
 
 SAMPLES = (8, 96)
 """Intervals along a piece of a curve, and around it, where walls are measured."""
+
+
+def end_walls(skeleton: Skeleton, wall: float, ends: Ends) -> Floats:
+    """Return by how much what is inside is shorter at extremities, (n,), mm.
+
+    The spheres of round ends have one center inside and outside: they touch cones along circles
+    that are a wall apart across the cone, and so not at the same place along its axis.
+    """
+    found = np.full(len(skeleton.nodes), wall if ends == "flat" else 0.0)
+    if ends == "round":
+        slope = np.diff(skeleton.edge_radii, axis=1)[:, 0] / skeleton.lengths
+        lean = wall * slope / np.hypot(1.0, slope)  # (m,), the circles' distance along the axis
+        is_end = skeleton.valency[skeleton.edges] == 1
+        found[skeleton.edges[is_end]] = np.stack([lean, -lean], axis=1)[is_end]
+    return found
 
 
 def without_wall(skeleton: Skeleton, wall: float, at_ends: Floats) -> Skeleton:

@@ -91,6 +91,20 @@ def test_walls_of_cones_are_as_thick_across_the_cone() -> None:
         round_struts(funnel, wall=1.9)
 
 
+@pytest.mark.parametrize("radii", [[8, 2], [2, 8]])
+def test_round_ends_of_cones_have_one_center_inside_and_outside(radii: list[int]) -> None:
+    funnel = Skeleton([[0, 0, 0], [10, 0, 0]], [[0, 1]], edge_radii=[radii])
+    body = to_brep(round_struts(funnel, wall=1.0, ends="round"))
+    assert body.is_valid
+    balls = [
+        BRepAdaptor_Surface(f.wrapped).Sphere() for f in body.faces().filter_by(GeomType.SPHERE)
+    ]
+    assert len(balls) == 4
+    for place in {round(ball.Location().X(), 6) for ball in balls}:
+        sizes = [ball.Radius() for ball in balls if abs(ball.Location().X() - place) < 1e-5]
+        assert np.ptp(sizes) == pytest.approx(1.0)
+
+
 def test_walls_are_told_node_by_node() -> None:
     turn = np.linspace(0, 2 * np.pi, 25)
     spring = np.stack([60 + 20 * np.cos(turn), 60 + 20 * np.sin(turn), 3 * turn], axis=1)
