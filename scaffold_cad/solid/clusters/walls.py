@@ -48,6 +48,9 @@ LARGE = 4.0
 NEAR = 2.0
 """How far from the inside triangles are looked at, in walls."""
 
+EVENING = 6
+"""Times that vertices whose triangles cross are evened."""
+
 TRIES = 6
 """Times that vertices whose triangles cross are put back by a part of their way, before they are by
 all of it."""
@@ -126,30 +129,52 @@ def thickened(struts: Walls, wall: float, between: float, factor: float) -> Tria
         TriangleMesh(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
     )
     aim = _Aim(outside, wall, ENOUGH * between * wall)
-    mesh = _placed(struts, _moved(struts.mesh, faces, moves, aim, 0), wall, factor)
+    mesh = _placed(struts, _moved(struts.mesh, faces, moves, aim, 0), aim, factor)
     of_field = moves & (np.arange(len(moves)) >= struts.first)
     if not of_field.any():
         return mesh
     struts = replace(struts, mesh=mesh)
     faces = faces[of_field[faces].any(axis=1)]
-    return _placed(struts, _moved(mesh, faces, of_field, aim, THINNING), wall, factor)
+    return _placed(struts, _moved(mesh, faces, of_field, aim, THINNING), aim, factor)
 
 
-def _placed(struts: Walls, vertices: Points, wall: float, factor: float) -> TriangleMesh:
-    """Return a mesh with its vertices at places (v, 3), but for those where it would cross."""
+def _placed(struts: Walls, vertices: Points, aim: _Aim, factor: float) -> TriangleMesh:
+    """Return a mesh with its vertices at places (v, 3), but for those where it would cross.
+
+    There they are evened first, which unfolds small triangles; what still crosses is put back.
+    """
     mesh = struts.mesh
     way = np.where(struts.moves[:, None], (vertices - mesh.vertices)[struts.alike], 0.0)
     moved = mesh.vertices[way.any(axis=1)]
-    near = mesh.triangles[_near(mesh.vertices[mesh.triangles], moved, wall)]
-    for back in chain(repeat(BACK, TRIES), repeat(0.0)):
+    near = mesh.triangles[_near(mesh.vertices[mesh.triangles], moved, aim.wall)]
+    for back in chain(repeat(None, EVENING), repeat(BACK, TRIES), repeat(0.0)):
         placed = in_single_precision(mesh.vertices + way, factor) / factor
         placed = np.where(way.any(axis=1, keepdims=True), placed, mesh.vertices)
         written = in_single_precision(placed, factor)
         crossing = np.unique(self_intersections(TriangleMesh(written, near)))
         if len(crossing) == 0:
             break
-        way[_beside(mesh, near[crossing])] *= back
+        beside = _beside(mesh, near[crossing])
+        if back is None:
+            rows = np.flatnonzero(beside & struts.moves)
+            even = _evened(mesh, placed, rows)
+            way[rows] = even + aim.thicker(even) - mesh.vertices[rows]
+            way = way[struts.alike]
+        else:
+            way[beside] *= back
     return TriangleMesh(placed, mesh.triangles)
+
+
+def _evened(mesh: TriangleMesh, places: Points, rows: Ints) -> Points:
+    """Return vertices (r,) half the way to the mean of those that they share triangles with."""
+    beside = np.zeros(len(places), dtype=np.bool_)
+    beside[rows] = True
+    faces = mesh.triangles[beside[mesh.triangles].any(axis=1)]
+    total, count = np.zeros_like(places), np.zeros(len(places))
+    for turn in (1, 2):
+        np.add.at(total, faces, places[np.roll(faces, turn, axis=1)])
+        np.add.at(count, faces, 1.0)
+    return np.asarray((places[rows] + total[rows] / count[rows, None]) / 2)
 
 
 def _pieces(corners: Floats, points: Points, wall: float) -> Floats:
