@@ -48,6 +48,10 @@ class NearestPlace:
         places, triangles = self._found(points, None)
         return places, self._normals[triangles]
 
+    def with_triangles(self, points: Points) -> tuple[Points, Ints]:
+        """Return the nearest places to `points` (n, 3), and their triangles (n,)."""
+        return self._found(points, None)
+
     def _found(self, points: Points, facing: UnitVectors | None) -> tuple[Points, Ints]:
         """Return the nearest places (n, 3) and their triangles (n,)."""
         parts = list(blocks(len(points), NEAREST * TRIANGLE_BYTES, CACHE))

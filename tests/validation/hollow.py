@@ -194,7 +194,7 @@ def of_solids(path: Path, wall: float) -> tuple[str, list[Shell], list[Shell], f
 
 def places_on(surface: trimesh.Trimesh, step: float, random: Random) -> tuple[Points, Floats]:
     """Return random points of a surface some `step` apart, and corners; and their triangles."""
-    count = int(min(surface.area / step**2, 400_000)) + 100
+    count = int(min(surface.area / step**2, 80_000)) + 100
     points, faces = trimesh.sample.sample_surface(surface, count, seed=random)
     every = np.arange(len(surface.faces))
     return (

@@ -12,26 +12,16 @@ from dataclasses import dataclass, replace
 from itertools import chain, repeat
 
 import numpy as np
-from scipy.spatial import cKDTree
 
-from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Triangles
+from scaffold_cad.base.arrays import Bools, Frozen, Ints, Points, Triangles
 from scaffold_cad.base.positions import in_single_precision
 from scaffold_cad.base.vectors import length
 from scaffold_cad.mesh.intersections import self_intersections
-from scaffold_cad.mesh.nearest import NearestPlace
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.solid.clusters.aims import Aim, near_to
 
 ENOUGH = 0.976
 """What is thinner than this part of the wall between two polygons is thickened."""
-
-TOO_MUCH = 1.03
-"""What is thicker than this, in walls, is thinned in fields."""
-
-ALIKE = 1.5
-"""What is thicker than asked by up to this, in walls, is thinned to the wall."""
-
-LUMP = 3.0
-"""What is thicker than this, in walls, stays: a void that is filled."""
 
 ROUNDS = 6
 """Times that vertices move; each time other places may be the nearest ones."""
@@ -41,12 +31,6 @@ THINNING = 2
 
 BETWEEN = np.array([[1, 1, 1], [0, 1.5, 1.5], [1.5, 0, 1.5], [1.5, 1.5, 0]]) / 3
 """Where triangles are looked at: in their middles and at those of their sides."""
-
-LARGE = 4.0
-"""Size of the pieces of triangles that nearest places are looked for in, in walls."""
-
-NEAR = 2.0
-"""How far from the inside triangles are looked at, in walls."""
 
 EVENING = 6
 """Times that vertices whose triangles cross are evened."""
@@ -123,12 +107,9 @@ def thickened(struts: Walls, wall: float, between: float, factor: float) -> Tria
     looked = np.unique(faces)
     if len(looked) == 0:
         return struts.mesh
-    corners = struts.mesh.vertices[struts.mesh.triangles[struts.outer]]
-    corners = _pieces(corners, struts.mesh.vertices[looked[moves[looked]]], wall)
-    outside = NearestPlace(
-        TriangleMesh(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
-    )
-    aim = _Aim(outside, wall, ENOUGH * between * wall)
+    outer = struts.mesh.triangles[struts.outer]
+    points = struts.mesh.vertices[looked[moves[looked]]]
+    aim = Aim.of(struts.mesh.vertices, outer, points, wall, ENOUGH * between * wall)
     mesh = _placed(struts, _moved(struts.mesh, faces, moves, aim, 0), aim, factor)
     of_field = moves & (np.arange(len(moves)) >= struts.first)
     if not of_field.any():
@@ -138,7 +119,7 @@ def thickened(struts: Walls, wall: float, between: float, factor: float) -> Tria
     return _placed(struts, _moved(mesh, faces, of_field, aim, THINNING), aim, factor)
 
 
-def _placed(struts: Walls, vertices: Points, aim: _Aim, factor: float) -> TriangleMesh:
+def _placed(struts: Walls, vertices: Points, aim: Aim, factor: float) -> TriangleMesh:
     """Return a mesh with its vertices at places (v, 3), but for those where it would cross.
 
     There they are evened first, which unfolds small triangles; what still crosses is put back.
@@ -146,7 +127,7 @@ def _placed(struts: Walls, vertices: Points, aim: _Aim, factor: float) -> Triang
     mesh = struts.mesh
     way = np.where(struts.moves[:, None], (vertices - mesh.vertices)[struts.alike], 0.0)
     moved = mesh.vertices[way.any(axis=1)]
-    near = mesh.triangles[_near(mesh.vertices[mesh.triangles], moved, aim.wall)]
+    near = mesh.triangles[near_to(mesh.vertices[mesh.triangles], moved, aim.wall)]
     for back in chain(repeat(None, EVENING), repeat(BACK, TRIES), repeat(0.0)):
         placed = in_single_precision(mesh.vertices + way, factor) / factor
         placed = np.where(way.any(axis=1, keepdims=True), placed, mesh.vertices)
@@ -177,68 +158,7 @@ def _evened(mesh: TriangleMesh, places: Points, rows: Ints) -> Points:
     return np.asarray((places[rows] + total[rows] / count[rows, None]) / 2)
 
 
-def _pieces(corners: Floats, points: Points, wall: float) -> Floats:
-    """Return what of triangles (t, 3, 3) is near some points, in pieces of about one size."""
-    pieces = []
-    most = max(LARGE * wall, float(np.median(_sides(corners).max(axis=1))))
-    while len(corners):
-        corners = corners[_near(corners, points, wall)]
-        sides = _sides(corners)
-        large: Bools = np.asarray(sides.max(axis=1) > most)
-        pieces.append(corners[~large])
-        corners, longest = corners[large], sides[large].argmax(axis=1)
-        turn = (longest[:, None] + np.arange(3)) % 3
-        a, b, c = np.moveaxis(np.take_along_axis(corners, turn[..., None], axis=1), 1, 0)
-        half = (a + b) / 2
-        corners = np.concatenate([np.stack([a, half, c], axis=1), np.stack([half, b, c], axis=1)])
-    return np.concatenate(pieces)
-
-
-def _near(corners: Floats, points: Points, wall: float) -> Bools:
-    """Return which triangles (t, 3, 3) may have one of some points within `NEAR` walls, (t,)."""
-    if len(points) == 0:
-        return np.zeros(len(corners), dtype=np.bool_)
-    middle = corners.mean(axis=1)
-    reach = length(corners - middle[:, None]).max(axis=1) + NEAR * wall
-    far = cKDTree(points).query(middle, distance_upper_bound=float(reach.max(initial=0.0)))[0]
-    return np.asarray(far < reach)
-
-
-def _sides(corners: Floats) -> Floats:
-    """Return the lengths of the sides of triangles (t, 3, 3), from each corner to the next."""
-    return length(np.roll(corners, -1, axis=1) - corners)
-
-
-@dataclass(frozen=True, eq=False)
-class _Aim:
-    """How thick walls are to be."""
-
-    outside: NearestPlace
-    """What they are measured to."""
-    wall: float
-    """As asked, mm."""
-    least: float
-    """What is enough, mm."""
-
-    def thicker(self, points: Points) -> Floats:
-        """Return how points are to move where walls are too thin, (k, 3), mm."""
-        way = points - self.outside.nearest(points)
-        far = length(way)
-        lacks: Bools = np.asarray((far < self.least) & (far > 0))
-        share = np.where(lacks, self.wall / np.where(lacks, far, 1.0) - 1.0, 0.0)
-        return np.asarray(share[:, None] * way)
-
-    def thinner(self, points: Points) -> Floats:
-        """Return how points are to move where walls are too thick, (k, 3), mm."""
-        way = points - self.outside.nearest(points)
-        share = length(way) / self.wall
-        wanted = 1.0 + (share - ALIKE).clip(0.0) * (LUMP - 1.0) / (LUMP - ALIKE)
-        lumps: Bools = np.asarray((share > TOO_MUCH) & (share < LUMP))
-        growth = np.where(lumps, wanted / np.where(lumps, share, 1.0) - 1.0, 0.0)
-        return np.asarray(growth[:, None] * way)
-
-
-def _moved(mesh: TriangleMesh, faces: Triangles, moves: Bools, aim: _Aim, thinning: int) -> Points:
+def _moved(mesh: TriangleMesh, faces: Triangles, moves: Bools, aim: Aim, thinning: int) -> Points:
     """Return the vertices (v, 3) with some of those inside moved to where walls are as asked.
 
     Parameters
@@ -268,6 +188,10 @@ def _moved(mesh: TriangleMesh, faces: Triangles, moves: Bools, aim: _Aim, thinni
             for corner, weight in zip(faces[thin].T, weights, strict=True):
                 larger = (weight > 0) & (length(way[thin]) > length(away[corner]))
                 away[corner[larger]] = way[thin][larger]
+        corner, way = aim.thicker_below(vertices[faces])
+        corner = faces.reshape(-1)[corner]
+        larger = length(way) > length(away[corner])
+        away[corner[larger]] = way[larger]
         away[~moves] = 0.0
         vertices += away
         # Where a vertex moved the next ones may be too near.

@@ -1,0 +1,173 @@
+"""How thick walls between triangles are, and how what is inside is to move.
+
+Walls are measured from places inside to the surface outside, and from edges outside that are
+reentrant, whose nearest places may be anywhere in a triangle inside.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, Triangles
+from scaffold_cad.base.ranges import steps
+from scaffold_cad.base.topology import edges_of_sides, sides_of
+from scaffold_cad.base.vectors import dot, length, normalize
+from scaffold_cad.mesh.nearest import NearestPlace
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+
+TOO_MUCH = 1.03
+"""What is thicker than this, in walls, is thinned in fields."""
+
+ALIKE = 1.5
+"""What is thicker than asked by up to this, in walls, is thinned to the wall."""
+
+LUMP = 3.0
+"""What is thicker than this, in walls, stays: a void that is filled."""
+
+LARGE = 4.0
+"""Size of the pieces of triangles that nearest places are looked for in, in walls."""
+
+NEAR = 2.0
+"""How far from the inside triangles are looked at, in walls."""
+
+REENTRANT = 0.1
+"""Least angle between the triangles of an edge that is looked at as reentrant, rad."""
+
+PITCH = 0.3
+"""Distance of the places that are looked at along such edges, in walls."""
+
+
+@dataclass(frozen=True, eq=False)
+class Aim:
+    """How thick walls are to be."""
+
+    outside: NearestPlace
+    """What they are measured to."""
+    reentrant: Points
+    """Places of reentrant edges outside, (e, 3), mm."""
+    wall: float
+    """As asked, mm."""
+    least: float
+    """What is enough, mm."""
+
+    @staticmethod
+    def of(vertices: Points, outer: Triangles, points: Points, wall: float, least: float) -> Aim:
+        """Return the aim of what is inside of triangles.
+
+        Parameters
+        ----------
+        outer : triangles outside
+        points : those inside
+        """
+        outer = outer[near_to(vertices[outer], points, wall)]
+        corners, _ = _pieces(vertices[outer], points, wall)
+        return Aim(_surface(corners), _reentrant(vertices, outer, wall), wall, least)
+
+    def thicker(self, points: Points) -> Floats:
+        """Return how points are to move where walls are too thin, (k, 3), mm."""
+        return self._away(points - self.outside.nearest(points))
+
+    def thicker_below(self, corners: Floats) -> tuple[Ints, Floats]:
+        """Return corners inside that are to move from reentrant edges, and how, (q,), (q, 3), mm.
+
+        Parameters
+        ----------
+        corners : of triangles inside, (t, 3, 3)
+        """
+        if len(self.reentrant) == 0 or len(corners) == 0:
+            return np.zeros(0, dtype=np.intp), np.zeros((0, 3))
+        pieces, parent = _pieces(corners, self.reentrant, self.wall)
+        if len(pieces) == 0:
+            return np.zeros(0, dtype=np.intp), np.zeros((0, 3))
+        places, piece = _surface(pieces).with_triangles(self.reentrant)
+        way = self._away(places - self.reentrant)
+        thin = np.flatnonzero(way.any(axis=1))
+        own = 3 * parent[piece[thin], None] + np.arange(3)  # (q, 3)
+        return own.reshape(-1), np.repeat(way[thin], 3, axis=0)
+
+    def thinner(self, points: Points) -> Floats:
+        """Return how points are to move where walls are too thick, (k, 3), mm."""
+        way = points - self.outside.nearest(points)
+        share = length(way) / self.wall
+        wanted = 1.0 + (share - ALIKE).clip(0.0) * (LUMP - 1.0) / (LUMP - ALIKE)
+        lumps: Bools = np.asarray((share > TOO_MUCH) & (share < LUMP))
+        growth = np.where(lumps, wanted / np.where(lumps, share, 1.0) - 1.0, 0.0)
+        return np.asarray(growth[:, None] * way)
+
+    def _away(self, way: Floats) -> Floats:
+        """Return what ways (k, 3) from the outside lack where they are too short, (k, 3), mm."""
+        far = length(way)
+        lacks: Bools = np.asarray((far < self.least) & (far > 0))
+        share = np.where(lacks, self.wall / np.where(lacks, far, 1.0) - 1.0, 0.0)
+        return np.asarray(share[:, None] * way)
+
+
+def near_to(corners: Floats, points: Points, wall: float) -> Bools:
+    """Return which triangles (t, k, 3) may have one of some points within `NEAR` walls, (t,)."""
+    if len(points) == 0:
+        return np.zeros(len(corners), dtype=np.bool_)
+    middle = corners.mean(axis=1)
+    reach = length(corners - middle[:, None]).max(axis=1) + NEAR * wall
+    far = cKDTree(points).query(middle, distance_upper_bound=float(reach.max(initial=0.0)))[0]
+    return np.asarray(far < reach)
+
+
+def _surface(corners: Floats) -> NearestPlace:
+    """Return triangles (t, 3, 3) to look for nearest places of."""
+    return NearestPlace(
+        TriangleMesh(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
+    )
+
+
+def _pieces(corners: Floats, points: Points, wall: float) -> tuple[Floats, Ints]:
+    """Return what of triangles (t, 3, 3) is near some points, in pieces of about one size.
+
+    Returns
+    -------
+    (p, 3, 3) corners of pieces, and the triangle of each, (p,)
+    """
+    pieces, parents = [np.zeros((0, 3, 3))], [np.zeros(0, dtype=np.intp)]
+    parent = np.arange(len(corners))
+    most = max(LARGE * wall, float(np.median(_sides(corners).max(axis=1, initial=0.0))))
+    while len(corners):
+        near = near_to(corners, points, wall)
+        corners, parent = corners[near], parent[near]
+        sides = _sides(corners)
+        large: Bools = np.asarray(sides.max(axis=1, initial=0.0) > most)
+        pieces.append(corners[~large])
+        parents.append(parent[~large])
+        corners, parent, longest = corners[large], parent[large], sides[large].argmax(axis=1)
+        turn = (longest[:, None] + np.arange(3)) % 3
+        a, b, c = np.moveaxis(np.take_along_axis(corners, turn[..., None], axis=1), 1, 0)
+        half = (a + b) / 2
+        corners = np.concatenate([np.stack([a, half, c], axis=1), np.stack([half, b, c], axis=1)])
+        parent = np.tile(parent, 2)
+    return np.concatenate(pieces), np.concatenate(parents)
+
+
+def _sides(corners: Floats) -> Floats:
+    """Return the lengths of the sides of triangles (t, 3, 3), from each corner to the next."""
+    return length(np.roll(corners, -1, axis=1) - corners)
+
+
+def _reentrant(vertices: Points, triangles: Triangles, wall: float) -> Points:
+    """Return places of the reentrant edges of triangles (t, 3) that face outward, (e, 3), mm."""
+    edges, of_side = edges_of_sides(sides_of(triangles))
+    uses = np.bincount(of_side, minlength=len(edges))
+    order = np.argsort(of_side, kind="stable")
+    first = (np.cumsum(uses) - uses)[uses == 2]
+    sides = np.stack([order[first], order[first + 1]])  # (2, e): triangle times 3, and side
+    a, b, c = np.moveaxis(vertices[triangles], 1, 0)
+    normal = normalize(np.cross(b - a, c - a) + np.finfo(float).tiny)
+    one, other = sides // 3
+    apex = vertices[triangles[other, (sides[1] + 2) % 3]]
+    bent = dot(normal[one], normal[other]) < np.cos(REENTRANT)
+    bent &= dot(apex - a[one], normal[one]) > 0
+    start, end = np.moveaxis(vertices[edges[uses == 2][bent]], 1, 0)
+    count = np.ceil(length(end - start) / (PITCH * wall)).astype(np.intp) + 1
+    which = np.repeat(np.arange(len(count)), count)
+    share = (steps(count) / np.maximum(count - 1, 1)[which])[:, None]
+    return np.asarray(start[which] + share * (end - start)[which])
