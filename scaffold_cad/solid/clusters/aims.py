@@ -27,6 +27,9 @@ ALIKE = 1.5
 LUMP = 3.0
 """What is thicker than this, in walls, stays: a void that is filled."""
 
+BETWEEN = np.array([[1, 1, 1], [0, 1.5, 1.5], [1.5, 0, 1.5], [1.5, 1.5, 0]]) / 3
+"""Where triangles are looked at: in their middles and at those of their sides."""
+
 LARGE = 4.0
 """Size of the pieces of triangles that nearest places are looked for in, in walls."""
 
@@ -77,8 +80,6 @@ class Aim:
         ----------
         corners : of triangles inside, (t, 3, 3)
         """
-        if len(self.reentrant) == 0 or len(corners) == 0:
-            return np.zeros(0, dtype=np.intp), np.zeros((0, 3))
         pieces, parent = _pieces(corners, self.reentrant, self.wall)
         if len(pieces) == 0:
             return np.zeros(0, dtype=np.intp), np.zeros((0, 3))
@@ -96,6 +97,17 @@ class Aim:
         lumps: Bools = np.asarray((share > TOO_MUCH) & (share < LUMP))
         growth = np.where(lumps, wanted / np.where(lumps, share, 1.0) - 1.0, 0.0)
         return np.asarray(growth[:, None] * way)
+
+    def thinnest(self, corners: Floats) -> tuple[float, Points]:
+        """Return how thin walls of triangles inside (t, 3, 3) are, mm, and where, (3,)."""
+        points = np.concatenate([corners.reshape(-1, 3), *np.moveaxis(BETWEEN @ corners, 1, 0)])
+        far = length(points - self.outside.nearest(points))
+        pieces, _ = _pieces(corners, self.reentrant, self.wall)
+        if len(pieces):
+            way = _surface(pieces).nearest(self.reentrant) - self.reentrant
+            points, far = np.concatenate([points, self.reentrant]), np.append(far, length(way))
+        thinnest = int(far.argmin())
+        return float(far[thinnest]), points[thinnest]
 
     def _away(self, way: Floats) -> Floats:
         """Return what ways (k, 3) from the outside lack where they are too short, (k, 3), mm."""
@@ -131,7 +143,8 @@ def _pieces(corners: Floats, points: Points, wall: float) -> tuple[Floats, Ints]
     """
     pieces, parents = [np.zeros((0, 3, 3))], [np.zeros(0, dtype=np.intp)]
     parent = np.arange(len(corners))
-    most = max(LARGE * wall, float(np.median(_sides(corners).max(axis=1, initial=0.0))))
+    usual = float(np.median(_sides(corners).max(axis=1))) if len(corners) else 0.0
+    most = max(LARGE * wall, usual)
     while len(corners):
         near = near_to(corners, points, wall)
         corners, parent = corners[near], parent[near]

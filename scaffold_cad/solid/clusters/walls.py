@@ -8,29 +8,30 @@ wall thicker than asked, the vertices of fields inside move toward the outside.
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass, replace
 from itertools import chain, repeat
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Frozen, Ints, Points, Triangles
+from scaffold_cad.base.arrays import Bools, Frozen, Ints, Points, Triangles, place_text
 from scaffold_cad.base.positions import in_single_precision
 from scaffold_cad.base.vectors import length
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.solid.clusters.aims import Aim, near_to
+from scaffold_cad.solid.clusters.aims import BETWEEN, Aim, near_to
 
 ENOUGH = 0.976
 """What is thinner than this part of the wall between two polygons is thickened."""
+
+TOLD = 0.9
+"""What is thinner than this part of the wall is told."""
 
 ROUNDS = 6
 """Times that vertices move; each time other places may be the nearest ones."""
 
 THINNING = 2
 """Times that walls in fields become thinner where they are too thick, before that."""
-
-BETWEEN = np.array([[1, 1, 1], [0, 1.5, 1.5], [1.5, 0, 1.5], [1.5, 1.5, 0]]) / 3
-"""Where triangles are looked at: in their middles and at those of their sides."""
 
 EVENING = 6
 """Times that vertices whose triangles cross are evened."""
@@ -41,6 +42,8 @@ all of it."""
 
 BACK = 0.4
 """What is left of their way each time."""
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,11 +115,24 @@ def thickened(struts: Walls, wall: float, between: float, factor: float) -> Tria
     aim = Aim.of(struts.mesh.vertices, outer, points, wall, ENOUGH * between * wall)
     mesh = _placed(struts, _moved(struts.mesh, faces, moves, aim, 0), aim, factor)
     of_field = moves & (np.arange(len(moves)) >= struts.first)
-    if not of_field.any():
-        return mesh
-    struts = replace(struts, mesh=mesh)
-    faces = faces[of_field[faces].any(axis=1)]
-    return _placed(struts, _moved(mesh, faces, of_field, aim, THINNING), aim, factor)
+    some = faces[of_field[faces].any(axis=1)]
+    if len(some):
+        vertices = _moved(mesh, some, of_field, aim, THINNING)
+        mesh = _placed(replace(struts, mesh=mesh), vertices, aim, factor)
+    _tell(*aim.thinnest(mesh.vertices[faces]), wall)
+    return mesh
+
+
+def _tell(least: float, place: Points, wall: float) -> None:
+    """Log that a wall is thin."""
+    if least < TOLD * wall:
+        _log.warning(
+            "a wall is as thin as %.3g mm near %s, for the %g mm asked for: struts are too near to "
+            "each other there; need a thicker wall, thicker struts or wider angles",
+            least,
+            place_text(place),
+            wall,
+        )
 
 
 def _placed(struts: Walls, vertices: Points, aim: Aim, factor: float) -> TriangleMesh:
