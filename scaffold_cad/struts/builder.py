@@ -167,8 +167,12 @@ def _built(
     plan = _planned(skeleton, runs, options, like, outer, blended)
     wall = None if outer is None else outer.options.wall
     solved = [] if outer is None or wall is None else list(hollow_nodes(outer, runs, wall))
-    # Nodes beside a run without room are crowded: for them one recipe is enough.
-    limits = np.where(np.repeat(plan.no_room, 2), 0.0, plan.limits)
+    # Nodes beside a run without room are crowded, and so is what is inside of crowded ones: for
+    # them one recipe is enough.
+    crowded = np.repeat(plan.no_room, 2)
+    if outer is not None:
+        crowded |= outer.crowded[runs.tails]
+    limits = np.where(crowded, 0.0, plan.limits)
     limits = limits_beside(runs, solved, limits)
     done = np.zeros(len(runs.nodes), dtype=np.bool_)
     done[[node for part in solved for node in part.nodes.tolist()]] = True
