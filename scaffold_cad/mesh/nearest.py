@@ -48,9 +48,22 @@ class NearestPlace:
         places, triangles = self._found(points, None)
         return places, self._normals[triangles]
 
-    def with_triangles(self, points: Points) -> tuple[Points, Ints]:
-        """Return the nearest places to `points` (n, 3), and their triangles (n,)."""
-        return self._found(points, None)
+    def nearer(self, points: Points, limit: float) -> tuple[Ints, Points, Ints]:
+        """Return which of `points` (n, 3) are nearer than `limit`, their places and triangles.
+
+        Returns
+        -------
+        rows (k,), nearest places (k, 3), and their triangles (k,)
+        """
+        parts = list(blocks(len(points), NEAREST * TRIANGLE_BYTES))
+        made = (self._some_nearer(points[part], limit) for part in parts)
+        found = list(counted("nearest places", made, [part.stop - part.start for part in parts]))
+        none = np.zeros(0, dtype=np.intp), np.zeros((0, 3)), np.zeros(0, dtype=np.intp)
+        shifted = [
+            (part.start + each[0], *each[1:]) for part, each in zip(parts, found, strict=True)
+        ]
+        rows, places, triangles = zip(none, *shifted, strict=True)
+        return np.concatenate(rows), np.concatenate(places), np.concatenate(triangles)
 
     def _found(self, points: Points, facing: UnitVectors | None) -> tuple[Points, Ints]:
         """Return the nearest places (n, 3) and their triangles (n,)."""
@@ -76,6 +89,31 @@ class NearestPlace:
         row, best = np.arange(len(points)), gaps.argmin(axis=1)
         places: Points = feet.reshape(-1, count, 3)[row, best]
         return places, triangles[row, best]
+
+    def _some_nearer(self, points: Points, limit: float) -> tuple[Ints, Points, Ints]:
+        """Do as `nearer` for a few points: most triangles have a plane that is further away."""
+        size, bound = len(self._corners), limit + float(self._reach.max())
+        count = min(NEAREST, size)
+        far, triangle = self._tree.query(points, k=count, distance_upper_bound=bound)
+        far, triangle = np.reshape(far, -1), np.reshape(triangle, -1)
+        row = np.repeat(np.arange(len(points)), count)
+        some = np.flatnonzero(triangle < size)
+        some = some[far[some] < limit + self._reach[triangle[some]]]
+        own, of = points[row[some]], triangle[some]
+        some = some[np.abs(dot(own - self._corners[of, 0], self._normals[of])) < limit]
+        row, triangle = row[some], triangle[some]
+        feet = nearest_on_triangles(points[row], self._corners[triangle])
+        gap = length(feet - points[row])
+        order = np.lexsort((gap, row))
+        order = order[gap[order] < limit]
+        first = order[np.flatnonzero(np.diff(row[order], prepend=-1))]
+        return row[first], feet[first], triangle[first]
+
+    @cached_property
+    def _reach(self) -> Floats:
+        """How far corners are from the middles of triangles at most, (t,), mm."""
+        spokes = self._corners - self._corners.mean(axis=1, keepdims=True)
+        return np.asarray(length(spokes).max(axis=1))
 
     @cached_property
     def _normals(self) -> UnitVectors:

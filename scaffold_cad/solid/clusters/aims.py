@@ -71,7 +71,10 @@ class Aim:
 
     def thicker(self, points: Points) -> Floats:
         """Return how points are to move where walls are too thin, (k, 3), mm."""
-        return self._away(points - self.outside.nearest(points))
+        rows, places, _ = self.outside.nearer(points, self.least)
+        way = np.zeros_like(points)
+        way[rows] = self._away(points[rows] - places)
+        return way
 
     def thicker_below(self, corners: Floats) -> tuple[Ints, Floats]:
         """Return corners inside that are to move from reentrant edges, and how, (q,), (q, 3), mm.
@@ -80,14 +83,10 @@ class Aim:
         ----------
         corners : of triangles inside, (t, 3, 3)
         """
-        pieces, parent = _pieces(corners, self.reentrant, self.wall)
-        if len(pieces) == 0:
-            return np.zeros(0, dtype=np.intp), np.zeros((0, 3))
-        places, piece = _surface(pieces).with_triangles(self.reentrant)
-        way = self._away(places - self.reentrant)
-        thin = np.flatnonzero(way.any(axis=1))
-        own = 3 * parent[piece[thin], None] + np.arange(3)  # (q, 3)
-        return own.reshape(-1), np.repeat(way[thin], 3, axis=0)
+        rows, places, triangle = self._below(corners, self.least)
+        way = self._away(places - self.reentrant[rows])
+        own = 3 * triangle[:, None] + np.arange(3)  # (q, 3)
+        return own.reshape(-1), np.repeat(way, 3, axis=0)
 
     def thinner(self, points: Points) -> Floats:
         """Return how points are to move where walls are too thick, (k, 3), mm."""
@@ -98,22 +97,30 @@ class Aim:
         growth = np.where(lumps, wanted / np.where(lumps, share, 1.0) - 1.0, 0.0)
         return np.asarray(growth[:, None] * way)
 
-    def thinnest(self, corners: Floats) -> tuple[float, Points]:
-        """Return how thin walls of triangles inside (t, 3, 3) are, mm, and where, (3,)."""
+    def thinnest(self, corners: Floats, limit: float) -> tuple[float, Points]:
+        """Return how thin walls of triangles inside (t, 3, 3) are below a limit, mm, and where."""
         points = np.concatenate([corners.reshape(-1, 3), *np.moveaxis(BETWEEN @ corners, 1, 0)])
-        far = length(points - self.outside.nearest(points))
-        pieces, _ = _pieces(corners, self.reentrant, self.wall)
-        if len(pieces):
-            way = _surface(pieces).nearest(self.reentrant) - self.reentrant
-            points, far = np.concatenate([points, self.reentrant]), np.append(far, length(way))
-        thinnest = int(far.argmin())
-        return float(far[thinnest]), points[thinnest]
+        rows, places, _ = self.outside.nearer(points, limit)
+        below, feet, _ = self._below(corners, limit)
+        starts = np.concatenate([points[rows], self.reentrant[below]])
+        if len(starts) == 0:
+            return limit, np.zeros(3)
+        far = length(np.concatenate([places, feet]) - starts)
+        return float(far.min()), starts[far.argmin()]
+
+    def _below(self, corners: Floats, limit: float) -> tuple[Ints, Points, Ints]:
+        """Return reentrant places (q,) nearer than a limit to triangles, where, and these (q,)."""
+        pieces, parent = _pieces(corners, self.reentrant, self.wall)
+        if len(pieces) == 0:
+            none = np.zeros(0, dtype=np.intp)
+            return none, np.zeros((0, 3)), none
+        rows, places, piece = _surface(pieces).nearer(self.reentrant, limit)
+        return rows, places, parent[piece]
 
     def _away(self, way: Floats) -> Floats:
-        """Return what ways (k, 3) from the outside lack where they are too short, (k, 3), mm."""
+        """Return what ways (k, 3) from the outside lack, (k, 3), mm."""
         far = length(way)
-        lacks: Bools = np.asarray((far < self.least) & (far > 0))
-        share = np.where(lacks, self.wall / np.where(lacks, far, 1.0) - 1.0, 0.0)
+        share = np.where(far > 0, self.wall / np.where(far > 0, far, 1.0) - 1.0, 0.0)
         return np.asarray(share[:, None] * way)
 
 

@@ -119,7 +119,7 @@ def thickened(struts: Walls, wall: float, between: float, factor: float) -> Tria
     if len(some):
         vertices = _moved(mesh, some, of_field, aim, THINNING)
         mesh = _placed(replace(struts, mesh=mesh), vertices, aim, factor)
-    _tell(*aim.thinnest(mesh.vertices[faces]), wall)
+    _tell(*aim.thinnest(mesh.vertices[faces], TOLD * wall), wall)
     return mesh
 
 
