@@ -113,11 +113,11 @@ def thickened(struts: Walls, wall: float, between: float, factor: float) -> Tria
     outer = struts.mesh.triangles[struts.outer]
     points = struts.mesh.vertices[looked[moves[looked]]]
     aim = Aim.of(struts.mesh.vertices, outer, points, wall, ENOUGH * between * wall)
-    mesh = _placed(struts, _moved(struts.mesh, faces, moves, aim, 0), aim, factor)
+    mesh = _placed(struts, _moved(struts.mesh.vertices, faces, moves, aim, 0), aim, factor)
     of_field = moves & (np.arange(len(moves)) >= struts.first)
     some = faces[of_field[faces].any(axis=1)]
     if len(some):
-        vertices = _moved(mesh, some, of_field, aim, THINNING)
+        vertices = _moved(mesh.vertices, some, of_field, aim, THINNING)
         mesh = _placed(replace(struts, mesh=mesh), vertices, aim, factor)
     _tell(*aim.thinnest(mesh.vertices[faces], TOLD * wall), wall)
     return mesh
@@ -140,13 +140,14 @@ def _placed(struts: Walls, vertices: Points, aim: Aim, factor: float) -> Triangl
 
     There they are evened first, which unfolds small triangles; what still crosses is put back.
     """
-    mesh = struts.mesh
+    mesh, looked = struts.mesh, struts.looked_at
+    corners = mesh.vertices[mesh.triangles]
     way = np.where(struts.moves[:, None], (vertices - mesh.vertices)[struts.alike], 0.0)
-    moved = mesh.vertices[way.any(axis=1)]
-    near = mesh.triangles[near_to(mesh.vertices[mesh.triangles], moved, aim.wall)]
     for back in chain(repeat(None, EVENING), repeat(BACK, TRIES), repeat(0.0)):
+        moved = way.any(axis=1)
         placed = in_single_precision(mesh.vertices + way, factor) / factor
-        placed = np.where(way.any(axis=1, keepdims=True), placed, mesh.vertices)
+        placed = np.where(moved[:, None], placed, mesh.vertices)
+        near = mesh.triangles[near_to(corners, mesh.vertices[moved], aim.wall)]
         written = in_single_precision(placed, factor)
         crossing = np.unique(self_intersections(TriangleMesh(written, near)))
         if len(crossing) == 0:
@@ -154,9 +155,10 @@ def _placed(struts: Walls, vertices: Points, aim: Aim, factor: float) -> Triangl
         beside = _beside(mesh, near[crossing])
         if back is None:
             rows = np.flatnonzero(beside & struts.moves)
-            even = _evened(mesh, placed, rows)
-            way[rows] = even + aim.thicker(even) - mesh.vertices[rows]
-            way = way[struts.alike]
+            placed[rows] = _evened(mesh, placed, rows)
+            faces = looked[beside[looked].any(axis=1)]
+            placed = _moved(placed, faces, struts.moves, aim, 0)
+            way = np.where(struts.moves[:, None], (placed - mesh.vertices)[struts.alike], 0.0)
         else:
             way[beside] *= back
     return TriangleMesh(placed, mesh.triangles)
@@ -174,8 +176,8 @@ def _evened(mesh: TriangleMesh, places: Points, rows: Ints) -> Points:
     return np.asarray((places[rows] + total[rows] / count[rows, None]) / 2)
 
 
-def _moved(mesh: TriangleMesh, faces: Triangles, moves: Bools, aim: Aim, thinning: int) -> Points:
-    """Return the vertices (v, 3) with some of those inside moved to where walls are as asked.
+def _moved(vertices: Points, faces: Triangles, moves: Bools, aim: Aim, thinning: int) -> Points:
+    """Return vertices (v, 3) with some of those inside moved to where walls are as asked.
 
     Parameters
     ----------
@@ -183,7 +185,7 @@ def _moved(mesh: TriangleMesh, faces: Triangles, moves: Bools, aim: Aim, thinnin
     moves : (v,) vertices that may move
     thinning : times that walls that are too thick become thinner, before others become thicker
     """
-    vertices = mesh.vertices.copy()
+    vertices = vertices.copy()
     looked = np.unique(faces)
     looked = looked[moves[looked]]
     some = np.zeros_like(moves)
