@@ -127,8 +127,8 @@ def _tell(least: float, place: Points, wall: float) -> None:
     """Log that a wall is thin."""
     if least < TOLD * wall:
         _log.warning(
-            "a wall is as thin as %.3g mm near %s, for the %g mm asked for: struts are too near to "
-            "each other there; need a thicker wall, thicker struts or wider angles",
+            "a wall is as thin as %.3g mm near %s, for the %g mm asked for: its triangles have no "
+            "room for more; need a thinner wall, thicker struts or wider angles",
             least,
             place_text(place),
             wall,
@@ -140,28 +140,41 @@ def _placed(struts: Walls, vertices: Points, aim: Aim, factor: float) -> Triangl
 
     There they are evened first, which unfolds small triangles; what still crosses is put back.
     """
-    mesh, looked = struts.mesh, struts.looked_at
-    corners = mesh.vertices[mesh.triangles]
-    way = np.where(struts.moves[:, None], (vertices - mesh.vertices)[struts.alike], 0.0)
+    mesh = struts.mesh
     for back in chain(repeat(None, EVENING), repeat(BACK, TRIES), repeat(0.0)):
-        moved = way.any(axis=1)
-        placed = in_single_precision(mesh.vertices + way, factor) / factor
-        placed = np.where(moved[:, None], placed, mesh.vertices)
-        near = mesh.triangles[near_to(corners, mesh.vertices[moved], aim.wall)]
-        written = in_single_precision(placed, factor)
-        crossing = np.unique(self_intersections(TriangleMesh(written, near)))
+        vertices, crossing = _as_written(struts, vertices, aim.wall, factor)
         if len(crossing) == 0:
             break
-        beside = _beside(mesh, near[crossing])
+        beside = _beside(mesh, crossing)
+        beside[struts.alike[beside]] = True
         if back is None:
             rows = np.flatnonzero(beside & struts.moves)
-            placed[rows] = _evened(mesh, placed, rows)
-            faces = looked[beside[looked].any(axis=1)]
-            placed = _moved(placed, faces, struts.moves, aim, 0)
-            way = np.where(struts.moves[:, None], (placed - mesh.vertices)[struts.alike], 0.0)
+            vertices[rows] = _evened(mesh, vertices, rows)
+            faces = struts.looked_at
+            faces = faces[beside[faces].any(axis=1)]
+            vertices = _moved(vertices, faces, struts.moves, aim, 0)
         else:
-            way[beside] *= back
-    return TriangleMesh(placed, mesh.triangles)
+            vertices[beside] += (1.0 - back) * (mesh.vertices - vertices)[beside]
+    return TriangleMesh(vertices, mesh.triangles)
+
+
+def _as_written(
+    struts: Walls, vertices: Points, wall: float, factor: float
+) -> tuple[Points, Triangles]:
+    """Return vertices (v, 3) as a file has those that moved, and the triangles that then cross.
+
+    Nodes of one shape are moved as the first one is.
+    """
+    mesh = struts.mesh
+    way = np.where(struts.moves[:, None], (vertices - mesh.vertices)[struts.alike], 0.0)
+    moved: Bools = np.asarray(way.any(axis=1))
+    placed = in_single_precision(mesh.vertices + way, factor) / factor
+    placed = np.where(moved[:, None], placed, mesh.vertices)
+    near = near_to(mesh.vertices[mesh.triangles], mesh.vertices[moved], wall)
+    triangles = mesh.triangles[near]
+    written = in_single_precision(placed, factor)
+    crossing = np.unique(self_intersections(TriangleMesh(written, triangles)))
+    return placed, triangles[crossing]
 
 
 def _evened(mesh: TriangleMesh, places: Points, rows: Ints) -> Points:
