@@ -10,9 +10,11 @@ from typing import Protocol, TypeVar
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, place_text
+from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.positions import in_single_precision
+from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.summaries import counted
-from scaffold_cad.base.vectors import dot
+from scaffold_cad.base.vectors import dot, length
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -121,14 +123,33 @@ def _along(spans: Spans, runs: Runs, inside: Runs, wall: float) -> Spans:
     """Return the spans as those of the same runs inside, which may begin further on.
 
     They go on past the rings of those outside, where facets are inside of the round surface: what
-    is inside of facets can move away from them.
+    is inside of facets can move away from them. Those where struts cross by their outsides only are
+    none inside.
     """
     way = inside.nodes[inside.edges[:, 0]] - runs.nodes[runs.edges[:, 0]]
     shift = dot(way, runs.directions[::2])[spans.run]
     more = (1.0 + CUT) * wall  # a ring is `CUT` radii past its span, and radii inside are less
+    at_node = (spans.low == 0) | (spans.high == runs.lengths[spans.run])
     low = np.where(spans.low > 0, spans.low - more, -np.inf)
     high = np.where(spans.high < runs.lengths[spans.run], spans.high + more, np.inf)
-    return Spans(spans.run, low - shift, high - shift)
+    own = Spans(spans.run, low - shift, high - shift)
+    return own.chosen(at_node | _cross(own, inside))
+
+
+def _cross(spans: Spans, runs: Runs) -> Bools:
+    """Return which stretches of runs cross others of them, (q,)."""
+    found = np.zeros(len(spans), dtype=np.bool_)
+    bounds = np.stack([spans.low.clip(0.0), np.minimum(spans.high, runs.lengths[spans.run])])
+    tail, ahead = runs.nodes[runs.edges[spans.run, 0]], runs.directions[2 * spans.run]
+    ends = tail + bounds[..., None] * ahead  # (2, q, 3)
+    radii = runs.radii[spans.run].max(axis=1)
+    low, high = ends.min(axis=0) - radii[:, None], ends.max(axis=0) + radii[:, None]
+    for one, other in overlapping_boxes(low, high):
+        near = nearest_on_segments(ends[0, one], ends[1, one], ends[0, other], ends[1, other])
+        meet = length(near[1] - near[0]) < radii[one] + radii[other]
+        meet &= spans.run[one] != spans.run[other]
+        found[one[meet]] = found[other[meet]] = True
+    return found
 
 
 def _both(
