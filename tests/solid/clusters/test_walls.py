@@ -1,0 +1,58 @@
+"""Walls of clusters: how what is inside moves away from the outside."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from scaffold_cad.base.arrays import Ints
+from scaffold_cad.mesh.intersections import self_intersections
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.solid.clusters.walls import Walls, thickened
+
+NONE = np.zeros(0, dtype=np.intp)
+WALL = 1.2
+VALLEY = TriangleMesh(
+    np.array([[x, y, 1 + 0.4 * abs(x)] for x in (-40.0, 0.0, 40.0) for y in (-50.0, 50.0)]),
+    np.array([[0, 2, 1], [1, 2, 3], [2, 4, 3], [3, 4, 5]]),
+)
+"""Faces up; its lowest edge is 1 above the plane z = 0."""
+BELOW = TriangleMesh(np.array([[-32.0, -9, 0], [20, 9, 0], [28, -9, 0]]), np.array([[0, 2, 1]]))
+"""A triangle none of whose corners and middles is near that edge."""
+
+
+def depth_at_edge(mesh: TriangleMesh) -> float:
+    """Return how far the plane of the last three vertices is below (0, 0, 1)."""
+    a, b, c = mesh.vertices[-3:]
+    normal = np.cross(b - a, c - a)
+    return float(abs(normal @ (a - [0, 0, 1])) / np.linalg.norm(normal))
+
+
+def test_walls_below_reentrant_edges_are_as_thick_as_asked() -> None:
+    made = thickened(Walls.between(VALLEY, BELOW, NONE), WALL, 1.0, 1.0)
+    assert 0.97 * WALL < depth_at_edge(made) < 1.1 * WALL
+
+
+@pytest.mark.parametrize(("fixed", "told"), [(np.array([0, 1]), True), (NONE, False)])
+def test_walls_that_stay_thin_are_told(
+    fixed: Ints, told: bool, caplog: pytest.LogCaptureFixture
+) -> None:
+    made = thickened(Walls.between(VALLEY, BELOW, fixed), WALL, 1.0, 1.0)
+    assert (depth_at_edge(made) < 0.9 * WALL) == told
+    assert ("a wall is as thin as 1 mm near [0, " in caplog.text) == told
+
+
+def test_small_triangles_that_would_fold_are_evened() -> None:
+    at = np.linspace(-6.0, 6.0, 25)
+    corner = np.arange(24 * 25).reshape(24, 25)[:, :-1].reshape(-1)
+    fan = np.concatenate([np.stack([corner, corner + 1, corner + 25], axis=1),
+                          np.stack([corner + 1, corner + 26, corner + 25], axis=1)])  # fmt: skip
+    points = np.stack([*np.meshgrid(at, at), np.zeros((25, 25))], axis=-1).reshape(-1, 3)
+    # A roof above them: what is below its ridge is pushed to both sides.
+    points[:, 2] = 2.0 - np.abs(points[:, 0])
+    roof = TriangleMesh(points + [0, 0, 0.4], fan)
+    made = thickened(Walls.between(roof, TriangleMesh(points, fan), NONE), WALL, 1.0, 1.0)
+    assert len(self_intersections(made)) == 0
+    inside = made.vertices[len(points) :][np.abs(points[:, :2]).max(axis=1) < 4]
+    depths = (2.4 - np.abs(inside[:, 0]) - inside[:, 2]) / np.sqrt(2)
+    assert depths.min() > 0.95 * WALL
