@@ -50,7 +50,7 @@ def test_small_triangles_that_would_fold_are_evened() -> None:
     points = np.stack([*np.meshgrid(at, at), np.zeros((25, 25))], axis=-1).reshape(-1, 3)
     # A roof above them: what is below its ridge is pushed to both sides.
     points[:, 2] = 2.0 - np.abs(points[:, 0])
-    roof = TriangleMesh(points + [0, 0, 0.4], fan)
+    roof = TriangleMesh(points + np.array([0, 0, 0.4]), fan)
     made = thickened(Walls.between(roof, TriangleMesh(points, fan), NONE), WALL, 1.0, 1.0)
     assert len(self_intersections(made)) == 0
     inside = made.vertices[len(points) :][np.abs(points[:, :2]).max(axis=1) < 4]

@@ -68,8 +68,7 @@ def test_a_branch_shorter_than_the_wall_is_a_stump() -> None:
 TRIPOD = [[0, 0, 0], [12, 0, 0], [-6, 10, 0], [-6, -10, 0]]
 
 
-@pytest.mark.parametrize("bend", [0.0, 0.1])
-@pytest.mark.parametrize("wall", [0.3, 0.7])
+@pytest.mark.parametrize(("bend", "wall"), [(0.1, 0.3), (0.0, 0.7)])
 def test_a_chain_of_short_links_on_a_branch_point_is_closed(bend: float, wall: float) -> None:
     nodes = [*TRIPOD, [0, 0, 0.2], [0, bend, 0.4], [0, 0, 0.6]]
     edges = [[0, 1], [0, 2], [0, 3], [0, 4], [4, 5], [5, 6]]
