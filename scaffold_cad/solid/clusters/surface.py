@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cache, partial
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
 from scaffold_cad.base.blocks import CACHE, blocks
@@ -35,6 +36,7 @@ from scaffold_cad.struts.curves.rings import rings_hold
 from scaffold_cad.struts.meshes.bands import polygon_slack, polygon_wall
 from scaffold_cad.struts.meshes.surface import Shell, Triangulated, first_alike, open_ends, shell_of
 from scaffold_cad.struts.model import RoundStruts
+from scaffold_cad.struts.runs import ball_ends
 from scaffold_cad.struts.sharp.surface import without_triangles
 
 MARGIN = 1e-9
@@ -49,6 +51,9 @@ TRIES = 8
 
 STEP = 0.4
 """By how much a span grows whose seam failed, in radii: the next window has other vertices."""
+
+ON_BALL = 0.1
+"""How far from a ball's surface its vertices are at most, in radii."""
 
 TRIANGLE_BYTES = 256
 """What a triangle takes where it is looked at."""
@@ -130,9 +135,24 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
     alike = np.arange(len(mesh.vertices))
     alike[first : first + len(inside.mesh.vertices)] = first + inside.alike(sides)
     at_ends = np.unique(mesh.triangles[len(outer) + len(inner) :])
-    fixed = np.concatenate([at_ends, first + inside.alone])
+    alone = inside.alone
+    alone = alone[~_on_balls(struts, inside.mesh.vertices[alone])]
+    fixed = np.concatenate([at_ends, first + alone])
     walls = Walls(mesh, outer, inner, first + inside.exact, alike, fixed)
     return thickened(walls, wall, polygon_wall(sides), factor)
+
+
+def _on_balls(struts: RoundStruts, points: Points) -> Bools:
+    """Return which of some points inside, (k,), are on balls at ends.
+
+    Where the rings of their necks differ, so do the latitudes of their triangles.
+    """
+    rows = np.flatnonzero(ball_ends(struts.skeleton, struts.runs))
+    if len(rows) == 0:
+        return np.zeros(len(points), dtype=np.bool_)
+    sizes = struts.skeleton.radii[rows] - float(struts.options.wall or 0.0)
+    far, ball = cKDTree(struts.runs.nodes[rows]).query(points)
+    return np.asarray(np.abs(far - sizes[ball]) < ON_BALL * sizes[ball])
 
 
 def _unmade(struts: RoundStruts, sides: int) -> Core:
