@@ -74,26 +74,9 @@ def each_file(options: argparse.Namespace) -> list[argparse.Namespace]:
     Raises
     ------
     OptionError
-        If several inputs have one file to go to, or the format of a folder is missing, or an output
-        would replace its input.
+        If several inputs have one file to go to, the format of a folder is missing, or an input is
+        in it.
     """
-    files = _files(options)
-    for one in files:
-        _check_apart(one)
-    return files
-
-
-def _check_apart(options: argparse.Namespace) -> None:
-    """Raise if an output would replace its own input."""
-    given, output = getattr(options, "input", None), getattr(options, "output", None)
-    if given is None or output is None or not output.exists() or not Path(given).exists():
-        return
-    if output.samefile(given):
-        raise OptionError(f"cannot write {output}: it is the input; need another name")
-
-
-def _files(options: argparse.Namespace) -> list[argparse.Namespace]:
-    """Return the options for each of several inputs, with its output."""
     inputs = getattr(options, "input", None)
     if not isinstance(inputs, list):
         _refuse_format(options)
@@ -115,6 +98,9 @@ def _files(options: argparse.Namespace) -> list[argparse.Namespace]:
     for path, count in Counter(outputs).items():
         if count > 1:
             raise OptionError(f"{count} inputs would be written to {path}; need other names")
+    for one, path in zip(inputs, outputs, strict=True):
+        if path.exists() and path.samefile(one):
+            raise OptionError(f"{path} is an input; need another folder, or its name for -o")
     make_folder(output)
     many = len(inputs) > 1
     return [

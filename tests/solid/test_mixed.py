@@ -62,7 +62,7 @@ def test_shells_are_closed_and_valid_with_the_volume_of_the_mesh(
     shape = brep_of_faces(faces)
     assert shape.is_valid
     assert len(shape.solids()) == 1
-    assert shape.volume == pytest.approx(round_mesh(struts).signed_volume, rel=0.005)
+    assert shape.volume == pytest.approx(round_mesh(struts).signed_volume, rel=HOLLOW)
     assert kinds(faces)[Surface.SPHERE] == (4 if ends == "round" else 0)
     assert facets(faces) < 2000
 
@@ -177,6 +177,9 @@ def test_curves_and_tori_beside_clusters_stay() -> None:
 
 # --- hollow struts ---
 
+HOLLOW = 0.012
+"""Volume that facets may add: inside they are polygons in the circles, so that no wall is thin."""
+
 OUTSIDE_ONLY = CROSSING.moved(CROSSING.nodes * [1, 1, 3])
 """Two struts that cross, with walls of 0.4 by their outsides only."""
 
@@ -197,8 +200,8 @@ def test_hollow_struts_are_hollow_in_clusters_too(
     shape = brep_of_faces(faces)
     assert shape.is_valid
     assert len(shape.solids()) == 1
-    # Meshes have walls as thick as asked in crotches too, facets do not.
-    assert shape.volume == pytest.approx(round_mesh(struts).signed_volume, rel=0.01)
+    # Facets inside are a wall further along each strut than those outside.
+    assert shape.volume == pytest.approx(round_mesh(struts).signed_volume, rel=HOLLOW)
     analytic = faces.faces.kinds[faces.faces.kinds < Surface.SPLINE]
     sizes = faces.faces.sizes[analytic == Surface.CYLINDER, 0]
     assert sorted(set(sizes.round(12).tolist())) == [0.6, 1.0]
@@ -215,7 +218,7 @@ def test_sockets_beside_clusters_stay_and_ends_in_clusters_are_closed() -> None:
     assert {name for name in faces.face_names if "end" in name} == {"end 3", "end 4"}
     shape = brep_of_faces(faces)
     assert shape.is_valid
-    assert shape.volume == pytest.approx(round_mesh(struts).signed_volume, rel=0.005)
+    assert shape.volume == pytest.approx(round_mesh(struts).signed_volume, rel=HOLLOW)
 
 
 @pytest.mark.parametrize("options", [{}, {"wall": 0.6, "ends": "open"}])
@@ -227,7 +230,8 @@ def test_sharp_nodes_stay_exact_beside_a_crowded_one(options: dict[str, Any]) ->
     assert np.flatnonzero(struts.crowded).tolist() == [0]
     solid = to_brep(struts, overlaps="unite")
     assert solid.is_valid
-    assert solid.volume == pytest.approx(to_solid(struts, sides=32).volume(), rel=5e-3)
+    most = HOLLOW if options else 5e-3
+    assert solid.volume == pytest.approx(to_solid(struts, sides=32).volume(), rel=most)
     cylinders = [face for face in solid.faces() if face.geom_type.name == "CYLINDER"]
     assert len(cylinders) == (12 if options else 6)
 
