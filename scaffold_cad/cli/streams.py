@@ -99,7 +99,7 @@ def each_file(options: argparse.Namespace) -> list[argparse.Namespace]:
         if count > 1:
             raise OptionError(f"{count} inputs would be written to {path}; need other names")
     for one, path in zip(inputs, outputs, strict=True):
-        if path.exists() and path.samefile(one):
+        if path.exists() and Path(one).exists() and path.samefile(one):
             raise OptionError(f"{path} is an input; need another folder, or its name for -o")
     make_folder(output)
     many = len(inputs) > 1
