@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import cKDTree
 
-from scaffold_cad.base.arrays import Edges, Floats
+from scaffold_cad.base.arrays import LARGEST_COORDINATE, Edges, Floats
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._raw import RawSkeleton
 
@@ -80,7 +80,7 @@ def bonds_by_distance(elements: Sequence[str], places: Sequence[Sequence[float]]
     """Return the pairs of atoms that are as close as bonds are, shape (m, 2)."""
     points = np.reshape(np.asarray(places, dtype=np.float64), (-1, 3))
     radii = _sizes(elements, COVALENT, OTHER_COVALENT)
-    if not np.isfinite(points).all() or not len(points):
+    if not len(points) or not (np.abs(points) <= LARGEST_COORDINATE).all():  # refused later
         return np.zeros((0, 2), dtype=np.intp)
     reach = 2 * float(radii.max()) + BOND_SLACK
     pairs = cKDTree(points).query_pairs(reach, output_type="ndarray")

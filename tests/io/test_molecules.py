@@ -52,6 +52,11 @@ def test_only_the_first_model_and_the_first_place_are_read(tmp_path: Path) -> No
         ("x.pdb", PDB.replace(b"1.400   0", b"1.4x0   0"), "line 2: .*; need an atom: its number"),
         ("x.pdb", b"END\n", "holds no atoms; need atoms and bonds"),
         (
+            "x.pdb",
+            PDB.split(b"CONECT")[0].replace(b"   1.400", b"   1e300", 1),
+            r"node 1 is at .*1e\+300.* mm; need at most 1e\+12",
+        ),
+        (
             "x.xyz",
             b"3\nwater\nO 0 0 0\nH 0.96 0 0\nH -0.24 0.93 0\n",
             r"x\.xyz is plain XYZ, 3 atoms without bonds; need a format with bonds: Tinker XYZ",

@@ -154,8 +154,9 @@ def test_walls_between_uneven_struts_are_whole_and_thick_as_written(
     assert np.median(walls) == pytest.approx(1.0, rel=0.15)
 
 
-@pytest.mark.parametrize("skeleton", [NARROW, CROSSING, TAPERS], ids=["narrow", "cross", "tapers"])
-@pytest.mark.parametrize("wall", [0.07, 0.15])
+@pytest.mark.parametrize(
+    ("skeleton", "wall"), [(NARROW, 0.07), (CROSSING, 0.07), (NARROW, 0.15), (TAPERS, 0.15)]
+)
 def test_walls_of_clusters_are_as_thick_as_asked(skeleton: Skeleton, wall: float) -> None:
     mesh = round_mesh(round_struts(skeleton, wall=wall), 32)
     check_as_written(mesh)

@@ -53,7 +53,7 @@ def test_what_becomes_of_a_node_does_not_depend_on_others() -> None:
 
 def test_proved_nodes_in_narrow_crotches_have_triangles_of_the_volume_of_their_blends() -> None:
     rng = np.random.default_rng(77)
-    directions, radii = random_stars(20, 6, 30, rng), 4.0 ** (rng.random((20, 6)) - 1)
+    directions, radii = random_stars(8, 6, 30, rng), 4.0 ** (rng.random((8, 6)) - 1)
     count = 0
     for ways, radius in zip(directions, radii, strict=True):
         nodes = np.vstack([np.zeros(3), 12 * ways])
@@ -65,4 +65,4 @@ def test_proved_nodes_in_narrow_crotches_have_triangles_of_the_volume_of_their_b
         assert not unseen(struts, shell_of(struts, 16).made).any()
         volumes = [round_mesh(struts, sides=sides).signed_volume for sides in (16, 64)]
         assert volumes[0] == pytest.approx(volumes[1], rel=2e-4)
-    assert count >= 15
+    assert count >= 6
