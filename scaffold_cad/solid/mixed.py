@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, place_text
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.brep.analytic import AnalyticBrep
 from scaffold_cad.brep.facets import brep_of_triangles, edges_between
@@ -24,7 +24,7 @@ from scaffold_cad.brep.joining import (
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.facets import SIDES, Faceted, faceted
 from scaffold_cad.solid.clusters.growth import Core, unproved
-from scaffold_cad.solid.clusters.hollow import hollow
+from scaffold_cad.solid.clusters.hollow import hollow, thin_places
 from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.spans import Spans, no_spans, whole_runs
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
@@ -86,6 +86,7 @@ def mixed_brep(struts: RoundStruts) -> AnalyticBrep:
     if struts.inner is None:
         return _told(_solids(_part(struts, wanted_fillets(struts), unproved(struts)).faces))
     outside, inside = hollow(struts, unproved, _part, _together)
+    _tell_thin(struts, *thin_places(outside, struts, struts.inner))
     own = inside.faces.faces
     kind = np.where(own.shell == VOID, BODY, VOID)  # what a solid is inside is a void
     void = replace(inside.faces, faces=replace(own, shell=kind))
@@ -99,6 +100,19 @@ def mixed_brep(struts: RoundStruts) -> AnalyticBrep:
         void, circles[:, 1] = bored(struts, void, ends, circles[:, 1], either, inside.first_name)
     rings = end_rings(struts, ends, circles, either, outside.first_name)
     return _told(_solids(extended(outside.faces, turned(void), rings)))
+
+
+def _tell_thin(struts: RoundStruts, places: Points, walls: Floats) -> None:
+    """Log that facets leave thin walls beside exact insides, at points (k, 3)."""
+    if len(walls):
+        _log.warning(
+            "a wall is as thin as %.3g mm near %s, for the %g mm asked for: facets where struts "
+            "cross by their outsides only are within the round struts; need the struts further "
+            "apart, thicker walls, or a mesh format",
+            walls.min(),
+            place_text(places[walls.argmin()]),
+            struts.options.wall,
+        )
 
 
 def _told(faces: AnalyticBrep) -> AnalyticBrep:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 from collections import Counter
 from typing import Any
 
@@ -205,6 +206,22 @@ def test_hollow_struts_are_hollow_in_clusters_too(
     analytic = faces.faces.kinds[faces.faces.kinds < Surface.SPLINE]
     sizes = faces.faces.sizes[analytic == Surface.CYLINDER, 0]
     assert sorted(set(sizes.round(12).tolist())) == [0.6, 1.0]
+
+
+def test_thin_walls_of_facets_beside_exact_insides_are_told(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    near = CROSSING.moved(CROSSING.nodes * [1, 1, 1.85 / np.ptp(CROSSING.nodes[:, 2])])
+    brep = mixed_brep(round_struts(near, wall=0.15))
+    told = re.search(r"a wall is as thin as (\S+) mm near \[.*by their outsides only", caplog.text)
+    assert told
+    shells = [shell.tessellate(0.001, 0.05) for shell in brep_of_faces(brep).shells()]
+    meshes = [trimesh.Trimesh([tuple(one) for one in points], faces) for points, faces in shells]
+    outside, *inside = sorted(meshes, key=lambda mesh: -float(mesh.scale))
+    facets = np.concatenate([outside.vertices, outside.vertices[outside.edges_unique].mean(axis=1)])
+    facets = facets[np.abs(facets - near.nodes.mean(axis=0)).max(axis=1) < 4]
+    least = distances(facets, trimesh.util.concatenate(inside)).min()
+    assert float(told[1]) == pytest.approx(least, rel=0.05)
 
 
 def test_sockets_beside_clusters_stay_and_ends_in_clusters_are_closed() -> None:
