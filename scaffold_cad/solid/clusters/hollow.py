@@ -97,14 +97,14 @@ def hollow(
     core, more = core_of(struts), core_of(inner)
     core = replace(core.with_nodes(more.nodes), pieces=core.pieces | more.pieces)
     sags, finer = Sags(float(struts.options.wall or 0.0) / 4.0), False
-    for _ in range(FINER):
+    for left in reversed(range(FINER)):
         outside, inside = _both(struts, inner, make, core, sags)
         mesh = joined(outside, inside)
         written = TriangleMesh(in_single_precision(mesh.vertices, factor), mesh.triangles)
         crossing = np.unique(self_intersections(written))
         if len(crossing) == 0:
             thin, _ = thin_places(outside, struts, inner)
-            if finer or len(thin) == 0:
+            if finer or left == 0 or len(thin) == 0:
                 return outside, inside
             sags, finer = sags.smaller_at(thin), True
             continue
