@@ -41,7 +41,7 @@ def with_config(arguments: list[str], commands: dict[str, argparse.ArgumentParse
     if command not in commands:
         return arguments
     found = argparse.ArgumentParser(add_help=False, allow_abbrev=False, exit_on_error=False)
-    found.add_argument("--config", type=Path, nargs="?")  # a missing file is told by the command
+    found.add_argument("--config", type=Path, nargs="?")  # the command's own parser asks for a file
     path = found.parse_known_args(arguments[1:])[0].config
     if path is None:
         return arguments

@@ -26,6 +26,7 @@ from scaffold_cad.solid.clusters.growth import Core
 from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.spans import CUT, Spans
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
+from scaffold_cad.solid.clusters.walls import TOLD
 from scaffold_cad.struts.meshes.surface import inside_of
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.runs import Runs, ball_ends
@@ -36,9 +37,6 @@ are whole."""
 
 AROUND = CUT + 0.05
 """How far past spans walls are looked at, in the strut's radii: their cuts, rings and all."""
-
-THIN = 0.9
-"""Least wall between the outside of fields and an inside that is none, in walls."""
 
 _log = logging.getLogger(__name__)
 
@@ -163,7 +161,7 @@ def thin_places(outside: _Made, struts: RoundStruts, inner: RoundStruts) -> tupl
     along = dot(points - tail[row], ahead[row])
     off = length(points - tail[row] - along[:, None] * ahead[row])
     left = off - inner.runs.radii_at(2 * spans.run[row], along)
-    thin = (left < THIN * wall) & (along > low[row]) & (along < high[row])
+    thin = (left < TOLD * wall) & (along > low[row]) & (along < high[row])
     return points[thin], left[thin]
 
 
