@@ -37,6 +37,8 @@ ADVICE = {
     "(`to_solid`)": "(scaffold-cad build does for skeletons)",
     "(skeleton.joined(tolerance))": "(scaffold-cad build --join TOL)",
     "(those of a part's faces: ": "(those of a part's faces, in Python: ",
+    "use Skeleton.cleaned() to repair it": "without --strict, files are repaired",
+    "(or read it without strict)": "(or read it without --strict)",
     ", or a Material": "",
 }
 """What messages advise in Python, and what does the same here."""

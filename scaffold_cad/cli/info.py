@@ -12,6 +12,7 @@ from scaffold_cad.base.summaries import range_text, size_text
 from scaffold_cad.cli import source
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io import read_raw, read_triangles
+from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io.reading import with_repairs
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.mesh.welding import welded
@@ -31,34 +32,37 @@ def add_parser(
     source.add_input(parser, several=True)
     source.add_units(parser)
     source.add_max_nodes(parser)
+    source.add_strict(parser)
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
     """Print the counts of the skeleton as it is built, or of the solid, one per line."""
     try:
-        rows = _skeleton_rows(options)
+        raw = read_raw(options.input, source.max_nodes(options))
     except FormatError as error:
         solid = _solid(options)
         if solid is None:
             raise error from None
         rows = _solid_counts(solid)
+    else:
+        rows = _skeleton_rows(options, raw)
     width = max(len(name) for name in rows)
     for name, value in rows.items():
         print(f"{name:<{width}}  {value}")
 
 
-def _skeleton_rows(options: argparse.Namespace) -> dict[str, str]:
+def _skeleton_rows(options: argparse.Namespace, raw: RawSkeleton) -> dict[str, str]:
     """Return what is printed of a file with a skeleton, in order."""
-    raw = read_raw(options.input, source.max_nodes(options))
     has_radii = raw.has_radii
-    cleaning = with_repairs(
-        options.input,
-        replace(raw, left_out=(), flat_ends=0),  # told in a row of its own
-        None if has_radii else _thin,
-        units=options.units,
-        scale=options.scale,
-    )
+    radius = None if has_radii else _thin
+    told = replace(raw, left_out=(), flat_ends=0)  # in a row of its own
+    if options.strict:
+        cleaning = source.read_whole(options, replace(raw, flat_ends=0), radius)
+    else:
+        cleaning = with_repairs(
+            options.input, told, radius, units=options.units, scale=options.scale
+        )
     rows = _counts(cleaning.skeleton)
     rows["radius"] = (
         range_text(cleaning.skeleton.radii)

@@ -13,17 +13,20 @@ import numpy as np
 
 from scaffold_cad.base.arguments import as_number
 from scaffold_cad.base.arrays import Points
+from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import mirror, rotate
 from scaffold_cad.cli import fields, sizes
 from scaffold_cad.cli.sizes import AXES
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.io import BYTES_PER_EDGE, read_assembly, read_raw, read_triangles
-from scaffold_cad.io.reading import in_millimeters, repairing, strictly
+from scaffold_cad.io._raw import RawSkeleton
+from scaffold_cad.io.reading import in_millimeters, repairing, strictly, with_repairs
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.products.assembly import Assembly, assembly_solid, log_united
 from scaffold_cad.products.models import Make
-from scaffold_cad.skeleton import Skeleton, check_skeleton
+from scaffold_cad.skeleton import Cleaning, Skeleton, check_skeleton
+from scaffold_cad.skeleton.repair import Repairs
 from scaffold_cad.solid.manifolds import manifold_triangles
 from scaffold_cad.solid.rounds import SIDES
 
@@ -88,7 +91,12 @@ def add_arguments(parser: argparse.ArgumentParser, several: bool = False) -> Non
     what.add_argument(
         "--mirror", choices=tuple(AXES), help="mirror along an axis, after the rotations"
     )
-    what.add_argument(
+    add_strict(what)
+
+
+def add_strict(parser: argparse._ActionsContainer) -> None:
+    """Add the argument that allows no repair."""
+    parser.add_argument(
         "--strict",
         action="store_true",
         help="refuse a file that needs repair instead of repairing it",
@@ -177,14 +185,8 @@ def assembly_from(options: argparse.Namespace, *, ends: bool = True) -> Assembly
         return None
     if options.units is not None:
         in_millimeters(path, read_raw(path), options.units, None)  # refuses another unit
-    if options.strict and assembly.beams_left_out:
-        raise FormatError(
-            f"{path} has {counted(assembly.beams_left_out, 'beam')} without a length or a radius "
-            "> 0; need none (or read it without --strict)"
-        )
     if options.strict:
-        for lattice in assembly.lattices:
-            check_skeleton(lattice.skeleton)
+        _check_beams(assembly, path)
     changed = _changed(assembly, options)
     kept = changed.beyond_skeleton()
     if options.strict and any(one not in kept for one in more):
@@ -193,6 +195,37 @@ def assembly_from(options: argparse.Namespace, *, ends: bool = True) -> Assembly
             "beams lose where they are changed (or read it without --strict)"
         )
     return changed
+
+
+def _check_beams(assembly: Assembly, path: Path) -> None:
+    """Raise if a beam of a file needs repair."""
+    if assembly.beams_left_out:
+        raise FormatError(
+            f"{path} has {counted(assembly.beams_left_out, 'beam')} without a length or a radius "
+            "> 0; need none (or read it without --strict)"
+        )
+    for lattice in assembly.lattices:
+        check_skeleton(lattice.skeleton)
+
+
+def read_whole(options: argparse.Namespace, raw: RawSkeleton, radius: Radius | None) -> Cleaning:
+    """Return the skeleton that was read of the input, which needs no repair and is kept whole.
+
+    Parameters
+    ----------
+    radius : of every node, mm; that of the file if None
+
+    Raises
+    ------
+    FormatError, SkeletonError
+        If it needs repair, or holds what neither a skeleton nor an assembly keeps.
+    """
+    path, lengths = Path(options.input), {"units": options.units, "scale": options.scale}
+    assembly = read_assembly(path) if path.suffix.lower() == ".3mf" else None
+    if assembly is None or not assembly.lattices or not assembly.beyond_skeleton():
+        return Cleaning(strictly(path, raw, radius, **lengths), Repairs())
+    _check_beams(assembly, path)
+    return with_repairs(path, replace(raw, left_out=()), radius, **lengths)
 
 
 def check_beams_alone(options: argparse.Namespace, flag: str) -> None:

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from scaffold_cad.base.files import check_page
+from scaffold_cad.base.files import check_page, check_target
 from scaffold_cad.cli import sizes, source, strengthtiles, tiled
 from scaffold_cad.cli.flags import told_as
-from scaffold_cad.errors import OptionError
+from scaffold_cad.errors import FormatError, OptionError
+from scaffold_cad.io import written_suffixes
 from scaffold_cad.io.write import check_writable, write
 
 if TYPE_CHECKING:
@@ -101,8 +102,8 @@ def run(options: argparse.Namespace) -> None:
     tiled.refuse(options)
     if options.html is not None:
         check_page(options.html)
-    if options.output is not None and options.output.suffix.lower() not in BEAM_ENDINGS:
-        check_writable(options.output, skeleton=True)
+    if options.output is not None:
+        _check_output(options.output)
     skeleton = source.skeleton_from(options)
     model = _model(options, skeleton)
     result = None
@@ -125,6 +126,18 @@ def run(options: argparse.Namespace) -> None:
     else:
         write(skeleton if result is None else result.skeleton, options.output)
     _log.info("%s written", options.output)
+
+
+def _check_output(path: Path) -> None:
+    """Raise unless beams or a skeleton can be written to a file."""
+    suffix, skeletons = path.suffix.lower(), written_suffixes(skeleton=True)
+    if suffix in BEAM_ENDINGS:
+        check_target(path)
+    elif suffix in skeletons:
+        check_writable(path, skeleton=True)
+    else:
+        known = ", ".join(sorted({*BEAM_ENDINGS, *skeletons}))
+        raise FormatError(f"{path} can hold neither a skeleton nor loaded beams; need {known}")
 
 
 def _solve_tiles(options: argparse.Namespace) -> None:

@@ -74,7 +74,9 @@ def line_arrays(path: Path, kind: str) -> Arrays:
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
             mesh = reader.read(path)
     except (Exception, SystemExit) as error:  # of the many things that meshio raises
-        raise FormatError(f"{path} is not a sound file: {error!r:.200}; need one") from None
+        raise FormatError(
+            f"{path} is not a sound file: meshio ends at it with {error!r:.200}; need one"
+        ) from None
     points = as_doubles(np.asarray(mesh.points))
     if points.ndim != 2 or points.shape[1] > 3:
         raise FormatError(f"{path} has points of shape {points.shape}; need (n, 3)")

@@ -121,7 +121,7 @@ LINES = {
         "tripod.json --strict --to-units cm --jobs 1 --output b.csv",
     ],
     "formats": ["--quiet"],
-    "info": ["bare.obj --quiet --units cm --scale 0.5 --max-nodes 9"],
+    "info": ["bare.obj --quiet --strict --units cm --scale 0.5 --max-nodes 9"],
 }
 """Command lines, all flags of each command among them."""
 

@@ -50,6 +50,16 @@ def test_beam_models_are_written(arm: str, tmp_path: Path) -> None:
     assert "B32R" in out.read_text()
 
 
+@pytest.mark.parametrize("name", ["arm.stl", "arm.xyz"])
+def test_all_files_that_hold_beams_are_named(
+    name: str, arm: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / name
+    assert main(["strength", arm, "--fix", "xmin", "--weight", "-o", str(out)]) == 2
+    said = capsys.readouterr().err
+    assert "loaded beams; need .3mf, .bdf, .csv, .graphml, .inp, .json, .obj, .swc, .tcl" in said
+
+
 def test_page_tells_how_many_struts_are_overloaded(arm: str, tmp_path: Path) -> None:
     out = tmp_path / "arm.html"
     words = ["strength", arm, "--fix", "xmin", "--load", "xmax:0,0,-500", "--html", str(out)]

@@ -243,7 +243,7 @@ def test_what_is_beside_the_beams_is_told_and_a_body_of_its_own_in_a_cad_file(
 ) -> None:
     items = '<item objectid="1"/><item objectid="2"/>'
     path = str(packed(tmp_path, model([mesh(), SOLID], items)))
-    assert main(["info", path]) == 0
+    assert main(["info", path, "--strict"]) == 0
     assert "beside it      1 mesh of 4 triangles" in capsys.readouterr().out
     out = tmp_path / "out.step"
     for options in ([], ["--round"]):
@@ -276,8 +276,9 @@ def test_beams_that_are_none_are_told_and_refused_where_nothing_may_go(
     )
     assert main(["check", path]) == 0
     assert "left out 1 beam without a length or a radius > 0" in capsys.readouterr().err
-    assert main(["check", path, "--strict"]) == 2
-    assert "has 1 beam without a length or a radius > 0; need none" in capsys.readouterr().err
+    for command in ("check", "info"):
+        assert main([command, path, "--strict"]) == 2
+        assert "has 1 beam without a length or a radius > 0; need none" in capsys.readouterr().err
     path = str(
         packed(tmp_path, model([mesh('<b:beam v1="0" v2="1"/>', 'radius="-1" minlength="0.1"')]))
     )
