@@ -69,15 +69,26 @@ def prove(control: Floats, collar_distances: Floats, collar_radii: Floats) -> Pr
     control : (M, 4 N, D + 1, D + 1, 3) float64, relative to the node
     collar_distances, collar_radii : (M, N) float64, of the discs that close the surface
     """
+    slant = np.hypot(collar_distances, collar_radii)
+    discs = 2 * np.pi * (1 - collar_distances / slant)
+    return prove_around(control, discs.sum(axis=1))
+
+
+def prove_around(control: Floats, discs: Floats) -> Proof:
+    """Return what is known of M nodes around points of which each may be any but on the surface.
+
+    Parameters
+    ----------
+    control : (M, 4 N, D + 1, D + 1, 3) float64, relative to the point
+    discs : (M,) float64, solid angle of the discs that close the surface, seen from there, sr
+    """
     nodes, count = control.shape[:2]
     patches = control.reshape(-1, *control.shape[2:])
     positive = np.empty(len(patches), dtype=np.bool_)
     angle, cosine = np.empty(len(patches)), np.empty(len(patches))
     for block in blocks(len(patches), PATCH_BYTES, CACHE):
         positive[block], angle[block], cosine[block] = _patches(patches[block])
-    slant = np.hypot(collar_distances, collar_radii)
-    discs = 2 * np.pi * (1 - collar_distances / slant)
-    total = angle.reshape(nodes, count).sum(axis=1) + discs.sum(axis=1)
+    total = angle.reshape(nodes, count).sum(axis=1) + discs
     least = cosine.reshape(nodes, count).min(axis=1)
     proved = np.asarray(positive.reshape(nodes, count).all(axis=1))
     return Proof(proved, total, least)

@@ -63,12 +63,19 @@ class Gaps:
 
     def least(self, inside: Solved) -> Floats:
         """Return the least distance of samples of the surfaces inside, (U,), mm."""
+        return self.least_and_most(inside)[0]
+
+    def least_and_most(self, inside: Solved) -> tuple[Floats, Floats]:
+        """Return the least distance of samples of the surfaces inside, (U,), mm; and the greatest.
+
+        The greatest is that to the tangent planes at the nearest samples, past no collar.
+        """
         points, _ = surface_samples(inside, INSIDE)
         below, walls = self._below_struts(points)
         least = np.where(below, walls, np.inf).min(axis=1)
-        rest = [self._least(row, each[~below[row]]) for row, each in enumerate(points)]
-        nearest: Floats = np.minimum(least, rest)
-        return nearest
+        rest = [self._range(row, each[~below[row]]) for row, each in enumerate(points)]
+        nearest, furthest = np.transpose(rest)
+        return np.minimum(least, nearest), furthest
 
     def _below_struts(self, points: Floats) -> tuple[Bools, Floats]:
         """Return which points are at a strut past its collar, and how far below its surface.
@@ -97,10 +104,11 @@ class Gaps:
         nearest: Floats = np.where(there, walls, -np.inf).max(axis=1)
         return np.asarray(there.any(axis=1)), nearest
 
-    def _least(self, row: int, points: Floats) -> float:
+    def _range(self, row: int, points: Floats) -> tuple[float, float]:
         """Return the least distance of points (q, 3) inside of a surface, mm; < 0 outside.
 
-        Those that seem nearest are looked at first, and no more where all others seem further away.
+        And the greatest, as it seems. Those that seem nearest are looked at first, and no more
+        where all others seem further away.
         """
         place = np.asarray(self._trees[row].query(points)[1], dtype=np.intp)
         seems = dot(self._points[row, place] - points, self._normals[row, place])
@@ -110,7 +118,7 @@ class Gaps:
             if seems[some[0]] > least + MARGIN * abs(least):
                 break
             least = min(least, float(self._distances(row, points[some], place[some]).min()))
-        return least
+        return least, float(seems.max())
 
     def _distances(self, row: int, points: Floats, place: Ints) -> Floats:
         """Return how far points (q, 3) are inside of a surface, (q,), mm; < 0 for those outside.

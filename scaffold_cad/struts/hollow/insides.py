@@ -26,6 +26,7 @@ from scaffold_cad.struts.blending.fitting import pieces_of_patches
 from scaffold_cad.struts.blending.joins import types_of
 from scaffold_cad.struts.blending.layouts import Layout
 from scaffold_cad.struts.blending.proof import prove
+from scaffold_cad.struts.hollow.eyes import seen_from_eyes
 from scaffold_cad.struts.hollow.gaps import LEVELS, Gaps
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.room import SPARE
@@ -35,6 +36,9 @@ KEPT = 0.97
 """Part of the wall that is thick enough for no other way to be tried."""
 LEAST = 0.95
 """Part of the wall below which an inside is not taken: patches that fold at first may stay so."""
+THICKEST = (1.25, 0.03)
+"""Greatest wall of an inside that is taken: parts of the wall, and of the node's greatest radius.
+Smoother surfaces keep walls as well, but cut off what is narrow: tips between struts."""
 AIM = 1.01
 """What walls are to be at samples, over what is asked for: between samples they can be thinner."""
 PUSH = 1.5
@@ -61,9 +65,10 @@ class InsideRecipe:
 
 RECIPES = (
     InsideRecipe(Layout(1, 1, 7), ((1e-2, 1), (1e-3, 4), (1e-4, 4), (1e-5, 4)), 25),
-    InsideRecipe(Layout(2, 2, 5), ((1e-3, 6), (1e-4, 8)), 30),
+    InsideRecipe(Layout(2, 2, 5), ((1e-4, 6), (1e-5, 8)), 30),
+    InsideRecipe(Layout(2, 2, 7), ((1e-6, 12),), 30),
     InsideRecipe(Layout(2, 2, 5), ((1e-3, 4), (1e-4, 6), (1e-5, 6)), 30),
-    InsideRecipe(Layout(2, 2, 5), ((1e-2, 4), (1e-3, 8)), 30),
+    InsideRecipe(Layout(2, 2, 5), ((1e-3, 6), (1e-4, 8)), 30),
 )
 """Tried in this order, each for the nodes that the ones before left unproved or thin."""
 
@@ -145,7 +150,7 @@ def insides(skins: Skins, wall: float) -> list[tuple[Ints, Solved]]:
 
 
 def _solved(skins: Skins, wall: float, recipe: InsideRecipe) -> tuple[Solved, Floats]:
-    """Return the insides that a recipe gives, and their least walls, (U,), mm."""
+    """Return the insides that a recipe gives, and their least walls, (U,), mm; -inf if thick."""
     kinds = types_of(skins.quads)
     order = np.argsort(kinds.type_of, kind="stable")
     samples = 4 * skins.axes.shape[1] * LEVELS**2  # of a node
@@ -154,7 +159,11 @@ def _solved(skins: Skins, wall: float, recipe: InsideRecipe) -> tuple[Solved, Fl
         some = skins[rows]
         gaps = Gaps(some.shapes)
         made = _fitted(some, kinds.sides[rows], kinds.parts(rows), gaps, wall, recipe)
-        return made, gaps.least(made)
+        least, most = gaps.least_and_most(made)
+        part, more = THICKEST
+        least[most > part * wall + more * some.shapes.collar_radii.max(axis=1)] = -np.inf
+        hidden = np.flatnonzero(~made.proved & (least >= LEAST * wall))
+        return seen_from_eyes(made, some.axes, hidden), least
 
     parts = list(cut(order, samples * SAMPLE_BYTES, CACHE))
     done = list(counted("insides", in_order(work, parts), [len(rows) for rows in parts]))

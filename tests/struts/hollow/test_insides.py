@@ -6,16 +6,18 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from scaffold_cad import Skeleton, round_struts
+from scaffold_cad import Skeleton, round_struts, to_brep
 from scaffold_cad.partition.arcs import side_twins
 from scaffold_cad.struts import Blends, blends
 from scaffold_cad.struts.blending.blend import Solved
 from scaffold_cad.struts.hollow.gaps import INSIDE, Gaps, surface_samples
 from scaffold_cad.struts.hollow.insides import Skins, insides
 from tests.struts.stars import CUBIC, FIVE_TUBES, TRIPOD, random_stars, stars_of
+from tests.validation.reread import least_wall
 
 TUBES = np.array([17.5, 16, 14, 9, 9])
 ELBOW = np.eye(3)[:2]
+FORK = np.array([[0.26, 0, 0.9656], [-0.26, 0, 0.9656]]) / np.hypot(0.26, 0.9656)  # 30 degrees
 UNEVEN = random_stars(6, 4, 50, np.random.default_rng(4))
 CASES = {
     "tripod": (stars_of(TRIPOD), 0.3),
@@ -24,6 +26,7 @@ CASES = {
     "five tubes": (stars_of(FIVE_TUBES, TUBES, blends=5.0), 3.0),
     "cones": (stars_of(CUBIC, slopes=-0.2), 0.3),
     "ball": (stars_of(TRIPOD, balls=2.0), 0.3),
+    "hairpin": (stars_of(FORK), 0.2),
     "uneven": (stars_of(UNEVEN, np.array([1.0, 0.5, 2.0, 1.3]), blends=0.25), 0.2),
 }
 
@@ -56,6 +59,7 @@ def test_walls_are_as_thick_as_asked(name: str) -> None:
             inside, _ = surface_samples(inner[np.array([row])], 22)
             nearest, _ = cKDTree(points[0]).query(inside[0])
             assert nearest.min() > 0.95 * wall
+            assert nearest.max() < 1.25 * wall + 0.03 * outer.collar_radii[row].max()
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -114,7 +118,9 @@ def test_gaps_are_distances_to_the_surface() -> None:
     points, _ = surface_samples(outer, 97)
     inside, _ = surface_samples(thinner, INSIDE)
     nearest = cKDTree(points[0]).query(inside[0])[0].min()
-    assert Gaps(outer).least(thinner)[0] == pytest.approx(nearest, rel=2e-3)
+    least, most = Gaps(outer).least_and_most(thinner)
+    assert least[0] == pytest.approx(nearest, rel=2e-3)
+    assert most[0] == pytest.approx(0.1 * outer.reach[0], rel=0.2)
     assert Gaps(thinner).least(outer)[0] < -0.05
 
 
@@ -128,3 +134,18 @@ def test_nodes_without_room_for_their_collars_are_fitted_anew() -> None:
     assert len(struts.overlapping) == 0
     # The closed end takes a part of a strut: the fillet inside is tighter, and the wall thicker.
     assert struts.inner.fillet[0] < struts.fillet[0] + 0.39
+
+
+def test_an_inside_that_its_node_does_not_see_is_proved_around_another_point() -> None:
+    """Between struts 30 degrees apart the inside ends before it reaches the node."""
+    half = np.radians(15.0)
+    tips = 25 * np.array([[np.sin(half), 0, np.cos(half)], [-np.sin(half), 0, np.cos(half)]])
+    fork = Skeleton(np.concatenate([np.zeros((1, 3)), tips]), [[0, 1], [0, 2]], 1.0)
+    struts = round_struts(fork, wall=0.5, ends="open")
+    assert struts.inner is not None
+    assert not struts.inner.crowded.any()
+    assert len(struts.overlapping) == 0
+    shape = to_brep(struts)
+    assert shape.is_valid
+    assert len(shape.faces()) == 22  # none is a facet
+    assert least_wall(shape, 0.5) > 0.96
