@@ -24,6 +24,10 @@ TOO_MUCH = 1.03
 ALIKE = 1.5
 """What is thicker than asked by up to this, in walls, is thinned to the wall."""
 
+MORE = 1.01
+"""What is too thin is moved to this times what is enough: to the whole wall, triangles between
+vertices that moved would be too far in."""
+
 LUMP = 3.0
 """What is thicker than this, in walls, stays: a void that is filled."""
 
@@ -120,7 +124,7 @@ class Aim:
     def _away(self, way: Floats) -> Floats:
         """Return what ways (k, 3) from the outside lack, (k, 3), mm."""
         far = length(way)
-        share = np.where(far > 0, self.wall / np.where(far > 0, far, 1.0) - 1.0, 0.0)
+        share = np.where(far > 0, MORE * self.least / np.where(far > 0, far, 1.0) - 1.0, 0.0)
         return np.asarray(share[:, None] * way)
 
 
