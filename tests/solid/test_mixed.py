@@ -101,8 +101,8 @@ def test_polygons_lie_within_the_circles_of_their_struts() -> None:
         middle, normal = faces.faces.axes.origin[ring], faces.faces.axes.z[ring]
         np.testing.assert_allclose((points - middle) @ normal, 0.0, atol=1e-12)
         away = np.linalg.norm(points - middle, axis=1)
-        assert (away < 0.99).all()
-        assert (away > 0.95).all()
+        assert (away < 0.998).all()
+        assert (away > 0.99).all()
         assert faces.faces.uses[outer + 1] - faces.faces.uses[outer] == 1  # one whole circle
 
 
@@ -208,20 +208,22 @@ def test_hollow_struts_are_hollow_in_clusters_too(
     assert sorted(set(sizes.round(12).tolist())) == [0.6, 1.0]
 
 
+@pytest.mark.parametrize(("wall", "is_thin"), [(0.15, False), (0.06, True)])
 def test_thin_walls_of_facets_beside_exact_insides_are_told(
-    caplog: pytest.LogCaptureFixture,
+    wall: float, is_thin: bool, caplog: pytest.LogCaptureFixture
 ) -> None:
-    near = CROSSING.moved(CROSSING.nodes * [1, 1, 1.85 / np.ptp(CROSSING.nodes[:, 2])])
-    brep = mixed_brep(round_struts(near, wall=0.15))
+    near = CROSSING.moved(CROSSING.nodes * [1, 1, (2 - wall) / np.ptp(CROSSING.nodes[:, 2])])
+    brep = mixed_brep(round_struts(near, wall=wall))
     told = re.search(r"a wall is as thin as (\S+) mm near \[.*by their outsides only", caplog.text)
-    assert told
     shells = [shell.tessellate(0.001, 0.05) for shell in brep_of_faces(brep).shells()]
     meshes = [trimesh.Trimesh([tuple(one) for one in points], faces) for points, faces in shells]
     outside, *inside = sorted(meshes, key=lambda mesh: -float(mesh.scale))
     facets = np.concatenate([outside.vertices, outside.vertices[outside.edges_unique].mean(axis=1)])
     facets = facets[np.abs(facets - near.nodes.mean(axis=0)).max(axis=1) < 4]
     least = distances(facets, trimesh.util.concatenate(inside)).min()
-    assert float(told[1]) == pytest.approx(least, rel=0.05)
+    assert (least < 0.9 * wall) == is_thin == bool(told)
+    if told:
+        assert float(told[1]) == pytest.approx(least, rel=0.05)
 
 
 def test_sockets_beside_clusters_stay_and_ends_in_clusters_are_closed() -> None:

@@ -30,10 +30,10 @@ from scaffold_cad.solid.field.solid import CELL_FRACTION, SWELL
 from scaffold_cad.struts.apart import Slack
 from scaffold_cad.struts.model import RoundStruts
 
-SIDES = 16
+SIDES = 32
 """Corners of the polygons in which clusters end."""
 
-INSET = 0.02
+INSET = 0.005
 """How far the corners of polygons are inside of their circles, in radii: more than CAD programs
 take for one place."""
 
