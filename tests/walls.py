@@ -20,6 +20,9 @@ Shell = trimesh.Trimesh
 PLACES = 20_000
 """Random points."""
 
+OFF = 0.005
+"""How far triangles of exact faces are off at most, in walls: on both sides it makes walls thin."""
+
 
 def of_solids(path: Path, wall: float) -> tuple[str, list[Shell], list[Shell], float]:
     """Return what is wrong with a STEP file, its shells outside and inside, and the volume."""
@@ -28,7 +31,7 @@ def of_solids(path: Path, wall: float) -> tuple[str, list[Shell], list[Shell], f
     for solid in shape.solids():
         meshes = []
         for shell in solid.shells():
-            points, corners = shell.tessellate(0.02 * wall, 0.1)
+            points, corners = shell.tessellate(OFF * wall, 0.1)
             meshes.append(trimesh.Trimesh([tuple(point) for point in points], corners))
         meshes.sort(key=lambda mesh: -float(mesh.scale))  # the one around all others comes first
         outer.append(meshes[0])
