@@ -13,7 +13,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from scaffold_cad.base.arrays import Ints, Points
+from scaffold_cad.base.arrays import Bools, Ints, Points
 from scaffold_cad.base.counts import Count
 
 PAIRS_AT_ONCE = 1 << 16
@@ -28,6 +28,31 @@ Packed: TypeAlias = NDArray[np.int64]
 GRID_BITS = 20
 FIELD_BITS = GRID_BITS + 1
 SPARE_BITS = sum(1 << (axis * FIELD_BITS + GRID_BITS) for axis in range(3))
+
+
+@dataclass(frozen=True, eq=False)
+class Spans:
+    """Spans of things along three axes, rounded down to a grid of 2**20 steps.
+
+    With the spare bits set in `highs`, `highs[i] - lows[j]` keeps them all just where span i ends
+    nowhere below the start of span j: one subtraction compares three coordinates.
+    """
+
+    lows: Packed
+    highs: Packed
+    """Both shape (n,)."""
+
+    def overlap(self, i: Ints, j: Ints) -> Bools:
+        """Return which pairs overlap along all axes, (k,); rounding never parts spans that do."""
+        low, high = self.lows, self.highs
+        overlap: Bools = (high[i] - low[j]) & (high[j] - low[i]) & SPARE_BITS == SPARE_BITS
+        return overlap
+
+
+def spans_of(low: Points, high: Points) -> Spans:
+    """Return the spans from `low` to `high` (n, 3)."""
+    lows, highs = _on_grid(low, high)
+    return Spans(_packed(lows), _packed(highs) | SPARE_BITS)
 
 
 def overlapping_boxes(low: Points, high: Points) -> Iterator[tuple[Ints, Ints]]:
@@ -70,7 +95,7 @@ def overlapping_neighbors(
     waiting = [(0, root, root)]
     while waiting:
         level, i, j = waiting.pop()
-        if level == len(tree.lows) - 1:
+        if level == len(tree) - 1:
             proper = (i < j) & (j < len(low))
             if count is not None:
                 count.done += int(((i == j) & (j < len(low))).sum())
@@ -79,37 +104,26 @@ def overlapping_neighbors(
             middle = len(i) // 2
             waiting += [(level, i[:middle], j[:middle]), (level, i[middle:], j[middle:])]
         else:
-            waiting.append((level + 1, *_meeting_children(tree, level + 1, i, j)))
+            waiting.append((level + 1, *_meeting_children(tree[level + 1], i, j)))
 
 
-@dataclass(frozen=True, eq=False)
-class _BoxTree:
-    """A complete binary tree of boxes: boxes 2 k and 2 k + 1 of a level lie in box k above.
+def _box_tree(low: Points, high: Points) -> list[Spans]:
+    """Return the complete binary tree whose first leaves are the given boxes (n, 3).
 
-    Bounds are rounded down to a grid of 2**20 steps, which never parts boxes that meet. With
-    the spare bits set in `highs`, `highs[i] - lows[j]` keeps them all just where box i ends
-    nowhere below the start of box j: one subtraction compares three coordinates.
+    The root is first; boxes 2 k and 2 k + 1 of a level lie in box k of that above. The other leaves
+    are empty.
     """
-
-    lows: list[Packed]
-    highs: list[Packed]
-    """Bounds of the boxes of each level, the root's first, shapes (1,), (2,), (4,), ..."""
-
-
-def _box_tree(low: Points, high: Points) -> _BoxTree:
-    """Return the tree whose first leaves are the given boxes (n, 3); the other leaves are empty."""
     count = len(low)
     depth = max(count - 1, 0).bit_length()
     lows = np.full((3, 2**depth), 2**GRID_BITS - 1, dtype=np.int64)
     highs = np.zeros((3, 2**depth), dtype=np.int64)
     lows[:, :count], highs[:, :count] = _on_grid(low, high)
-    tree = _BoxTree([_packed(lows)], [_packed(highs) | SPARE_BITS])
+    tree = [Spans(_packed(lows), _packed(highs) | SPARE_BITS)]
     for _ in range(depth):
         lows = np.minimum(lows[:, 0::2], lows[:, 1::2])
         highs = np.maximum(highs[:, 0::2], highs[:, 1::2])
-        tree.lows.insert(0, _packed(lows))
-        tree.highs.insert(0, _packed(highs) | SPARE_BITS)
-    return tree
+        tree.append(Spans(_packed(lows), _packed(highs) | SPARE_BITS))
+    return tree[::-1]
 
 
 def _on_grid(low: Points, high: Points) -> tuple[OnGrid, OnGrid]:
@@ -153,13 +167,12 @@ def _spread(values: NDArray[np.int64]) -> NDArray[np.int64]:
     return values
 
 
-def _meeting_children(tree: _BoxTree, level: int, i: Ints, j: Ints) -> tuple[Ints, Ints]:
+def _meeting_children(boxes: Spans, i: Ints, j: Ints) -> tuple[Ints, Ints]:
     """Return the pairs of boxes of a level that overlap, below the pairs i <= j above it."""
-    low, high = tree.lows[level], tree.highs[level]
     i, j = np.repeat(2 * i, 4), np.repeat(2 * j, 4)
     i[2::4] += 1
     i[3::4] += 1
     j[1::2] += 1
-    overlap = (high[i] - low[j]) & (high[j] - low[i]) & SPARE_BITS == SPARE_BITS
+    overlap = boxes.overlap(i, j)
     overlap &= i <= j  # the halves of one box meet each other once
     return i[overlap], j[overlap]

@@ -11,6 +11,7 @@ from scaffold_cad.base.boxes import (
     order_in_space,
     overlapping_boxes,
     overlapping_neighbors,
+    spans_of,
 )
 from scaffold_cad.base.counts import Count
 
@@ -91,3 +92,14 @@ def test_boxes_are_counted_once_their_pairs_are_told(number: int) -> None:
     order, count = order_in_space(low, high), Count("boxes", number)
     list(overlapping_neighbors(low[order], high[order], count))
     assert count.done == number
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from([1e-6, 0.05, 1.0]))
+def test_spans_overlap_where_they_do_along_all_axes(seed: int, size: float) -> None:
+    random = np.random.default_rng(seed)
+    low = random.standard_normal((40, 3))
+    high = low + size * random.exponential(size=(40, 3))
+    i, j = np.triu_indices(40, 1)
+    told = set(zip(i[found := spans_of(low, high).overlap(i, j)], j[found], strict=True))
+    extent = (high - low.min(axis=0)).max()
+    assert overlap_within(low, high, 0.0) <= told <= overlap_within(low, high, ROUNDING * extent)

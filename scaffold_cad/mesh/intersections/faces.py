@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints, Points
+from scaffold_cad.base.boxes import Spans, spans_of
 from scaffold_cad.base.positions import equal_positions
 from scaffold_cad.base.vectors import dot, normalize
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -83,3 +84,12 @@ def boxes_of(corners: Floats) -> tuple[Points, Points]:
     """Return the lowest and highest coordinates of triangles (t, 3, 3), shapes (t, 3)."""
     a, b, c = (corners[:, k] for k in range(3))
     return np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+
+
+def diagonal_spans(corners: Floats) -> tuple[Spans, Spans]:
+    """Return the spans of triangles (t, 3, 3) along x + y, y + z, z + x and along x - y, ….
+
+    Rounding keeps the order of sums and differences, so that triangles that meet overlap.
+    """
+    following = np.roll(corners, -1, axis=2)
+    return spans_of(*boxes_of(corners + following)), spans_of(*boxes_of(corners - following))

@@ -1,7 +1,8 @@
-"""Three sieves on pairs of triangles.
+"""Four sieves on pairs of triangles.
 
-Boxes that overlap; certificates in rounded numbers that two triangles are apart or that they cross;
-and, for the few pairs that rounding leaves open, their intersection in whole numbers.
+Boxes that overlap; spans along diagonals, which few long thin triangles are wide along;
+certificates in rounded numbers that two triangles are apart or that they cross; and, for the few
+pairs that rounding leaves open, their intersection in whole numbers.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from scaffold_cad.base.threads import in_order
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.intersections.certificates import depth_of, left_open, pierces
 from scaffold_cad.mesh.intersections.exact import meet_exactly
-from scaffold_cad.mesh.intersections.faces import Faces, boxes_of, faces_of
+from scaffold_cad.mesh.intersections.faces import Faces, boxes_of, diagonal_spans, faces_of
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 LARGEST_COORDINATE = 1e70
@@ -132,9 +133,14 @@ def _check_size(mesh: TriangleMesh) -> None:
 
 def _meeting_pairs(faces: Faces, part: Ints, tolerance: float | None) -> Iterator[Edges]:
     """Yield blocks of the pairs of triangles that meet where they may not, shape (k, 2)."""
+    diagonals = diagonal_spans(faces.corners)
 
     def sieved(block: tuple[Ints, Ints]) -> tuple[Edges, Bools]:
-        return _neither_apart_nor_crossing(faces, part, tolerance, *block)
+        i, j = block
+        for spans in diagonals:
+            overlap = spans.overlap(i, j)
+            i, j = i[overlap], j[overlap]
+        return _neither_apart_nor_crossing(faces, part, tolerance, i, j)
 
     several = len(part) > ONE_THREAD
     with counting("triangles tested for crossings", len(part)) as count:
