@@ -22,6 +22,7 @@ from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.collapse import without_short_edges
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.intersections.faces import boxes_of
+from scaffold_cad.mesh.necks import without_necks
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.mesh.welding import with_fans_apart
 from scaffold_cad.solid import manifolds
@@ -123,6 +124,8 @@ def _uncrossed(mesh: TriangleMesh, least: float) -> TriangleMesh:
         near[mesh.triangles[crossings]] = True
         near[mesh.triangles[near[mesh.triangles].any(axis=1)]] = True
         low, high = _boxes_around(mesh, near)
+        mesh = without_necks(mesh, longer * least, near)
+        near = np.append(near, np.ones(len(mesh.vertices) - len(near), dtype=np.bool_))
         mesh = without_flakes(without_short_edges(mesh, longer * least, near=near))
         crossings = _crossings_within(mesh, low, high)
     if len(crossings) == 0:
