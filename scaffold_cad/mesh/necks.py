@@ -42,7 +42,8 @@ def without_necks(mesh: TriangleMesh, longest: float, near: Bools) -> TriangleMe
         for k, vertex in enumerate(corners):
             fans.setdefault(vertex, {})[corners[k - 2]] = row, corners[k - 1]
     triangles = mesh.triangles.copy()
-    more, doubled = [], []
+    doubled: list[int] = []
+    more: list[list[int]] = []
     for loop in loops:
         own = [len(mesh.vertices) + len(doubled) + k for k in range(3)]
         doubled += loop

@@ -195,6 +195,7 @@ def parted(mesh: TriangleMesh, extent: float, factor: float = 1.0) -> TriangleMe
 
     Parameters
     ----------
+    mesh : it may touch itself at vertices and edges, and does not cross itself
     extent : greatest coordinate
     factor : lengths in it over those in mm
 
@@ -210,7 +211,8 @@ def parted(mesh: TriangleMesh, extent: float, factor: float = 1.0) -> TriangleMe
     count = counted(len(np.unique(places, axis=0)), "place")
     for parting in PARTINGS:
         found = _drawn_in(mesh, touching, parting * extent)
-        if not _at_one_place(found).any() and len(self_intersections(found)) == 0:
+        crossings = _crossings_within(found, *_boxes_around(found, touching))
+        if not _at_one_place(found).any() and len(crossings) == 0:
             moved = length(found.vertices - mesh.vertices).max() / factor
             one = place_text(places[0] / factor)
             told = f"the surface touches itself at {count} (one is {one})"
