@@ -365,8 +365,9 @@ class Skeleton(Frozen, Shown, Editing):
         """Return the skeleton without the joints that its shape does not need.
 
         A joint goes where the branch without it stays within `tolerance` of the old one in
-        (x, y, z, r), or where it stands closer to its neighbor than its radius. Branch points,
-        extremities, and three joints of each ring stay.
+        (x, y, z, r), or where it stands closer to its neighbor than its radius and the radius
+        changes by no more than a tenth. Branch points, extremities, and three joints of each ring
+        stay.
 
         Parameters
         ----------

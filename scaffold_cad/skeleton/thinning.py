@@ -14,6 +14,9 @@ from scaffold_cad.base.vectors import length
 LEAST_SPACING = 1.0
 """Least distance of two neighboring joints, as a multiple of the larger of their radii."""
 
+MOST_STRAY = 0.1
+"""How far the radius may stray where a joint beside its neighbor goes, in radii of its own."""
+
 
 def thinned_edges(
     nodes: Points, edges: Edges, edge_radii: Floats, branches: Chains, tolerance: float
@@ -95,7 +98,8 @@ def kept_samples(
 
     Between kept samples neither the positions nor the radii stray more than `tolerance` (mm)
     from their linear interpolation (Douglas and Peucker's rule in x, y, z, r); of what is kept,
-    a joint closer to its neighbor than `spacing` times its radius goes as well.
+    a joint closer to its neighbor than `spacing` times its radius goes as well, unless the radius
+    changes there: of a strut that leaves a ball.
     """
     samples = np.column_stack([points, radii])  # (k, 4)
     keep = np.zeros(len(samples), dtype=np.bool_)
@@ -110,7 +114,7 @@ def kept_samples(
         if distance[worst] > tolerance:
             keep[first + worst] = True
             spans += [(first, first + worst), (first + worst, last)]
-    _drop_crowded(points, spacing * radii, keep)
+    _drop_crowded(samples, spacing, np.maximum(tolerance, MOST_STRAY * radii), keep)
     return keep
 
 
@@ -130,21 +134,35 @@ def _distance_to_chord(samples: Floats) -> Floats:
     return distance
 
 
-def _drop_crowded(points: Points, room: Floats, keep: Bools) -> None:
-    """Clear in `keep` the joints that stand closer to their neighbor than their `room`."""
+def _drop_crowded(samples: Floats, spacing: float, stray: Floats, keep: Bools) -> None:
+    """Clear in `keep` the joints (k, 4) that stand closer to their neighbor than `spacing` radii.
+
+    A joint stays where the radius of any sample between its neighbors would stray more than
+    `stray` (k,), mm.
+    """
+    points, radii = samples[:, :3], samples[:, 3]
+    kept = np.flatnonzero(keep)
 
     def crowded(a: int, b: int) -> bool:
-        return bool(length(points[a] - points[b]) < max(room[a], room[b]))
+        return bool(length(points[a] - points[b]) < spacing * max(radii[a], radii[b]))
 
-    kept = np.flatnonzero(keep)
+    def joined(first: int, last: int) -> bool:
+        between = kept[(kept > first) & (kept < last)]
+        chord = points[last] - points[first]
+        squared = max(float(chord @ chord), np.finfo(float).tiny)
+        along = np.clip((points[between] - points[first]) @ chord / squared, 0.0, 1.0)
+        off = radii[between] - (radii[first] + along * (radii[last] - radii[first]))
+        return bool((np.abs(off) <= stray[between]).all())
+
     last, end = int(kept[0]), int(kept[-1])
-    for sample in kept[1:-1].tolist():
-        if crowded(last, sample):
+    for sample, following in pairwise(kept[1:].tolist()):
+        if crowded(last, sample) and joined(last, following):
             keep[sample] = False
         else:
             last = sample
     # Those that are left before the end give way to it.
-    for sample in np.flatnonzero(keep)[-2:0:-1].tolist():
-        if not crowded(sample, end):
+    left = np.flatnonzero(keep).tolist()
+    for before, sample in zip(left[-3::-1], left[-2:0:-1], strict=True):
+        if not (crowded(sample, end) and joined(before, end)):
             break
         keep[sample] = False

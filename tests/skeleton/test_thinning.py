@@ -76,8 +76,24 @@ def test_joints_near_the_end_go_one_after_the_other() -> None:
 
 def test_the_larger_radius_of_the_two_counts() -> None:
     points = np.array([[0, 0, 0], [5, 1, 0], [20, 0, 0]], float)
-    assert not kept_samples(points, np.array([6.0, 1, 1]), 0.0)[1]
-    assert kept_samples(points, np.array([1.0, 1, 6]), 0.0)[1]
+    assert not kept_samples(points, np.array([6.0, 4.8, 1]), 0.0)[1]
+    assert kept_samples(points, np.array([4.9, 4.8, 1]), 0.0)[1]
+    assert kept_samples(points, np.array([1.0, 4.8, 6]), 0.0)[1]
+
+
+@pytest.mark.parametrize("turned", [1, -1])
+def test_a_joint_stays_where_a_thin_strut_leaves_a_ball(turned: int) -> None:
+    points = np.array([[0, 0, 0], [5, 0, 0], [5.5, 0, 0], [40, 0, 0]], float)[::turned]
+    assert kept_samples(points, np.array([6.0, 1, 1, 1])[::turned], 0.01)[1:3].any()
+    assert kept_samples(points[::3], np.array([6.0, 1])[::turned], 0.01).all()
+
+
+def test_no_sample_of_a_crowded_run_strays_in_radius() -> None:
+    points = np.stack([np.linspace(0, 4, 9), np.zeros(9), np.zeros(9)], axis=1)
+    radii = np.array([5.0, 5, 5, 5, 1, 1, 1, 1, 1])
+    keep = np.flatnonzero(kept_samples(points, radii, 0.0))
+    between = np.interp(points[:, 0], points[keep, 0], radii[keep])
+    assert np.abs(between - radii).max() <= 0.1 * 5.0
 
 
 @pytest.mark.parametrize("count", [2, 3])
