@@ -188,7 +188,7 @@ def _round_instead(scaffold: Scaffold, factor: float) -> Solidified:
     radii = EQUAL_AREA * scaffold.options.corner_distance * skeleton.radii
     struts = skeleton_struts(skeleton.with_radii(radii), blend=0.0, flat_ends=True)
     report_thickened(struts, factor)
-    mesh, voids = without_voids(field_of(struts, SIDES, factor=factor))
+    mesh, voids = without_voids(field_of(struts, SIDES, factor=factor), struts.middles)
     return Solidified(manifolds.to_manifold(mesh), np.arange(len(skeleton.edges)), voids)
 
 

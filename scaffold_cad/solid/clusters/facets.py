@@ -91,7 +91,7 @@ def faceted(
         points, starts = _polygons(left, half_runs), left.x[half_runs]
         rings = np.arange(len(points)).reshape(-1, SIDES)
         fields = cluster_struts(struts, clusters)
-        field, voids = without_voids(remade.surface(fields))
+        field, voids = without_voids(remade.surface(fields), fields.middles)
         made = seamed(field, cuts, points, rings, starts)
         if len(made.failed) == 0:
             report_filled(voids)
@@ -101,7 +101,7 @@ def faceted(
         _log.debug("%d of %d seams failed", len(made.failed), len(cuts.node))
         core, seeds = grown(struts, clusters, made.failed)
     none, fields = np.zeros((0, SIDES), dtype=np.intp), whole_struts(struts)
-    field, voids = without_voids(field_of(fields, SIDES, sags))
+    field, voids = without_voids(field_of(fields, SIDES, sags), fields.middles)
     report_filled(voids)
     mesh = _coarser(field, fields, none, sags)
     return Faceted(None, mesh, none, none[:, 0])

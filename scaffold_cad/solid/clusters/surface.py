@@ -214,7 +214,7 @@ def _surface(
         mesh, failed = shell.made.mesh, np.zeros(0, dtype=np.intp)
         voids: list[float] = []
         if fields is not None:
-            field, voids = without_voids(remade.surface(fields))
+            field, voids = without_voids(remade.surface(fields), fields.middles)
             mesh, failed = _joined(clusters, shell, field, factor)
         if len(failed) == 0:
             own = ends < count
@@ -242,7 +242,7 @@ def _surface(
     )
     fields = whole_struts(struts)
     report_thickened(fields, factor)
-    mesh, voids = without_voids(field_of(fields, sides, sags, factor))
+    mesh, voids = without_voids(field_of(fields, sides, sags, factor), fields.middles)
     report_filled(voids)
     none = np.zeros((0, sides), dtype=np.intp)
     nodes, pieces = np.ones_like(core.nodes), np.ones_like(core.pieces)

@@ -8,7 +8,8 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from scaffold_cad.base.arrays import Floats, Frozen, Ints
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points
+from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.vectors import sums_by_row
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted, cone_volumes
 
@@ -37,21 +38,44 @@ def pieces_of(mesh: TriangleMesh) -> Pieces:
     return Pieces(labels, volumes)
 
 
-def without_voids(mesh: TriangleMesh) -> tuple[TriangleMesh, list[float]]:
+def without_voids(
+    mesh: TriangleMesh, middles: Points | None = None
+) -> tuple[TriangleMesh, list[float]]:
     """Return a closed mesh with its enclosed voids filled, and the volumes of these, mm³.
 
     A void that holds a body of its own stays.
+
+    Parameters
+    ----------
+    middles : (m, 3) float64, mm; of the struts that a field is the surface of. Bodies that are
+        around none of them are crumbs, as where cells are wider than a sharp rim: they go, too
     """
     pieces = pieces_of(mesh)
     voids, bodies = np.flatnonzero(pieces.volumes < 0), np.flatnonzero(pieces.volumes > 0)
-    if len(voids) == 0:
+    if len(pieces.volumes) == 1:
         return mesh, []
     low, high = _boxes(mesh, pieces)
+    crumbs = bodies[:0]
+    if middles is not None and len(bodies) > 1:
+        crumbs = bodies[~_around(low[bodies], high[bodies], middles)]
+        bodies = np.setdiff1d(bodies, crumbs)
     after = (low[voids, None] <= low[bodies]).all(axis=2)  # (voids, bodies)
     before = (high[bodies] <= high[voids, None]).all(axis=2)
     filled = voids[~np.logical_and(after, before).any(axis=1)]
-    kept = ~np.isin(pieces.piece_of[mesh.triangles[:, 0]], filled)
+    if len(filled) + len(crumbs) == 0:
+        return mesh, []
+    gone = np.append(filled, crumbs)
+    kept = ~np.isin(pieces.piece_of[mesh.triangles[:, 0]], gone)
     return compacted(mesh.vertices, mesh.triangles[kept]), (-pieces.volumes[filled]).tolist()
+
+
+def _around(low: Floats, high: Floats, points: Points) -> Bools:
+    """Return which boxes (b, 3) hold one of some points (m, 3), (b,)."""
+    found = np.zeros(len(low), dtype=np.bool_)
+    both = np.concatenate([low, points]), np.concatenate([high, points])
+    for box, other in overlapping_boxes(*both):
+        found[box[(box < len(low)) & (other >= len(low))]] = True
+    return found
 
 
 def _boxes(mesh: TriangleMesh, pieces: Pieces) -> tuple[Floats, Floats]:

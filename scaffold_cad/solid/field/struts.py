@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import checks_keywords
-from scaffold_cad.base.arrays import Bools, Floats, Frozen, as_floats, as_points
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Points, as_floats, as_points
 from scaffold_cad.base.summaries import counted, radii_text, size_text
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import OptionError
@@ -46,6 +46,11 @@ class FieldStruts(Frozen):
     def lengths(self) -> Floats:
         """Length of each axis, shape (m,), mm."""
         return length(self.ends[:, 1] - self.ends[:, 0])
+
+    @property
+    def middles(self) -> Points:
+        """Middle of each axis, shape (m, 3), mm."""
+        return self.ends.mean(axis=1)
 
     @property
     def fineness(self) -> Floats:
