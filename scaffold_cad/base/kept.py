@@ -6,12 +6,14 @@ from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from functools import wraps
 from threading import Lock
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, Concatenate, ParamSpec, TypeVar
+from weakref import ref
 
 import numpy as np
 
 _Given = ParamSpec("_Given")
 _Made = TypeVar("_Made")
+_Kind = TypeVar("_Kind")
 
 
 def kept(most: int) -> Callable[[Callable[_Given, _Made]], Callable[_Given, _Made]]:
@@ -53,6 +55,46 @@ def kept(most: int) -> Callable[[Callable[_Given, _Made]], Callable[_Given, _Mad
         return get
 
     return decorate
+
+
+def kept_last(
+    make: Callable[Concatenate[_Kind, _Given], _Made],
+) -> Callable[Concatenate[_Kind, _Given], _Made]:
+    """Keep what a function returned last, as long as its first argument lives.
+
+    It is let go before anything else is made: both may not fit into memory.
+
+    Examples
+    --------
+    >>> class Part:
+    ...     pass
+    >>> @kept_last
+    ... def points(part, count):
+    ...     return np.zeros((count, 3))
+    >>> part = Part()
+    >>> points(part, 4) is points(part, 4), points(part, 5) is points(Part(), 5)
+    (True, False)
+    """
+    slot: list[tuple[ref[_Kind], Hashable, _Made]] = []
+    lock = Lock()
+
+    def gone(whose: ref[_Kind]) -> None:
+        slot[:] = [row for row in slot if row[0] is not whose]
+
+    @wraps(make)
+    def get(what: _Kind, /, *args: _Given.args, **keywords: _Given.kwargs) -> _Made:
+        key = (args, tuple(sorted(keywords.items())))
+        with lock:
+            for whose, own, made in slot:
+                if whose() is what and own == key:
+                    return made
+            slot.clear()
+        made = make(what, *args, **keywords)
+        with lock:
+            slot[:] = [(ref(what, gone), key, made)]
+        return made
+
+    return get
 
 
 def bytes_of(value: Any) -> int:

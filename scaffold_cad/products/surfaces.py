@@ -7,6 +7,7 @@ from typing import Any
 from scaffold_cad import brep
 from scaffold_cad.base.backends import is_instance
 from scaffold_cad.base.builders import built
+from scaffold_cad.base.kept import kept_last
 from scaffold_cad.brep.beziermesh import BezierMesh
 from scaffold_cad.brep.g1 import Patches
 from scaffold_cad.errors import OptionError
@@ -57,11 +58,11 @@ def surface_of(
         return what.mesh
     if isinstance(what, Scaffold):
         if to_unite(overlaps, embedding_as_written(what, factor).left_out, what.skeleton):
-            return manifold_triangles(solidified(what, factor=factor).manifold)
+            return _united(what, factor)
         return what.mesh
     if isinstance(what, RoundStruts):
         if to_unite(overlaps, what.overlapping, what.skeleton) or overlaps != "allow":
-            return round_mesh(what, sides, factor)
+            return _round(what, sides, factor)
         if what.options.is_sharp:
             check_made(what.runs, what.sharp)
         return triangulated(what, sides).mesh
@@ -83,6 +84,18 @@ def surface_of(
     if triangles is None or vertices is None or callable(triangles) or callable(vertices):
         return None
     return TriangleMesh(vertices, triangles)
+
+
+@kept_last
+def _united(scaffold: Scaffold, factor: float) -> TriangleMesh:
+    """Return the union of square struts; the next format that is written asks for it again."""
+    return manifold_triangles(solidified(scaffold, factor=factor).manifold)
+
+
+@kept_last
+def _round(struts: RoundStruts, sides: int, factor: float) -> TriangleMesh:
+    """Return the surface of round struts; the next format that is written asks for it again."""
+    return round_mesh(struts, sides, factor)
 
 
 def surface_error(what: Any) -> float:

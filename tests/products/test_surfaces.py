@@ -9,15 +9,17 @@ from typing import Any
 import build123d as bd
 import pytest
 
-from scaffold_cad import solidified
+from scaffold_cad import RoundStruts, TriangleMesh, round_struts, solidified
 from scaffold_cad.errors import OptionError
 from scaffold_cad.io.write import write
 from scaffold_cad.printability import read_triangles
+from scaffold_cad.products import surfaces
 from scaffold_cad.products.surfaces import surface_of, triangles_of
 from scaffold_cad.scaffold import build_scaffold
+from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.viewers import to_shape
 from tests.meshes import CUBE
-from tests.skeletons import K4
+from tests.skeletons import K4, TRIPOD
 
 
 def block() -> bd.BuildPart:
@@ -88,3 +90,22 @@ def test_of_a_list_only_one_shape_is_taken() -> None:
     assert len(triangles_of(cubes[0].solids()).triangles) == 12
     with pytest.raises(OptionError, match="the list holds 2 shapes; need one, such as their sum"):
         triangles_of(cubes)
+
+
+def test_the_next_format_has_the_surface_that_the_first_one_made(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    made: list[float] = []
+
+    def counted(struts: RoundStruts, sides: int, factor: float) -> TriangleMesh:
+        made.append(factor)
+        return round_mesh(struts, sides, factor)
+
+    monkeypatch.setattr(surfaces, "round_mesh", counted)
+    tripod = round_struts(TRIPOD)
+    for suffix in (".stl", ".3mf", ".ply", ".glb"):
+        write(tripod, tmp_path / f"tripod{suffix}")
+    assert made == [1.0]
+    write(tripod, tmp_path / "tripod.stl", sides=8)
+    write(round_struts(TRIPOD), tmp_path / "tripod.stl", sides=8)
+    assert len(made) == 3

@@ -50,7 +50,8 @@ class FieldStruts(Frozen):
     @property
     def middles(self) -> Points:
         """Middle of each axis, shape (m, 3), mm."""
-        return self.ends.mean(axis=1)
+        middles: Points = self.ends.mean(axis=1)
+        return middles
 
     @property
     def fineness(self) -> Floats:
