@@ -12,6 +12,7 @@ said: STEP files of square struts that overlap or of too many, and what took lon
 from __future__ import annotations
 
 import argparse
+import hashlib
 import logging
 import multiprocessing
 import resource
@@ -119,21 +120,29 @@ def read_back(path: Path) -> tuple[Points, Triangles]:
     return scale * np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces)
 
 
-def faults(path: Path, parts: int) -> tuple[str, float]:
-    """Return what is wrong with a written file, "" for nothing, and its volume."""
+def faults(path: Path, parts: int, judged: dict[bytes, str]) -> tuple[str, float]:
+    """Return what is wrong with a written file, "" for nothing, and its volume.
+
+    Parameters
+    ----------
+    judged : what is wrong with triangles that were read from another format, by their hash
+    """
     if path.suffix == ".step":  # facets of square struts are bilinear
         from build123d import import_step
 
         shape = import_step(path)
         return "" if shape.is_valid and len(shape.solids()) <= parts else "invalid", shape.volume
     vertices, triangles = read_back(path)
+    key = hashlib.sha256((vertices[triangles] + 0.0).tobytes()).digest()
     mesh = trimesh.Trimesh(vertices, triangles)
-    found = faults_by_cgal(vertices, triangles)
-    if not mesh.is_watertight:
-        found = found or "not watertight"
-    if mesh.body_count > parts:
-        found = found or f"{mesh.body_count} bodies for {parts}"
-    return found, float(mesh.volume)
+    if key not in judged:
+        found = faults_by_cgal(vertices, triangles)
+        if not mesh.is_watertight:
+            found = found or "not watertight"
+        if mesh.body_count > parts:
+            found = found or f"{mesh.body_count} bodies for {parts}"
+        judged[key] = found
+    return judged[key], float(mesh.volume)
 
 
 def check(path: Path, factor: float, kind: str) -> Iterator[str]:
@@ -145,7 +154,8 @@ def check(path: Path, factor: float, kind: str) -> Iterator[str]:
     skeleton = skeleton_in(path)
     skeleton = skeleton.with_edge_radii(factor * skeleton.edge_radii)
     made = made_of(skeleton, kind)
-    volumes = {}
+    volumes: dict[str, float] = {}
+    judged: dict[bytes, str] = {}
     with tempfile.TemporaryDirectory() as folder:
         for suffix in (*FORMATS, ".step"):
             if suffix == ".step" and (why := why_no_step(made)):
@@ -154,7 +164,7 @@ def check(path: Path, factor: float, kind: str) -> Iterator[str]:
             file = Path(folder) / f"written{suffix}"
             write(made, file, overlaps="unite")
             yield JUDGED
-            found, volumes[suffix] = faults(file, skeleton.component_count)
+            found, volumes[suffix] = faults(file, skeleton.component_count, judged)
             yield JUDGED
             if found:
                 yield f"{suffix}: {found}"
