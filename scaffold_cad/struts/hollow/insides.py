@@ -32,7 +32,7 @@ from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.room import SPARE
 from scaffold_cad.struts.runs import Runs
 
-KEPT = 0.97
+KEPT = 0.98
 """Part of the wall that is thick enough for no other way to be tried."""
 LEAST = 0.95
 """Part of the wall below which an inside is not taken: patches that fold at first may stay so."""
