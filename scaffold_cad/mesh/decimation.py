@@ -17,25 +17,24 @@ from scaffold_cad.mesh.contraction import Contractible, Contraction, planes_of
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
-COARSEST = 4.0
-"""How many times larger tolerances become where there would be too many triangles."""
-
-STAGES = ((1 / 16, 1 / 4, 1.0), (COARSEST,), (COARSEST**2,))
-"""What of the tolerance, squared, may be used up: first by the edges that cost least. What a stage
-ends with has no crossings; only the first is done where there are few triangles."""
+SHARES = (1 / 16, 1 / 4, 1.0)
+"""What of the tolerance, squared, may be used up: first by the edges that cost least."""
 
 TRIES = 6
 """Times that a stage is done again, with more vertices that stay."""
 
 
-def decimated(mesh: TriangleMesh, tolerance: Floats, fixed: Ints, most: int) -> TriangleMesh:
+def decimated(
+    mesh: TriangleMesh, tolerance: Floats, fixed: Ints, most: tuple[int, ...] = ()
+) -> TriangleMesh:
     """Return a mesh without crossings with fewer triangles, free of crossings too.
 
     Parameters
     ----------
     tolerance : (v,) how far the surface may move at each vertex, by the root of the mean, mm
     fixed : (k,) vertices that stay where they are, and keep their order
-    most : triangles; where there are more tolerances grow, to `COARSEST` times of these at most
+    most : triangles; where there are more than the first number tolerances double, where there are
+        more than the second then they double again, and so on. What each ends with has no crossings
     """
     stays = np.zeros(len(mesh.vertices), dtype=np.bool_)
     stays[fixed] = True
@@ -45,9 +44,10 @@ def decimated(mesh: TriangleMesh, tolerance: Floats, fixed: Ints, most: int) -> 
     middle = mesh.vertices.mean(axis=0)
     points = mesh.vertices - middle
     found = Contractible(points, corners, stays, tolerance, planes_of(points, corners))
-    for k, shares in enumerate(STAGES):
-        if k == 0 or found.corners.shape[1] > most:
-            found = _without_crossings(found, shares)
+    found = _without_crossings(found, SHARES)
+    for k, number in enumerate(most, start=1):
+        if found.corners.shape[1] > number:
+            found = _without_crossings(found, (4.0**k,))
     return TriangleMesh(found.points + middle, found.corners.T)
 
 

@@ -163,7 +163,7 @@ def _coarser(mesh: TriangleMesh, size: Lengths, sharp: SharpEdges) -> TriangleMe
     own = np.sqrt(length(_double_areas(mesh.vertices, mesh.triangles)).mean())
     if len(corners) == 0 or own > FINE * float(np.median(sides)):
         return mesh
-    return decimated(mesh, ROUGH * sides, np.flatnonzero(sharp.on(mesh.vertices)), len(corners))
+    return decimated(mesh, ROUGH * sides, np.flatnonzero(sharp.on(mesh.vertices)))
 
 
 def _times(factor: float, size: Lengths) -> Lengths:

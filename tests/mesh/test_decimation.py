@@ -7,14 +7,13 @@ import pytest
 
 from scaffold_cad.base.arrays import Edges
 from scaffold_cad.mesh import decimation
-from scaffold_cad.mesh.decimation import COARSEST, decimated
+from scaffold_cad.mesh.decimation import decimated
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.solid.field import field_solid, field_struts
 
 CROSS = [[[0, 0, 0], [20, 0, 0]], [[10, -8, 0.5], [10, 8, 0.5]]]
 NONE = np.zeros(0, dtype=np.intp)
-ANY = 1_000_000
 
 
 def even(mesh: TriangleMesh, tolerance: float) -> np.ndarray:
@@ -30,7 +29,7 @@ def cross() -> TriangleMesh:
 def test_few_triangles_are_left_and_the_volume_stays(
     cross: TriangleMesh, tolerance: float, part: float
 ) -> None:
-    found = decimated(cross, even(cross, tolerance), NONE, ANY)
+    found = decimated(cross, even(cross, tolerance), NONE)
     found.check_closed()
     assert len(found.triangles) < part * len(cross.triangles)
     assert len(self_intersections(found)) == 0
@@ -38,7 +37,7 @@ def test_few_triangles_are_left_and_the_volume_stays(
 
 
 def test_surfaces_stay_near_where_they_were(cross: TriangleMesh) -> None:
-    found = decimated(cross, even(cross, 0.02), NONE, ANY)
+    found = decimated(cross, even(cross, 0.02), NONE)
     middles = found.vertices[found.triangles].mean(axis=1)
     ends = (np.abs(middles[:, 0] - 10) < 9) & (np.abs(middles[:, 0] - 10) > 3)
     radius = np.hypot(middles[ends, 1], middles[ends, 2])
@@ -51,7 +50,7 @@ def test_borders_and_vertices_that_are_fixed_stay(cross: TriangleMesh) -> None:
     mesh = compacted(cross.vertices, cross.triangles[kept])
     border = np.unique(mesh.faulty_sides()[1])
     fixed = np.arange(0, len(mesh.vertices), 97)
-    found = decimated(mesh, even(mesh, 0.05), fixed, ANY)
+    found = decimated(mesh, even(mesh, 0.05), fixed)
     assert len(found.triangles) < 0.3 * len(mesh.triangles)
     own = set(map(tuple, found.vertices.round(9).tolist()))
     stay = np.union1d(border, fixed)
@@ -72,11 +71,11 @@ def test_pieces_that_would_cross_are_done_again_and_no_others(
         return found
 
     monkeypatch.setattr(decimation, "self_intersections", counted)
-    found = decimated(mesh, even(mesh, 0.1), NONE, ANY)
+    found = decimated(mesh, even(mesh, 0.1), NONE)
     assert counts[0] > 0
     assert counts[-1] == 0
     monkeypatch.setattr(decimation, "self_intersections", lambda mesh: np.zeros((0, 2), np.intp))
-    once = decimated(mesh, even(mesh, 0.1), NONE, ANY)
+    once = decimated(mesh, even(mesh, 0.1), NONE)
     found.check_closed()
     assert len(found.triangles) < 0.2 * len(mesh.triangles)
     alone, before = (
@@ -86,15 +85,17 @@ def test_pieces_that_would_cross_are_done_again_and_no_others(
 
 
 def test_tolerances_grow_where_there_are_too_many_triangles(cross: TriangleMesh) -> None:
-    usual = decimated(cross, even(cross, 0.01), NONE, ANY)
-    fewer = decimated(cross, even(cross, 0.01), NONE, 100)
-    coarse = decimated(cross, even(cross, COARSEST * 0.01), NONE, ANY)
+    usual = decimated(cross, even(cross, 0.01), NONE)
+    fewer = decimated(cross, even(cross, 0.01), NONE, (100, 100))
+    coarse = decimated(cross, even(cross, 4 * 0.01), NONE)
     assert len(fewer.triangles) < 0.5 * len(usual.triangles)
     assert len(fewer.triangles) > 0.5 * len(coarse.triangles)
+    enough = decimated(cross, even(cross, 0.01), NONE, (len(usual.triangles), 100))
+    assert len(coarse.triangles) < len(enough.triangles) < len(usual.triangles)
 
 
 def test_the_same_mesh_gives_the_same_triangles(cross: TriangleMesh) -> None:
-    once, again = (decimated(cross, even(cross, 0.02), NONE, ANY) for _ in range(2))
+    once, again = (decimated(cross, even(cross, 0.02), NONE) for _ in range(2))
     np.testing.assert_array_equal(once.vertices, again.vertices)
     np.testing.assert_array_equal(once.triangles, again.triangles)
 
@@ -107,7 +108,7 @@ def test_planes_become_few_triangles_without_slivers() -> None:
         [np.stack([low, low + 21, low + 22], 1), np.stack([low, low + 22, low + 1], 1)]
     )
     mesh = TriangleMesh(points, triangles)
-    found = decimated(mesh, even(mesh, 0.1), NONE, ANY)
+    found = decimated(mesh, even(mesh, 0.1), NONE)
     assert len(found.triangles) < 150  # its border has 80 vertices
     np.testing.assert_allclose(found.vertices[:, 2], 0.0, atol=1e-9)
     corners = found.vertices[found.triangles]

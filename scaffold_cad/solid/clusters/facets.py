@@ -37,15 +37,15 @@ INSET = 0.005
 """How far the corners of polygons are inside of their circles, in radii: more than CAD programs
 take for one place."""
 
-FLAT = 0.02
+FLAT = 0.005
 """How far facets are off the field's surface, in radii of the struts there, by the root of the
-mean square."""
+mean square: of parts of few facets. Others may be off four times as far."""
 
-PART_OF_SAG = 0.25
+PART_OF_SAG = 0.0625
 """How far facets are off at most where walls have sides with less room, in this room."""
 
-MANY = 50_000
-"""Facets of a part from which on they become coarser."""
+FEW, MANY = 1000, 50_000
+"""Facets of a part from which on they become coarser, up to four times, and that again."""
 
 SLACK = 2.0 * SWELL * CELL_FRACTION**2
 """How much thicker than struts their fields are at most, in radii."""
@@ -121,7 +121,7 @@ def _coarser(
     tolerance = FLAT * radii[near]
     if sags is not None:
         tolerance = np.minimum(tolerance, PART_OF_SAG * sags.of(fields)[which][near])
-    return decimated(mesh, tolerance, rings.reshape(-1), MANY)
+    return decimated(mesh, tolerance, rings.reshape(-1), (FEW, FEW, MANY, MANY))
 
 
 def _half_runs(left: RoundStruts, nodes: Ints) -> Ints:

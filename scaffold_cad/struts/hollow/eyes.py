@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import linprog
 
 from scaffold_cad.base.arrays import Floats, Ints, Points, UnitVectors
 from scaffold_cad.base.vectors import dot
@@ -54,6 +53,8 @@ def _eye(points: Points, normals: UnitVectors, centers: Points, axes: UnitVector
 
     It is the node, 0, where no point is inside of all of them.
     """
+    from scipy.optimize import linprog  # slow to import, and few nodes need it
+
     upward = np.concatenate([normals, axes])
     heights = np.concatenate([dot(points, normals), dot(centers, axes)])
     found = linprog(
