@@ -65,18 +65,19 @@ def main() -> int:
     )
     parser.add_argument("--here", type=Path, help="one format in this process: folder of its files")
     parser.add_argument("--read", type=Path, help="read this file, and tell what is wrong with it")
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seed", type=int, default=1, help="another one tries other files")
     options = parser.parse_args()
     if options.read:
         return _tell(options.read)
     if options.here:
         _fuzz(options.formats[0], options.minutes, options.here, options.seed)
-    failed = [name for name in options.formats or FORMATS if _failed(name, options.minutes)]
+    names = options.formats or FORMATS
+    failed = [name for name in names if _failed(name, options.minutes, options.seed)]
     print("failed: " + ", ".join(failed) if failed else "no failure")
     return 1 if failed else 0
 
 
-def _failed(name: str, minutes: float) -> bool:
+def _failed(name: str, minutes: float, seed: int) -> bool:
     """Fuzz one format for some minutes, again where a library ends; return whether it failed."""
     start = _spent()
     faults, ends, counts = 0, 0, Counter[str]()
@@ -87,7 +88,7 @@ def _failed(name: str, minutes: float) -> bool:
         for k, content in enumerate(seeds_of(name)):
             (folder / "files" / f"{k}").write_bytes(content)
         while (left := minutes - _spent() + start) > 0.05 and faults < 5:
-            words = [name, "--here", there, "--minutes", f"{left}", "--seed", f"{ends + 1}"]
+            words = [name, "--here", there, "--minutes", f"{left}", "--seed", f"{seed + ends}"]
             _run(words)
             for line in (folder / "counts").read_text().split():
                 counts[line] += 1
