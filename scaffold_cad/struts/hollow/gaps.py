@@ -118,7 +118,7 @@ class Gaps:
             if seems[some[0]] > least + MARGIN * abs(least):
                 break
             least = min(least, float(self._distances(row, points[some], place[some]).min()))
-        return least, float(seems.max())
+        return least, float(seems.max(initial=0.0))
 
     def _distances(self, row: int, points: Floats, place: Ints) -> Floats:
         """Return how far points (q, 3) are inside of a surface, (q,), mm; < 0 for those outside.
