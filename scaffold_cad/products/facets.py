@@ -11,8 +11,8 @@ from scaffold_cad.brep.analytic import AnalyticBrep, Surface
 from scaffold_cad.brep.facets import brep_of_triangles
 from scaffold_cad.brep.joining import with_voids
 from scaffold_cad.errors import BrepError
+from scaffold_cad.mesh.pieces import pieces_of
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.solid.field.pieces import pieces_of
 
 if TYPE_CHECKING:
     from build123d import Shape

@@ -23,10 +23,10 @@ from scaffold_cad.mesh.collapse import without_short_edges
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.intersections.faces import boxes_of
 from scaffold_cad.mesh.necks import without_necks
+from scaffold_cad.mesh.pieces import pieces_of
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.mesh.welding import with_fans_apart
 from scaffold_cad.solid import manifolds
-from scaffold_cad.solid.field.pieces import pieces_of
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

@@ -21,6 +21,7 @@ from scaffold_cad.brep.joining import (
     turned,
     with_voids,
 )
+from scaffold_cad.mesh.pieces import Pieces, pieces_of
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.facets import SIDES, Faceted, faceted
 from scaffold_cad.solid.clusters.growth import Core, unproved
@@ -29,7 +30,6 @@ from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.spans import Spans, no_spans, whole_runs
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
 from scaffold_cad.solid.clusters.walls import Walls, thickened
-from scaffold_cad.solid.field.pieces import Pieces, pieces_of
 from scaffold_cad.struts.breps.faces import bored, end_rings, faces_of, run_names
 from scaffold_cad.struts.meshes.bands import polygon_wall
 from scaffold_cad.struts.meshes.surface import annuli, shell_of

@@ -21,6 +21,7 @@ from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import length
 from scaffold_cad.base.visibility import SINGLE_ROUNDING, rounding_of
 from scaffold_cad.errors import OptionError
+from scaffold_cad.mesh.pieces import pieces_of, without_voids
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.scaffold import Scaffold
@@ -31,7 +32,6 @@ from scaffold_cad.solid import manifolds
 from scaffold_cad.solid.cleaning import FaultySurfaceError, clean_surface
 from scaffold_cad.solid.clusters.surface import field_of
 from scaffold_cad.solid.field.nets import skeleton_struts
-from scaffold_cad.solid.field.pieces import pieces_of, without_voids
 from scaffold_cad.solid.field.written import report_thickened
 from scaffold_cad.solid.pieces import solid_pieces
 from scaffold_cad.solid.rounds import SIDES, round_mesh

@@ -17,6 +17,7 @@ from scipy.spatial import cKDTree
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
 from scaffold_cad.base.ranges import steps
 from scaffold_cad.mesh.decimation import decimated
+from scaffold_cad.mesh.pieces import without_voids
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
 from scaffold_cad.solid.clusters.growth import Clusters, Core, bodies_of, clusters_of
@@ -25,7 +26,6 @@ from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.seams import seamed
 from scaffold_cad.solid.clusters.surface import TRIES, field_of, grown, report_filled
 from scaffold_cad.solid.field import FieldStruts
-from scaffold_cad.solid.field.pieces import without_voids
 from scaffold_cad.solid.field.solid import CELL_FRACTION, SWELL
 from scaffold_cad.struts.apart import Slack
 from scaffold_cad.struts.model import RoundStruts

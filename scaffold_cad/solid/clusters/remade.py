@@ -15,9 +15,9 @@ from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.base.vectors import dot, length
+from scaffold_cad.mesh.pieces import pieces_of
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.solid.field import FieldStruts
-from scaffold_cad.solid.field.pieces import pieces_of
 
 BESIDE = 0.6
 """How far apart groups of struts are at least, in radii: flat ends look so far around them."""

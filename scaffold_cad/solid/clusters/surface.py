@@ -17,6 +17,7 @@ from scaffold_cad.base.blocks import CACHE, blocks
 from scaffold_cad.base.positions import in_single_precision
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import length
+from scaffold_cad.mesh.pieces import without_voids
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.solid.clusters.ends import with_flat_ends
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
@@ -29,7 +30,6 @@ from scaffold_cad.solid.clusters.spans import Spans, whole_runs
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
 from scaffold_cad.solid.clusters.walls import Walls, thickened
 from scaffold_cad.solid.field import FieldStruts
-from scaffold_cad.solid.field.pieces import without_voids
 from scaffold_cad.solid.field.written import field_as_written, report_thickened
 from scaffold_cad.struts.apart import Slack
 from scaffold_cad.struts.curves.rings import rings_hold

@@ -15,6 +15,7 @@ from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
 from scaffold_cad.base.summaries import counted, range_text, size_text
 from scaffold_cad.errors import OptionError
+from scaffold_cad.mesh.pieces import Pieces, pieces_of, without_small_cavities
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.field.cells import check_size, levels_of, memory_of
 from scaffold_cad.solid.field.chords import evened
@@ -29,7 +30,6 @@ from scaffold_cad.solid.field.lattice import (
     lattice_over,
     spacing_exponents,
 )
-from scaffold_cad.solid.field.pieces import Pieces, pieces_of, without_small_cavities
 from scaffold_cad.solid.field.struts import FieldStruts
 from scaffold_cad.solid.field.surface import surface_of
 from scaffold_cad.solid.field.union import filleted_union

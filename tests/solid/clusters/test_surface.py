@@ -8,12 +8,12 @@ import pytest
 from scaffold_cad.base.positions import in_single_precision
 from scaffold_cad.errors import MeshError
 from scaffold_cad.lattice import tile
+from scaffold_cad.mesh.pieces import without_voids
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid.clusters import hollow, unseen, whole_struts
 from scaffold_cad.solid.clusters.surface import field_of
 from scaffold_cad.solid.field import field_solid
-from scaffold_cad.solid.field.pieces import without_voids
 from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts import RoundStruts, round_struts
 from scaffold_cad.struts.meshes.surface import triangulated

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from scaffold_cad.mesh.pieces import pieces_of, without_voids
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.solid.field.pieces import pieces_of, without_voids
 from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts import round_struts
 from tests.crossings import check_as_written
