@@ -34,6 +34,8 @@ from scaffold_cad.filling import (
     mesh_map,
     snapped,
     solve_radius,
+    strut_part,
+    strut_solid,
     voronoi_foam,
 )
 from scaffold_cad.io import read_skeleton, write_layers
@@ -134,6 +136,8 @@ __all__ = [
     "snapped",
     "solidified",
     "solve_radius",
+    "strut_part",
+    "strut_solid",
     "tile",
     "to_brep",
     "to_solid",

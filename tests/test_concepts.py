@@ -26,6 +26,8 @@ GIVES = {
     "voronoi_foam": "Skeleton",
     "lattice_part": "Manifold",
     "lattice_solid": "Solid",
+    "strut_part": "Manifold",
+    "strut_solid": "Solid",
     "build_scaffold": "Scaffold",
     "round_struts": "RoundStruts",
     "to_solid": "Manifold",

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from scaffold_cad.base.arguments import as_count
 from scaffold_cad.base.arrays import Points
 from scaffold_cad.cli import sizes, source
 from scaffold_cad.errors import OptionError
@@ -26,9 +27,10 @@ ONLY_FOAMS = ("count", "seed", "regularity", "stretch", "periodic")
 """Options that unit cells have no use for."""
 
 ONLY_CELLS = ("cylinder", "sphere", "face", "face_number", "thickness", "tiles")
-"""Options that foams have no use for; without layers neither for `CUT`."""
+"""Options that foams have no use for."""
 
-CUT = ("trim", "skin")
+MARGIN = 2.0
+"""How far a foam goes on around a body that cuts it, in cells: its own border is ragged."""
 
 
 def add_arguments(what: argparse._MutuallyExclusiveGroup, parser: argparse.ArgumentParser) -> None:
@@ -72,8 +74,7 @@ def check(options: argparse.Namespace) -> None:
         if options.size is None:
             raise OptionError("--cell needs the --size of a cell, mm")
         return
-    layered = options.layer is not None
-    source.refuse(options, ONLY_CELLS if layered else (*ONLY_CELLS, *CUT), "is for --cell")
+    source.refuse(options, ONLY_CELLS, "is for --cell")
     if (options.count is None) == (options.size is None):
         raise OptionError("--foam needs either the --count of its cells or their --size, mm")
     if np.ndim(options.size):
@@ -92,12 +93,51 @@ def foam(region: TriangleMesh | Points, options: argparse.Namespace) -> Skeleton
     """
     corners = region.vertices if isinstance(region, TriangleMesh) else region
     count = _cell_count(corners, options) if options.count is None else options.count
+    return _made(region, options, count, {"count": options.count, "size": options.size})
+
+
+def foam_around(region: TriangleMesh | Points, options: argparse.Namespace) -> Skeleton:
+    """Return a foam that goes on beyond a part, or a box (2, 3), which is to cut it.
+
+    Raises
+    ------
+    OptionError
+        As `foam` does.
+    """
+    if isinstance(region, TriangleMesh):
+        corners, volume = region.vertices, region.signed_volume
+    else:
+        corners, volume = region, float((region[1] - region[0]).prod())
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    size = options.size
+    if size is None:
+        size = float(np.cbrt(volume / as_count(options.count, "--count", 1)))
+    mean = mean_size(BoxMap(high - low, low), size)[0] if callable(size) else size
+    margin = MARGIN * mean * (1.0 if options.stretch is None else np.asarray(options.stretch))
+    box = np.stack([low - margin, high + margin])
+    count = _cell_count(box, argparse.Namespace(size=size))
+    return _made(box, options, count, {"count": None, "size": size})
+
+
+def _made(
+    region: TriangleMesh | Points,
+    options: argparse.Namespace,
+    count: int,
+    cells: dict[str, Any],
+) -> Skeleton:
+    """Return a foam in a part or a box.
+
+    Parameters
+    ----------
+    count : cells that it has, about
+    cells : how many are asked for, or their size
+    """
     nodes, struts = PER_CELL[options.foam]
     source.check_memory(options, count, int(nodes * count), int(struts * count))
     given: dict[str, Any] = {name: getattr(options, name) for name in ONLY_FOAMS[1:]}
     chosen = {name: value for name, value in given.items() if value not in (None, False)}
     make: Any = FOAMS[options.foam]
-    made: Skeleton = make(options.count, region, options.radius, size=options.size, **chosen)
+    made: Skeleton = make(region=region, radius=options.radius, **cells, **chosen)
     return made
 
 

@@ -29,9 +29,12 @@ from scaffold_cad.cli.latticestruts import box_mesh
 from scaffold_cad.cli.maps import add_maps, map_of
 from scaffold_cad.cli.progress import Progress
 from scaffold_cad.errors import FormatError, OptionError
+from scaffold_cad.filling.fill import as_region
+from scaffold_cad.filling.flush import flush_box, trimmed_box
 from scaffold_cad.filling.hollowing import HollowPart, hollowed
-from scaffold_cad.filling.models import maker
-from scaffold_cad.filling.parts import filled_part, flush_box, sided_maker
+from scaffold_cad.filling.models import maker, sided_maker
+from scaffold_cad.filling.parts import filled_part
+from scaffold_cad.filling.reaching import lattice_reaching, movable, skeleton_reaching
 from scaffold_cad.filling.solids import HollowSolid, filled_solid, hollow_solid
 from scaffold_cad.io.write import check_writable, write
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -177,9 +180,14 @@ def _write_layers(part: TriangleMesh | None, options: argparse.Namespace) -> Non
     """Write layers, of which no mesh is made."""
     flush = options.trim or options.skin is not None
     if latticelayers.made_whole(options):
-        skeleton = latticestruts.skeleton(part, options)
+        region = box_mesh(options.box) if flush and part is None else part
+        if options.foam is not None and region is not None:
+            foam = latticestruts.foam_around(part, options)
+            skeleton = skeleton_reaching(as_region(region), foam, options.skin)(0.0)
+        else:
+            skeleton = latticestruts.skeleton(part, options)
         processes.check_struts(options, skeleton)
-        latticelayers.write(options, skeleton, box_mesh(options.box) if flush else part)
+        latticelayers.write(options, skeleton, region)
     elif part is not None:
         latticelayers.write(options, part)
     elif flush or not latticelayers.fills(options.box, options):
@@ -254,8 +262,8 @@ def _check_bodies(options: argparse.Namespace) -> None:
         raise OptionError("--skin is the wall of a box or a part; need --box or --inside")
     if options.drain is not None and (options.skin is None or options.layer is not None):
         raise OptionError("--drain is for holes in the skin of a mesh; need --skin, no --layer")
-    if options.skin is not None and callable(options.size) and options.layer is None:
-        raise OptionError("--skin is for cells of one size; need --size as a number")
+    if options.periodic and (options.trim or options.skin is not None):
+        raise OptionError("--periodic is for struts alone; need it without --trim and --skin")
 
 
 def _is_filled_solid(options: argparse.Namespace) -> bool:
@@ -297,27 +305,38 @@ def _product(
         return skeleton if options.beams else _struts(skeleton, options, progress)
     if options.process is not None:
         processes.check_struts(options, latticestruts.skeleton(part, options))
-    cells = latticestruts.check_cells(part, options)
-    with progress.stage("lattice", cells, "cells"):
-        return _bodied(part, body, options)
+    if options.foam is None:
+        foam, amount = None, (latticestruts.check_cells(part, options), "cells")
+    else:
+        foam = latticestruts.foam_around(part, options)
+        amount = len(foam.edges), "struts"
+    with progress.stage("lattice", *amount):
+        return _bodied(part, body, foam, options)
 
 
 def _bodied(
     part: TriangleMesh | None,
     body: HollowPart | HollowSolid | None,
+    foam: Skeleton | None,
     options: argparse.Namespace,
 ) -> Any:
     """Return struts that are cut flush with a box, or are in a part or a box with a skin."""
     lattice = options.cell, options.size, options.radius
     given = shapes.round_options(options)
     sides = (options.sides or LATTICE_SIDES) if options.round else 4
-    if body is None:
+    if foam is not None:
+        if body is None:
+            return trimmed_box(options.box, movable(foam), sided_maker(sides, **given), sides)
+        struts = skeleton_reaching(as_region(body.surface), foam, options.skin)
+    else:
         on = latticestruts.map_of_sizes(part, options)
-        return flush_box(options.box, *lattice, on=on, sides=sides, **given)
+        if body is None:
+            return flush_box(options.box, *lattice, on=on, sides=sides, **given)
+        struts = lattice_reaching(as_region(body.surface), *lattice, options.skin, on=on)
     if isinstance(body, HollowSolid):
         make = maker(section="round" if options.round else "square", **given)
-        return filled_solid(body, *lattice, make).solid
-    return filled_part(body, *lattice, sided_maker(sides, **given), sides=sides)
+        return filled_solid(body, struts, make).solid
+    return filled_part(body, struts, sided_maker(sides, **given), sides=sides)
 
 
 def _struts(

@@ -69,6 +69,13 @@ def skeleton(part: TriangleMesh | None, options: argparse.Namespace) -> Skeleton
     return made
 
 
+def foam_around(part: TriangleMesh | None, options: argparse.Namespace) -> Skeleton:
+    """Return the foam that is asked for, which goes on beyond the part or the box."""
+    made = foams.foam_around(options.box if part is None else part, options)
+    _log.info("%s, before they are cut", counted(len(made.edges), "strut"))
+    return made
+
+
 def map_of_sizes(part: TriangleMesh | None, options: argparse.Namespace) -> BoxMap | None:
     """Return the box that cells of sizes that vary are put in, or None where they are alike."""
     if not callable(options.size):

@@ -5,8 +5,8 @@ from scaffold_cad.filling.densities import graded_radius, solve_radius
 from scaffold_cad.filling.fill import fill
 from scaffold_cad.filling.foams import delaunay_foam, voronoi_foam
 from scaffold_cad.filling.maps import between_faces, face_map, mesh_map
-from scaffold_cad.filling.parts import lattice_part
-from scaffold_cad.filling.solids import lattice_solid
+from scaffold_cad.filling.parts import lattice_part, strut_part
+from scaffold_cad.filling.solids import lattice_solid, strut_solid
 
 __all__ = [
     "between_faces",
@@ -20,5 +20,7 @@ __all__ = [
     "mesh_map",
     "snapped",
     "solve_radius",
+    "strut_part",
+    "strut_solid",
     "voronoi_foam",
 ]

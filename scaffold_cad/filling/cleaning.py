@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Ints, place_text
+from scaffold_cad.base.arrays import Bools, Ints, place_text
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.collapse import without_short_edges
+from scaffold_cad.mesh.pieces import Pieces, pieces_of, without_bodies, without_pieces
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.products.overlaps import to_unite
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import clean_surface, manifolds
@@ -82,22 +84,45 @@ def first_clean(
 
 def without_crumbs(part: Manifold) -> Manifold:
     """Return the part without pieces that are small beside the largest; the log counts them."""
-    pieces = part.decompose()
-    volumes = np.array([piece.volume() for piece in pieces])
-    crumbs = np.flatnonzero((volumes > 0) & (volumes < CRUMB * volumes.max(initial=0.0)))
-    if len(crumbs) == 0:
+    mesh = manifolds.manifold_triangles(part)
+    pieces = pieces_of(mesh)
+    volumes = pieces.volumes
+    crumbs = (volumes > 0) & (volumes < CRUMB * volumes.max(initial=0.0))
+    if not crumbs.any():
         return part
-    low = place_text(np.array(pieces[int(crumbs[0])].bounding_box()[:3]))
     _log.info(
         "%s of %.3g mm³ left out, as at %s: the surface cuts them off",
-        counted(len(crumbs), "loose crumb"),
+        counted(int(crumbs.sum()), "loose crumb"),
         float(volumes[crumbs].sum()),
-        low,
+        _place_of(mesh, pieces, crumbs),
     )
-    import manifold3d
+    return manifolds.to_manifold(without_bodies(mesh, pieces, crumbs))
 
-    kept = [piece for k, piece in enumerate(pieces) if k not in set(crumbs.tolist())]
-    return manifold3d.Manifold.compose(kept)
+
+def without_pockets(part: Manifold, width: float) -> Manifold:
+    """Return the part without voids smaller than a ball `width` mm wide; the log counts them.
+
+    Struts enclose such pockets where they meet a skin.
+    """
+    mesh = manifolds.manifold_triangles(part)
+    pieces = pieces_of(mesh)
+    volumes = pieces.volumes
+    pockets = (volumes < 0) & (volumes > -np.pi / 6 * width**3)
+    if not pockets.any():
+        return part
+    _log.info(
+        "%s of %.3g mm³ filled, as at %s: smaller than a ball of %g mm",
+        counted(int(pockets.sum()), "closed pocket"),
+        float(-volumes[pockets].sum()),
+        _place_of(mesh, pieces, pockets),
+        width,
+    )
+    return manifolds.to_manifold(without_pieces(mesh, pieces, pockets))
+
+
+def _place_of(mesh: TriangleMesh, pieces: Pieces, marked: Bools) -> str:
+    """Return a place of the first piece marked in (p,)."""
+    return place_text(mesh.vertices[np.argmax(marked[pieces.piece_of])])
 
 
 def _with_place(error: MeshError) -> str:

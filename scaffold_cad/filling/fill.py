@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import check_choice, checks_keywords
-from scaffold_cad.base.arrays import Floats, Points, as_floats, place_text
+from scaffold_cad.base.arrays import Floats, Points, as_floats
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import BoxRegion, ImplicitRegion, Keep, Region
 from scaffold_cad.errors import OptionError, SkeletonError
@@ -150,7 +150,7 @@ def fill(
     return struts.skeleton(radius) if is_clean else struts.cleaned_skeleton(radius)
 
 
-def struts_touching(
+def struts_around(
     space: Region,
     cell: UnitCell,
     size: CellSize,
@@ -159,32 +159,21 @@ def struts_touching(
     axes: ArrayLike | None = None,
     on: CellMap | None = None,
 ) -> Struts:
-    """Return the struts of an endless lattice, or of one on a map, that touch a region, whole.
+    """Return the struts of an endless lattice in the cells around a region, or of one on a map.
 
     Raises
     ------
     OptionError
         If an argument is out of its range.
-    SkeletonError
-        If no strut touches the region.
     """
-    low, high = space.bounds
     if on is None:
         margin = np.zeros(3) if callable(size) else cell_size(cell, size)
+        low, high = space.bounds
         around = BoxRegion([low - margin, high + margin])
-        struts, _ = _endless(around, cell, size, low if origin is None else origin, axes)
-    elif origin is None and axes is None:
-        struts, _ = _on_map(on, cell, size)
-    else:
-        raise OptionError("origin or axes are given with a map; need them left out")
-    touching = np.asarray(space.contains(struts.nodes)[struts.edges].any(axis=1))
-    touching[space.crossings(struts.nodes, struts.edges)[0]] = True
-    if not touching.any():
-        raise SkeletonError(
-            f"no strut of the lattice is in the body from {place_text(low)} to {place_text(high)}; "
-            "need one (smaller cells?)"
-        )
-    return struts.kept(touching)
+        return _endless(around, cell, size, low if origin is None else origin, axes)[0]
+    if origin is None and axes is None:
+        return _on_map(on, cell, size)[0]
+    raise OptionError("origin or axes are given with a map; need them left out")
 
 
 def _endless(

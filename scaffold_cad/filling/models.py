@@ -9,6 +9,7 @@ from scaffold_cad.base.arguments import check_choice
 from scaffold_cad.errors import OptionError
 from scaffold_cad.products.models import Make
 from scaffold_cad.scaffold import build_scaffold
+from scaffold_cad.solid.rounds import SIDES, check_sides
 from scaffold_cad.struts import Bend, Ends, Joints, Nodes, RoundStruts, round_struts
 from scaffold_cad.struts.options import Blend
 
@@ -60,3 +61,28 @@ def maker(*, section: Section = "square", **options: Unpack[RoundOptions]) -> Ma
             f"{'it is' if len(options) == 1 else 'they are'}"
         )
     return lambda skeleton: build_scaffold(skeleton, collars=True)
+
+
+def sides_of(section: Section | None, sides: int | None) -> int:
+    """Return how many sides struts of a section have; 4 are square."""
+    if section is None:
+        return 4 if sides is None else sides
+    check_choice(section, "section", get_args(Section))
+    found = (4 if section == "square" else SIDES) if sides is None else sides
+    if (found == 4) != (section == "square"):
+        raise OptionError(
+            f"sides is {found} for section={section!r}; need 4 for square struts, 8 or more for "
+            "round ones"
+        )
+    return found
+
+
+def sided_maker(sides: int, **options: Unpack[RoundOptions]) -> Make:
+    """Return what makes struts with this number of sides."""
+    check_sides(sides)
+    if sides == 4 and options:
+        raise OptionError(
+            f"{', '.join(options)} given with sides=4, square struts; need sides=8 or more, round "
+            "ones"
+        )
+    return maker(section="square" if sides == 4 else "round", **options)

@@ -11,26 +11,25 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad import brep
 from scaffold_cad.base.arguments import as_number, checks_keywords
-from scaffold_cad.base.arrays import Floats, Frozen, as_floats
+from scaffold_cad.base.arrays import Frozen
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.builders import built
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import BrepError, OptionError
-from scaffold_cad.filling.cleaning import NUDGE_DIRECTION
-from scaffold_cad.filling.fill import as_region, struts_touching
+from scaffold_cad.filling.fill import as_region
 from scaffold_cad.filling.hollowing import check_seen
 from scaffold_cad.filling.models import RoundOptions, Section, maker
+from scaffold_cad.filling.reaching import Reaching, lattice_reaching, skeleton_reaching
 from scaffold_cad.lattice import CellMap, UnitCell
 from scaffold_cad.lattice.maps.grading import CellSize
 from scaffold_cad.lattice.meshregion import MeshRegion
-from scaffold_cad.lattice.registry import as_cell
-from scaffold_cad.lattice.tiling import cell_size
 from scaffold_cad.mesh.nearest import NearestPlace
 from scaffold_cad.mesh.remeshing import evened
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.products.breps import to_brep
 from scaffold_cad.products.models import Make, Model
+from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import manifolds, solidified
 from scaffold_cad.struts import RoundStruts, round_struts
 
@@ -147,7 +146,51 @@ def lattice_solid(
     """
     make = maker(section=section, **options)
     hollow = hollow_solid(body, skin)
-    return filled_solid(hollow, cell, size, radius, make, origin, axes, on).solid
+    region = as_region(hollow.surface)
+    reaching = lattice_reaching(region, cell, size, radius, skin, origin=origin, axes=axes, on=on)
+    return filled_solid(hollow, reaching, make).solid
+
+
+@checks_keywords(round_struts)
+def strut_solid(
+    body: Shape,
+    struts: Skeleton,
+    *,
+    skin: float,
+    section: Section = "round",
+    **options: Unpack[RoundOptions],
+) -> Solid:
+    """Return `body` with a skin, and struts for its inside, as one build123d solid.
+
+    Those that have a part in the body are cut where they meet the skin: they are best made larger
+    than the body. The rest is as for `lattice_solid`.
+
+    Parameters
+    ----------
+    struts : such as a foam or your own, where the body is
+    body, skin, section, **options : as for `lattice_solid`
+
+    Raises
+    ------
+    OptionError, BrepError, MissingBackendError
+        As `lattice_solid` does.
+    SkeletonError
+        If no strut is in the body.
+
+    Examples
+    --------
+    >>> from build123d import Box
+    >>> from scaffold_cad import Skeleton, strut_solid
+    >>> cross = Skeleton([[-9, 0, 0], [9, 0, 0], [0, 0, -9], [0, 0, 9]], [[0, 1], [2, 3]], 1)
+    >>> part = strut_solid(Box(16, 16, 16), cross.joined(1e-6), skin=1.5)
+    >>> part.is_valid, len(part.shells())
+    (True, 2)
+    """
+    make = maker(section=section, **options)
+    hollow = hollow_solid(body, skin)
+    return filled_solid(
+        hollow, skeleton_reaching(as_region(hollow.surface), struts, skin), make
+    ).solid
 
 
 def hollow_solid(body: Shape, skin: float) -> HollowSolid:
@@ -167,23 +210,11 @@ def hollow_solid(body: Shape, skin: float) -> HollowSolid:
     return HollowSolid(solid, outer, *_hollow(solid, outer, thickness))
 
 
-def filled_solid(
-    hollow: HollowSolid,
-    cell: str | UnitCell,
-    size: CellSize,
-    radius: Radius,
-    make: Make,
-    origin: ArrayLike | None = None,
-    axes: ArrayLike | None = None,
-    on: CellMap | None = None,
-) -> FilledSolid:
-    """Return what `lattice_solid` makes of a body whose skin is made already, and its struts."""
-    region, known = as_region(hollow.surface), as_cell(cell)
+def filled_solid(hollow: HollowSolid, struts: Reaching, make: Make) -> FilledSolid:
+    """Return a body with struts for its inside, whose skin is made already; see `lattice_solid`."""
     fault = ""
-    for nudge in NUDGES if on is None else NUDGES[:1]:
-        corner = None if on is not None else _moved(region.bounds[0], origin, known, size, nudge)
-        struts = struts_touching(region, known, size, origin=corner, axes=axes, on=on)
-        skeleton = struts.skeleton(radius)
+    for nudge in NUDGES:
+        skeleton = struts(nudge)
         _check_count(len(skeleton.edges))
         model = make(skeleton)
         fault, made = _united(hollow, model)
@@ -202,16 +233,6 @@ def _check_count(count: int) -> None:
             f"it ends at all; need {MOST_STRUTS} or fewer, such as larger cells ({_MESH})"
         )
     _log.info("OCCT takes some %.0f s for %s", seconds, counted(count, "strut"))
-
-
-def _moved(
-    low: Floats, origin: ArrayLike | None, cell: UnitCell, size: CellSize, nudge: float
-) -> Floats:
-    """Return a corner of a cell, moved by a part of a cell, (3,)."""
-    corner = low if origin is None else as_floats(origin, "origin", OptionError)
-    shortest = 0.0 if callable(size) else float(cell_size(cell, size).min())
-    moved: Floats = corner + nudge * shortest * NUDGE_DIRECTION
-    return moved
 
 
 def _one_solid(body: Shape) -> Solid:

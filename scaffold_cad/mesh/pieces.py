@@ -64,9 +64,24 @@ def without_voids(
     filled = voids[~np.logical_and(after, before).any(axis=1)]
     if len(filled) + len(crumbs) == 0:
         return mesh, []
-    gone = np.append(filled, crumbs)
-    kept = ~np.isin(pieces.piece_of[mesh.triangles[:, 0]], gone)
-    return compacted(mesh.vertices, mesh.triangles[kept]), (-pieces.volumes[filled]).tolist()
+    gone = np.isin(np.arange(len(pieces.volumes)), np.append(filled, crumbs))
+    return without_pieces(mesh, pieces, gone), (-pieces.volumes[filled]).tolist()
+
+
+def without_bodies(mesh: TriangleMesh, pieces: Pieces, gone: Bools) -> TriangleMesh:
+    """Return a closed mesh without the bodies marked in `gone` (p,), nor the voids in them."""
+    low, high = _boxes(mesh, pieces)
+    voids, bodies = np.flatnonzero(pieces.volumes < 0), np.flatnonzero(gone)
+    after = (low[voids, None] >= low[bodies]).all(axis=2)  # (voids, bodies)
+    before = (high[voids, None] <= high[bodies]).all(axis=2)
+    marked = gone.copy()
+    marked[voids[np.logical_and(after, before).any(axis=1)]] = True
+    return without_pieces(mesh, pieces, marked)
+
+
+def without_pieces(mesh: TriangleMesh, pieces: Pieces, gone: Bools) -> TriangleMesh:
+    """Return a mesh without the surfaces marked in `gone` (p,)."""
+    return compacted(mesh.vertices, mesh.triangles[~gone[pieces.piece_of[mesh.triangles[:, 0]]]])
 
 
 def _around(low: Floats, high: Floats, points: Points) -> Bools:
@@ -90,7 +105,4 @@ def _boxes(mesh: TriangleMesh, pieces: Pieces) -> tuple[Floats, Floats]:
 def without_small_cavities(mesh: TriangleMesh, pieces: Pieces, volume: float) -> TriangleMesh:
     """Return the mesh without the surfaces of voids smaller than a volume, mm³."""
     small = (pieces.volumes < 0) & (pieces.volumes > -volume)
-    if not small.any():
-        return mesh
-    kept = ~small[pieces.piece_of[mesh.triangles[:, 0]]]
-    return compacted(mesh.vertices, mesh.triangles[kept])
+    return without_pieces(mesh, pieces, small) if small.any() else mesh

@@ -16,8 +16,10 @@ from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import Keep
 from scaffold_cad.errors import OptionError
 from scaffold_cad.filling import fill
+from scaffold_cad.filling.fill import as_region
+from scaffold_cad.filling.flush import flush_box
 from scaffold_cad.filling.models import maker
-from scaffold_cad.filling.parts import flush_box
+from scaffold_cad.filling.reaching import lattice_reaching
 from scaffold_cad.filling.solids import filled_solid, hollow_solid
 from scaffold_cad.lattice import CellMap, UnitCell
 from scaffold_cad.parts.skeletonpart import (
@@ -194,9 +196,18 @@ class LatticeFill(SkeletonPart):
                 raise OptionError(
                     "keep, dangling or overlaps is given with a skin; need none of them"
                 )
-            filled = filled_solid(
-                hollow_solid(part, skin), cell, size, radius, make, origin, axes, on
+            hollow = hollow_solid(part, skin)
+            reaching = lattice_reaching(
+                as_region(hollow.surface),
+                cell,
+                size,
+                radius,
+                skin,
+                origin=origin,
+                axes=axes,
+                on=on,
             )
+            filled = filled_solid(hollow, reaching, make)
             body: Shape | Model = filled.solid
             lattice: Model = filled.struts
         else:

@@ -86,6 +86,11 @@ def test_graded_cells_are_cut_flush_and_sliced() -> None:
     assert mesh is not None
     assert np.ptp(mesh.vertices, axis=0) == pytest.approx([20, 20, 20], abs=1e-4)
     assert main(f"{line} --layer 2 -o flush.cli".split()) == 0
+    assert main(f"{line} --skin 1 -o core.stl".split()) == 0
+    core = read_triangles("core.stl")
+    assert core is not None
+    # Of the lattice, what is within 1 mm of the faces is in the skin: more than its share.
+    assert 20**3 - 18**3 < core.signed_volume < 20**3 - 18**3 + mesh.signed_volume
 
 
 def test_fillets_are_those_of_a_file() -> None:
@@ -120,7 +125,6 @@ def test_one_of_several_fields_is_named(capsys: pytest.CaptureFixture[str]) -> N
         ("--radius sizes.txt --size absent.csv", "absent.csv cannot be read: there is no such"),
         ("--radius bad.csv --size 5", "has radius -1 mm; need > 0"),
         ("--radius 1 --size bad.csv", "the cell size is -1 mm at"),
-        ("--radius 1 --size sizes.txt --skin 1", "--skin is for cells of one size; need --size as"),
         ("--radius 1 --size sizes.txt --tiles t", "--tiles is for cells of one size; need --size"),
     ],
 )

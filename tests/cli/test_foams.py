@@ -69,6 +69,21 @@ def test_foams_become_layers_cut_flush_with_the_box(tmp_path: Path) -> None:
     assert out.read_text("utf-8").count("<g") >= 10
 
 
+def test_foams_go_on_to_a_skin_or_the_faces_of_a_box(tmp_path: Path) -> None:
+    trimmed, core = tmp_path / "trimmed.stl", tmp_path / "core.stl"
+    line = "lattice --foam voronoi --size 8 --radius 0.5 --regularity 0.7 --box 20 --seed 2"
+    foam = line.split()
+    assert main([*foam, "--trim", "-o", str(trimmed)]) == 0
+    assert main([*foam, "--skin", "1", "-o", str(core)]) == 0
+    struts, part = (trimesh.load_mesh(path) for path in (trimmed, core))
+    np.testing.assert_allclose(struts.bounds, BOX, rtol=0, atol=1e-5)
+    assert struts.is_watertight
+    shells = sorted(shell.volume for shell in part.split(only_watertight=False))
+    assert shells[-1] == pytest.approx(8000, rel=1e-6)
+    wall = 20**3 - 18**3
+    assert wall < part.volume < wall + struts.volume
+
+
 @pytest.mark.parametrize(
     ("line", "message"),
     [
@@ -76,8 +91,8 @@ def test_foams_become_layers_cut_flush_with_the_box(tmp_path: Path) -> None:
         ("--foam voronoi --box 8 --count 9 --size 3", "--foam needs either the --count"),
         ("--foam voronoi --box 8 --size 3x3x4", "--stretch makes cells longer one way"),
         ("--foam voronoi --cylinder 9x9x3 --size 3", "--cylinder is for --cell"),
-        ("--foam voronoi --box 8 --size 3 --trim", "--trim is for --cell"),
-        ("--foam voronoi --box 8 --size 3 --skin 1", "--skin is for --cell"),
+        ("--foam voronoi --box 8 --size 3 --periodic --trim", "--periodic is for struts alone"),
+        ("--foam voronoi --box 8 --size 3 --periodic --skin 1", "--periodic is for struts alone"),
         ("--foam voronoi --box 8 --size 3 --tiles tiles", "--tiles is for --cell"),
         ("--foam delaunay --box 8 --size 3 --periodic", "--periodic is for --foam voronoi"),
         ("--foam voronoi --inside part.stl --size 3 --periodic", "--periodic is for --foam"),

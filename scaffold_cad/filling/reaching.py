@@ -1,0 +1,132 @@
+"""Struts that reach into a body: whole ones, which the body is to cut."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scaffold_cad.base.arrays import Bools, Edges, Floats, as_floats, place_text
+from scaffold_cad.base.radii import Radius, radii_at
+from scaffold_cad.base.regions import Region
+from scaffold_cad.base.vectors import length
+from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.filling.cleaning import NUDGE_DIRECTION
+from scaffold_cad.filling.fill import struts_around
+from scaffold_cad.lattice import CellMap, UnitCell
+from scaffold_cad.lattice.maps.grading import CellSize
+from scaffold_cad.lattice.registry import as_cell
+from scaffold_cad.lattice.struts import Struts
+from scaffold_cad.lattice.tiling import cell_size
+from scaffold_cad.skeleton import Skeleton
+
+REACH = 1.5
+"""How far from their axes struts have a part in a body, in their radii: a strut's own reaches 1
+far, its fillets 1.5."""
+
+SLANT = 2.0
+"""How long a strut may be from the surface to a node that is within reach of it, in reaches: struts
+are up to 60 degrees off the normal there."""
+
+Reaching: TypeAlias = Callable[[float], Skeleton]
+"""Returns the struts that have a part in a body, moved by a part of a cell, see `NUDGE_DIRECTION`.
+"""
+
+
+def lattice_reaching(
+    region: Region,
+    cell: str | UnitCell,
+    size: CellSize,
+    radius: Radius,
+    skin: float | None,
+    *,
+    origin: ArrayLike | None = None,
+    axes: ArrayLike | None = None,
+    on: CellMap | None = None,
+) -> Reaching:
+    """Return the struts of a lattice around a body, with a node in the corner of its bounds.
+
+    Parameters
+    ----------
+    cell, size, radius, origin, axes, on : as for `fill`
+    skin : thickness of the body's wall, mm; None for none
+    """
+    known = as_cell(cell)
+    low = region.bounds[0]
+    corner = low if origin is None else as_floats(origin, "origin", OptionError)
+
+    def reaching(nudge: float) -> Skeleton:
+        if on is not None or callable(size):
+            whole = struts_around(region, known, size, origin=origin, axes=axes, on=on)
+            whole = Struts(whole.nodes + offset(whole, nudge), whole.edges)
+        else:
+            shift = nudge * float(cell_size(known, size).min()) * NUDGE_DIRECTION
+            whole = struts_around(region, known, size, origin=corner + shift, axes=axes)
+        return whole.kept(touching(region, whole, radius, skin)).skeleton(radius)
+
+    return reaching
+
+
+def skeleton_reaching(region: Region, struts: Skeleton, skin: float | None) -> Reaching:
+    """Return those that reach into a body of struts that are there already."""
+    whole, widest = movable(struts), float(struts.edge_radii.max(initial=0.0))
+
+    def reaching(nudge: float) -> Skeleton:
+        moved = whole(nudge)
+        return moved.with_edges(touching(region, Struts(moved.nodes, moved.edges), widest, skin))
+
+    return reaching
+
+
+def movable(struts: Skeleton) -> Reaching:
+    """Return all struts, moved by parts of their mean length."""
+    return lambda nudge: struts.moved(struts.nodes + offset(struts, nudge))
+
+
+def offset(struts: Struts | Skeleton, nudge: float) -> Floats:
+    """Return how far struts are moved for a part of their mean length, (3,), mm."""
+    start, end = struts.nodes[struts.edges].transpose(1, 0, 2)
+    mean = float(length(end - start).mean()) if len(start) else 0.0
+    return nudge * mean * NUDGE_DIRECTION
+
+
+def touching(region: Region, struts: Struts, radius: Radius, skin: float | None) -> Bools:
+    """Return which struts (m,) have a part in a body, or in what is inside its skin.
+
+    Without a skin those outside count too whose nodes are so near that the surface cuts them: it
+    cuts a lattice that goes on. Those are left out of which the middle alone is in the body: they
+    would be loose.
+
+    Raises
+    ------
+    SkeletonError
+        If there are none.
+    """
+    inside = region.contains(struts.nodes)
+    crossed, along = region.crossings(struts.nodes, struts.edges)
+    away = np.stack([along, 1 - along], axis=1) * struts.lengths[crossed, None]  # (k, 2)
+    met = struts.edges[crossed]  # (k, 2)
+    reach = REACH * _radii(struts, met, radius) - (0.0 if skin is None else skin)
+    near = np.zeros(len(struts.nodes), dtype=np.bool_)
+    near[met[away < SLANT * reach]] = True
+    found = np.asarray(near[struts.edges].any(axis=1))
+    if skin is None:
+        found |= inside[struts.edges].any(axis=1)
+    else:
+        found |= region.contains(struts.nodes[struts.edges].mean(axis=1))
+        found[crossed[away.min(axis=1, initial=np.inf) > region.tolerance]] = True
+    if not found.any():
+        low, high = region.bounds
+        raise SkeletonError(
+            f"no strut is in the body from {place_text(low)} to {place_text(high)}; need one "
+            "(smaller cells?)"
+        )
+    return found
+
+
+def _radii(struts: Struts, nodes: Edges, radius: Radius) -> Floats:
+    """Return the radius at nodes (k, 2), shape (k, 2) or (), mm."""
+    radii = radii_at(struts.nodes[nodes.reshape(-1)], radius)
+    return radii.reshape(nodes.shape) if radii.ndim else radii
