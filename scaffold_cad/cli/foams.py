@@ -9,7 +9,7 @@ import numpy as np
 
 from scaffold_cad.base.arguments import as_count
 from scaffold_cad.base.arrays import Points
-from scaffold_cad.cli import sizes, source
+from scaffold_cad.cli import borders, sizes, source
 from scaffold_cad.errors import OptionError
 from scaffold_cad.filling import delaunay_foam, voronoi_foam
 from scaffold_cad.lattice.maps import BoxMap
@@ -137,6 +137,7 @@ def _made(
     given: dict[str, Any] = {name: getattr(options, name) for name in ONLY_FOAMS[1:]}
     chosen = {name: value for name, value in given.items() if value not in (None, False)}
     make: Any = FOAMS[options.foam]
+    chosen |= borders.borders(options)
     made: Skeleton = make(region=region, radius=options.radius, **cells, **chosen)
     return made
 

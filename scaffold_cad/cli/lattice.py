@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from scaffold_cad.base.arguments import as_number
 from scaffold_cad.brep import BREP_SUFFIXES, read_brep
 from scaffold_cad.cli import (
+    borders,
     fields,
     foams,
     latticelayers,
@@ -47,7 +48,7 @@ if TYPE_CHECKING:
 LATTICE_SIDES = 8
 """Sides of round struts where none are given: few, for a lattice has thousands of struts."""
 
-LENGTHS = ("skin", "drain", "wall")
+LENGTHS = ("skin", "drain", "wall", "shortest")
 """Options that are lengths > 0, mm, where they are given."""
 
 _log = logging.getLogger(__name__)
@@ -67,6 +68,7 @@ def add_parser(
     _add_cells(parser)
     _add_place(parser)
     _add_skin(parser)
+    borders.add_arguments(parser)
     shapes.add_square_arguments(
         parser.add_argument_group("square struts"), "square struts of lattices always have collars"
     )
@@ -155,6 +157,7 @@ def _add_skin(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Fill, build and write: all that needs no radius is checked before one is searched."""
     foams.check(options)
+    borders.check(options)
     for name in LENGTHS:
         if getattr(options, name) is not None:
             as_number(getattr(options, name), source.flag_of(name))

@@ -10,7 +10,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.base.summaries import counted
-from scaffold_cad.cli import processes, shapes, slicing, source
+from scaffold_cad.cli import borders, processes, shapes, slicing, source
 from scaffold_cad.cli.flags import told_as
 from scaffold_cad.cli.progress import Progress
 from scaffold_cad.filling.fill import lattice_around, whole_cells_around
@@ -37,7 +37,8 @@ def check(options: argparse.Namespace) -> None:
     source.refuse(options, ["beams", "overlaps", "max_nodes"], "is not for --layer")
     if made_whole(options):
         return
-    source.refuse(options, NOT_PERIODIC, "is not for layers of a box or a part")
+    named = (*NOT_PERIODIC, *borders.OF_BORDERS)
+    source.refuse(options, named, "is not for layers of a box or a part")
 
 
 def made_whole(options: argparse.Namespace) -> bool:

@@ -6,12 +6,13 @@ import argparse
 import logging
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.base.summaries import counted
-from scaffold_cad.cli import foams, source
+from scaffold_cad.cli import borders, foams, source
 from scaffold_cad.cli.maps import map_of
 from scaffold_cad.errors import FormatError
 from scaffold_cad.filling import fill
@@ -64,7 +65,8 @@ def skeleton(part: TriangleMesh | None, options: argparse.Namespace) -> Skeleton
     else:
         check_cells(part, options)
         on = map_of_sizes(part, options)
-        made = fill(where, options.cell, options.size, options.radius, on=on)
+        given = borders.borders(options)
+        made = fill(where, options.cell, options.size, options.radius, on=on, **given)
     _log.info("%s", counted(len(made.edges), "strut"))
     return made
 
@@ -103,7 +105,10 @@ def _bounds(part: TriangleMesh | None, options: argparse.Namespace) -> Floats:
 def _on_map(mapping: CellMap, options: argparse.Namespace) -> Skeleton:
     """Return the lattice on a map."""
     _check_mapped(mapping, options)
-    given = {"size": options.size} if options.surface is None else _counts(mapping, options)
+    given: dict[str, Any] = (
+        {"size": options.size} if options.surface is None else _counts(mapping, options)
+    )
+    given |= borders.borders(options)
     lattice = lattice_on(mapping, options.cell, radius=options.radius, **given)
     _log.info(
         "%s, %.3g to %.3g times as long as in a cell of the mean size",

@@ -8,7 +8,7 @@ import logging
 from scaffold_cad.base.arguments import as_count
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.summaries import counted
-from scaffold_cad.cli import latticelayers, processes, shapes, source, tiled
+from scaffold_cad.cli import borders, latticelayers, processes, shapes, source, tiled
 from scaffold_cad.errors import OptionError
 from scaffold_cad.filling.fill import lattice_around
 from scaffold_cad.lattice.registry import as_cell
@@ -19,7 +19,14 @@ from scaffold_cad.solid.rounds import SIDES
 BLOCK = 10
 """Cells along the sides of a tile where none are given."""
 
-NOT_TILED = ("trim", "skin", "beams", "max_nodes", *latticelayers.NOT_PERIODIC)
+NOT_TILED = (
+    "trim",
+    "skin",
+    "beams",
+    "max_nodes",
+    *borders.OF_BORDERS,
+    *latticelayers.NOT_PERIODIC,
+)
 """Options that are not for tiles of lattices."""
 
 _log = logging.getLogger(__name__)

@@ -75,6 +75,10 @@ LINES = {
         "--cell bcc --size 8 --radius 0.6 --box 8x8x8 --layer 0.5 --pixel 0.2 -o g.zip",
         "--cell bcc --size 8 --radius 0.6 --box 8x8x8 --layer 0.5 --text -o h.cli",
         "--cell bcc --size 8 --radius 0.6 --box 8x8x8 --round --nodes sharp -o i.stl",
+        (
+            "--foam voronoi --size 6 --radius 0.4 --box 12 --keep whole --no-dangling --shortest 1"
+            " -o n.stl"
+        ),
         f"--cell bcc --size 8 --radius 0.6 --box 8x8x8 {SHAPE} -o m.stl",
         (
             "--foam voronoi --count 20 --seed 1 --regularity 0.5 --stretch 1,1,2 --periodic"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from scaffold_cad import Skeleton, delaunay_foam, read_skeleton, voronoi_foam
+from scaffold_cad import Skeleton, delaunay_foam, fill, read_skeleton, voronoi_foam
 from scaffold_cad.cli import main
 from tests.cli.test_lattice import loaded
 
@@ -53,6 +53,21 @@ def test_a_foam_is_a_solid_of_square_or_round_struts(tmp_path: Path) -> None:
     assert volumes[1] == pytest.approx(volumes[0] * np.pi / 4, rel=0.1)
 
 
+def test_struts_at_the_surface_are_those_of_python(tmp_path: Path) -> None:
+    line = f"{VORONOI} --box 20 --keep whole --no-dangling --shortest 1.5"
+    wanted = voronoi_foam(30, BOX, 0.4, keep="whole", dangling=False, shortest=1.5)
+    assert same(beams(tmp_path, line), wanted)
+    cells = "lattice --cell diamond --size 7 --radius 0.4 --box 20"
+    given = {"keep": "whole", "dangling": False}
+    assert same(
+        beams(tmp_path, f"{cells} --keep whole --no-dangling"),
+        fill(BOX, "diamond", 7.0, 0.4, **given),  # type: ignore[arg-type]
+    )
+    assert same(
+        beams(tmp_path, f"{cells} --shortest 2"), fill(BOX, "diamond", 7.0, 0.4, shortest=2.0)
+    )
+
+
 def test_a_part_is_filled_with_foam(tmp_path: Path) -> None:
     part = tmp_path / "ball.stl"
     trimesh.creation.icosphere(radius=10.0).export(part)
@@ -93,6 +108,11 @@ def test_foams_go_on_to_a_skin_or_the_faces_of_a_box(tmp_path: Path) -> None:
         ("--foam voronoi --cylinder 9x9x3 --size 3", "--cylinder is for --cell"),
         ("--foam voronoi --box 8 --size 3 --periodic --trim", "--periodic is for struts alone"),
         ("--foam voronoi --box 8 --size 3 --periodic --skin 1", "--periodic is for struts alone"),
+        ("--foam voronoi --box 8 --size 3 --trim --keep whole", "--keep is for struts alone"),
+        ("--foam delaunay --box 8 --size 3 --no-dangling", "--no-dangling is not for --foam del"),
+        ("--cell bcc --box 8 --size 3 --skin 1 --shortest 1", "--shortest is for struts alone"),
+        ("--cell bcc --sphere 9x3 --size 3 --shortest 1", "--shortest is for a box or a part"),
+        ("--cell bcc --box 8 --size 4 --layer 1 --keep whole", "--keep is not for layers of a box"),
         ("--foam voronoi --box 8 --size 3 --tiles tiles", "--tiles is for --cell"),
         ("--foam delaunay --box 8 --size 3 --periodic", "--periodic is for --foam voronoi"),
         ("--foam voronoi --inside part.stl --size 3 --periodic", "--periodic is for --foam"),
