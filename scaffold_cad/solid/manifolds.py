@@ -179,15 +179,3 @@ def filled_share(manifold: Manifold, corners: Points) -> float:
 
     hull = manifold3d.Manifold.hull_points(corners)
     return float((manifold ^ hull).volume() / hull.volume())
-
-
-def without_voids(manifold: Manifold) -> tuple[Manifold, list[float]]:
-    """Return the solid with its enclosed voids filled, and the volumes of these, mm³."""
-    import manifold3d
-
-    shells = manifold.decompose()
-    outer = [shell for shell in shells if shell.volume() > 0]
-    if len(outer) == len(shells):
-        return manifold, []
-    voids = [-shell.volume() for shell in shells if not shell.volume() > 0]
-    return manifold3d.Manifold.batch_boolean(outer, manifold3d.OpType.Add), voids

@@ -208,16 +208,15 @@ def _clean_union(
     """
     tries = np.zeros(len(skeleton.nodes), dtype=np.intp)
     while tries.max() < len(WOBBLES):
-        filled, voids = manifolds.without_voids(united(WOBBLES[tries]))
         try:
-            mesh, more = _cleaned(filled, skeleton.component_count, factor)
+            mesh, voids = _cleaned(united(WOBBLES[tries]), skeleton.component_count, factor)
         except FaultySurfaceError as fault:
             _log.debug("the union of %d struts %s", len(edges), fault)
             told = str(fault)
             tries[_nodes_near(fault.places / factor, skeleton, edges)] += 1
             continue
         if len(mesh.triangles):
-            return Solidified(manifolds.to_manifold(mesh), edges, voids + more)
+            return Solidified(manifolds.to_manifold(mesh), edges, voids)
         told = "is turned inside out"
         break
     _log.warning(
@@ -244,7 +243,6 @@ def _cleaned(
         If it has a fault or more bodies; its places are in the lengths of the file.
     """
     surface = clean_surface(manifold, factor)
-    # What touched the outside along an edge alone is a void of its own once it is parted.
     mesh, voids = without_voids(TriangleMesh(surface.vertices / factor, surface.triangles))
     pieces = pieces_of(mesh)
     extra = np.argsort(-pieces.volumes)[components:]
