@@ -8,6 +8,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from scaffold_cad.base.arguments import check_kind
 from scaffold_cad.base.arrays import Bools, Edges, Floats, as_floats, place_text
 from scaffold_cad.base.radii import Radius, radii_at
 from scaffold_cad.base.regions import Region
@@ -71,7 +72,9 @@ def lattice_reaching(
 
 def skeleton_reaching(region: Region, struts: Skeleton, skin: float | None) -> Reaching:
     """Return those that reach into a body of struts that are there already."""
-    whole, widest = movable(struts), float(struts.edge_radii.max(initial=0.0))
+    check_kind(struts, Skeleton)
+    whole = movable(struts)
+    widest = float(struts.edge_radii.max()) if len(struts.edges) else 1.0
 
     def reaching(nudge: float) -> Skeleton:
         moved = whole(nudge)

@@ -7,8 +7,16 @@ import numpy as np
 import pytest
 import trimesh
 
-from scaffold_cad import Skeleton, lattice_part, strut_part, strut_solid, tile, voronoi_foam
-from scaffold_cad.errors import SkeletonError
+from scaffold_cad import (
+    Skeleton,
+    lattice_part,
+    round_struts,
+    strut_part,
+    strut_solid,
+    tile,
+    voronoi_foam,
+)
+from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.filling.cleaning import without_crumbs, without_pockets
 from scaffold_cad.filling.flush import flush_box
 from scaffold_cad.mesh.pieces import pieces_of
@@ -63,9 +71,12 @@ def test_struts_of_their_own_radii_fill_a_solid() -> None:
 
 def test_struts_beside_the_body_are_no_filling() -> None:
     lattice = tile("bcc", 8.0, 2, radius=0.5)
-    away = lattice.moved(lattice.nodes + 100.0)
-    with pytest.raises(SkeletonError, match=r"no strut is in the body from \[-5, -5, -5\] mm"):
-        strut_part(trimesh.creation.box((10.0, 10.0, 10.0)), away)
+    body = trimesh.creation.box((10.0, 10.0, 10.0))
+    for struts in (lattice.moved(lattice.nodes + 100.0), lattice.with_edges([])):
+        with pytest.raises(SkeletonError, match=r"no strut is in the body from \[-5, -5, -5\] mm"):
+            strut_part(body, struts)
+    with pytest.raises(OptionError, match="need a Skeleton"):
+        strut_part(body, round_struts(lattice))  # type: ignore[arg-type]
 
 
 def cubes(*placed: tuple[float, float, bool]) -> TriangleMesh:
