@@ -296,6 +296,7 @@ VIEWS: dict[str, tuple[tuple[float, float, float], str]] = {
     "lamp_shade": ((-0.5, -1.0, 0.25), SAND),
     "lattice_bracket": ((0.7, -1.0, 0.55), BLUE),
     "filled_bracket": ((0.7, -1.0, 0.55), SAND),
+    "foam_knob": ((0.5, -1.0, 0.45), SAND),
     "bike_node": ((0.6, -1.0, 0.5), BLUE),
     "chair": ((-0.75, -1.0, 0.45), SAND),
     "tree_support": ((-0.45, -1.0, 0.25), BLUE),
@@ -329,7 +330,7 @@ def draw_gallery(name: str) -> None:
     else:
         if name in ("filled_bracket", "brake_lever"):
             made = to_solid(tessellated(made))
-        if name in ("lattice_bracket", "filled_bracket"):  # cut, for one to see the lattice
+        if name in ("lattice_bracket", "filled_bracket", "foam_knob"):  # cut, to see the inside
             made = made.trim_by_plane((0.0, 1.0, 0.0), 0.0)
         if isinstance(made, RoundStruts):
             made = to_solid(made, sides=48)

@@ -88,7 +88,7 @@ def test_lattices_on_surfaces_take_20_lines(name: str) -> None:
 def test_every_program_has_a_small_picture_and_is_listed() -> None:
     page = (ROOT / "examples" / "README.md").read_text(encoding="utf-8")
     gallery = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
-    assert len(NAMES) == 18
+    assert len(NAMES) == 19
     assert sorted(path.stem for path in PICTURES.glob("*.png")) == NAMES
     for name in NAMES:
         picture = (PICTURES / f"{name}.png").read_bytes()
