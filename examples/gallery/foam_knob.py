@@ -15,9 +15,9 @@ def make() -> Manifold:
         None,
         [[-30, -30, -12], [30, 30, 50]],
         0.7,
-        size=lambda points: np.clip(6 + points[:, 2] / 8, 6, 10),
+        size=lambda points: np.clip(7 + points[:, 2] / 8, 7, 12),
         regularity=0.6,
-        shortest=1.4,
+        shortest=1.8,
     )
     return strut_part(knob, foam, skin=1.2, section="round", sides=8)
 
