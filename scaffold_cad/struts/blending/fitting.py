@@ -23,6 +23,7 @@ from scaffold_cad.struts.blending.layouts import Layout
 from scaffold_cad.struts.blending.proof import prove
 from scaffold_cad.struts.blending.recipes import AIM, FIRST_STEPS, RAY_STEPS, Recipe, Stage
 from scaffold_cad.struts.blending.rows import Rings, given_rows, rings
+from scaffold_cad.struts.blending.system import net_of
 
 BEHIND = 0.3
 """How far a collar stands beyond the corners of its patches, in radii, where there is room."""
@@ -81,7 +82,7 @@ def solve(turned: Turned, fitted: Collars, recipe: Recipe, begun: Solved | None 
     )
     fitted = replace(fitted, distances=fitted.distances[own_order], radii=fitted.radii[own_order])
     first = recipe.stages[0].layout
-    at = np.concatenate([[0.0, 0.5], first.at_u])
+    at = np.concatenate([[0.0, 0.5], first.at_u if recipe.is_fitted else first.u.middles])
     arcs = _arcs(_leading(corners), at)  # (3, m, N, 4, n + 2) directions
     reached = union.reached(arcs.reshape(3, len(stars), -1), RAY_STEPS)
     on_arcs = reached.reshape(arcs.shape[1:]) * arcs
@@ -95,12 +96,15 @@ def solve(turned: Turned, fitted: Collars, recipe: Recipe, begun: Solved | None 
     for part, twins in turned.parts:
         shares[part] = share(valences(twins)).reshape(-1, 4)
     given = partial(_rows, union, fitted, ring, on_arcs[..., :2], shares, recipe.pinch)
-    if begun is None:
+    if not recipe.is_fitted:
+        control = _ruled(given(first), on_arcs[..., 2:], turned, first)
+    elif begun is None:
         wanted = _first_samples(union, given(first)[..., -1], on_arcs[..., 2:], first)
+        control = _fitted(union, given, wanted, turned, recipe)  # (3, m, 4 N, n_u, n_v)
     else:
         control = np.moveaxis(begun.control[own_order[0], turned.sides], -1, 0)
         wanted = _resampled(union, control, begun.layout, first)
-    control = _fitted(union, given, wanted, turned, recipe)  # (3, m, 4 N, n_u, n_v)
+        control = _fitted(union, given, wanted, turned, recipe)
     off = misfit(union, control, recipe.layout)
     control = np.moveaxis(control, 0, -1)
     proof = prove(pieces_of_patches(control, recipe.layout), fitted.distances, fitted.radii)
@@ -190,6 +194,28 @@ def _rows(
     rows = np.zeros((*last.shape, layout.v.count))
     rows[..., -1], rows[..., -2] = last, before
     return rows.reshape(3, last.shape[1], -1, *rows.shape[-2:])
+
+
+def _ruled(rows: Floats, on_arcs: Floats, turned: Turned, layout: Layout) -> Floats:
+    """Return the control points (3, m, 4 N, n_u, n_v) of patches straight from arcs to collars.
+
+    Nothing is fitted and no system is made: neighbors share their rims, and that is all.
+
+    Parameters
+    ----------
+    rows : (3, m, 4 N, n_u, n_v) float64, with the given rows
+    on_arcs : (3, m, N, 4, n_u) float64, points of the union on the arcs
+    """
+    near = on_arcs.reshape(*rows.shape[:3], -1)[..., None]
+    inner = rows.shape[-1] - 2
+    control = rows.copy()
+    control[..., :inner] = near + (rows[..., -2:-1] - near) * (np.arange(inner) / inner)
+    for part, twins in turned.parts:
+        number = net_of(twins, layout).number
+        shared = np.empty((*rows[:, part].shape[:2], int(number.max()) + 1))
+        shared[..., number] = control[:, part]
+        control[:, part] = shared[..., number]
+    return control
 
 
 def _fitted(

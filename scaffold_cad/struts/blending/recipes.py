@@ -64,6 +64,11 @@ class Recipe:
         return self.stages[-1].layout
 
     @property
+    def is_fitted(self) -> bool:
+        """Whether anything is fitted; patches are straight from arcs to collars if not."""
+        return any(stage.rounds for stage in self.stages)
+
+    @property
     def samples(self) -> int:
         """Most samples of a patch."""
         return max(len(stage.layout.weights) for stage in self.stages)
@@ -112,8 +117,8 @@ RECIPES = (
 """Tried in this order, each for the nodes that the ones before left unproved, deep inside or
 bulging, and whose fillets it suits."""
 
-ROUGH = (Stage(WHOLE, ((1e-3, 2),)),)
-"""What is done where nothing has room."""
+ROUGH = (Stage(WHOLE, ()),)
+"""What is done where nothing has room: patches are straight from arcs to collars."""
 
 FINER = (
     (Stage(Layout(2, 2, 5), ((1e-5, 4),), lifted=True), np.inf),

@@ -56,6 +56,12 @@ class Spline(Frozen):
         inner = np.repeat(np.arange(1, self.pieces) / self.pieces, DEGREE - SMOOTHNESS)
         return np.concatenate([np.zeros(DEGREE + 1), inner, np.ones(DEGREE + 1)])
 
+    @property
+    def middles(self) -> Floats:
+        """Where each coefficient counts, in [0, 1]: the means of D knots, shape (count,)."""
+        sums = np.cumsum(self.knots)
+        return np.asarray((sums[DEGREE:-1] - sums[: -DEGREE - 1]) / DEGREE)
+
     def values(self, at: Floats, order: int = 0) -> Floats:
         """Return derivatives of the basis at `at` (n,) of each piece, (pieces n, count)."""
         basis = bernstein(DEGREE, at, order) / self.step**order @ self.extraction

@@ -15,12 +15,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import qr, solve_triangular
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
 from scaffold_cad.base.kept import kept
+from scaffold_cad.base.products import row_products
 from scaffold_cad.base.vectors import sums_by_row
 from scaffold_cad.struts.blending.curves import RANK, Curve, Kind, curve_of
 from scaffold_cad.struts.blending.joins import shared_numbers, valences
@@ -66,6 +68,24 @@ class System(Frozen):
     """From given control points to those of rims, (g, rim)."""
     rim_of_free: Floats
     """From the free numbers to the control points of rims, (k, rim)."""
+    wide: int
+    """How many free numbers, which come first, are of corners: they move the rims of many patches.
+
+    The others are of one curve each.
+    """
+
+    @cached_property
+    def _by_number(self) -> tuple[Ints, Ints]:
+        """The points in the rims of all patches by their numbers, and where each begins there."""
+        numbers = self.rims.reshape(-1)
+        order = np.argsort(numbers, kind="stable")
+        return order, np.searchsorted(numbers[order], np.arange(self.net.rim))
+
+    def pulls_at_free(self, pulls: Floats) -> Floats:
+        """Return pulls at the free numbers, (rows, k), of those at rims (rows, 4 N rim)."""
+        order, first = self._by_number
+        at_rims = np.add.reduceat(pulls[:, order], first, axis=1)
+        return row_products(at_rims, self.rim_of_free.T)
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,6 +175,7 @@ def _system(key: tuple[int, ...], layout: Layout) -> System:
         net.number.reshape(len(twins), -1)[:, layout.rim],
         np.ascontiguousarray(points[: net.rim, : net.given].T),
         np.ascontiguousarray(points[: net.rim, net.given :].T),
+        basis.shape[1],
     )
 
 

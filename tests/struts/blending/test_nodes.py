@@ -310,3 +310,25 @@ def test_a_fillet_that_is_far_too_wide_becomes_as_wide_as_can_be() -> None:
     assert node.shapes.sound.all()
     assert 4.0 < node.shapes.rho[0] < 6.0
     assert node.shapes.bulge[0] < 0.2
+
+
+def test_without_room_patches_are_closed_and_no_system_is_made(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def refuse(*_: object) -> None:
+        raise AssertionError("a system was made")
+
+    monkeypatch.setattr("scaffold_cad.struts.blending.fits.system_of", refuse)
+    (found,) = blends(stars_of(random_stars(2, 12, 20, np.random.default_rng(5)), most=0.5))
+    assert not found.shapes.has_room.any()
+    points = evaluated(found, 0, 0)
+    sides = np.arange(points.shape[1])
+    following = (sides & ~3) | ((sides + 1) & 3)
+    assert points[:, :, -1] == pytest.approx(points[:, following, 0], abs=1e-12)
+    arcs = np.take_along_axis(points[:, :, :, 0], found.twins[:, :, None, None], axis=1)
+    assert points[:, :, :, 0] == pytest.approx(arcs[:, :, ::-1], abs=1e-12)
+    rim = found.control[:, :, 0, -1].reshape(2, 12, 4, 3)
+    height = (rim * found.axes[:, :, None]).sum(axis=-1)
+    assert height == pytest.approx(
+        np.broadcast_to(found.shapes.collar_distances[..., None], height.shape)
+    )

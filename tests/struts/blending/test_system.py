@@ -59,7 +59,8 @@ def test_fit_is_the_least_squares_solution(layout: Layout) -> None:
     fixed = (given @ system.rim_of_given)[system.rims]
     pulls = wanted @ patch.pulls_of_samples + known @ patch.pulls_of_given
     pulls += fixed @ patch.pulls_of_rim
-    best = pulls.reshape(-1) @ free_of_pulls(TWINS, layout, stiffness)
+    at_free = system.pulls_at_free(pulls.reshape(1, -1))[0]
+    best = at_free @ free_of_pulls(TWINS, layout, stiffness)
     rims = (best @ system.rim_of_free)[system.rims] + fixed
     core = wanted @ patch.core_of_samples + rims @ patch.core_of_rim + known @ patch.core_of_given
     found = np.zeros(system.net.count - system.net.rim - system.net.given)
