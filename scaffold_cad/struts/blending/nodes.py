@@ -37,6 +37,7 @@ from scaffold_cad.struts.blending.recipes import (
     RECIPES,
     ROUGH,
     Recipe,
+    Stage,
 )
 
 SAMPLE_BYTES = 64
@@ -83,8 +84,7 @@ def blends(stars: Stars, recipes: Iterable[Recipe] = RECIPES) -> tuple[Blends, .
     seen = stars.seen(views)
     one, kind = _distinct(seen)
     own = _rounded(seen[one])
-    best = _Best(len(own))
-    fitted: dict[float, Collars] = {}
+    best, trials = _Best(len(own)), _Trials(own, recipes := tuple(recipes))
     fillets = own.blends / own.radii.min(axis=1)  # (U,), less where there is no room
     open_nodes = np.arange(len(own))
     for trial, recipe in enumerate(recipes):
@@ -94,16 +94,15 @@ def blends(stars: Stars, recipes: Iterable[Recipe] = RECIPES) -> tuple[Blends, .
             open_nodes = open_nodes[~best.proved[open_nodes]]
         if len(open_nodes) == 0:
             continue
-        if recipe.swell not in fitted:
-            fitted[recipe.swell] = collars_of(own, recipe.swell)
+        fitted = trials.collars(recipe.swell)
         if trial == 0:
-            open_nodes = _with_room(best, own, fitted[recipe.swell], recipe, open_nodes)
-            fillets = fitted[recipe.swell].blends / own.radii.min(axis=1)
+            open_nodes = _with_room(best, trials, recipe, open_nodes)
+            fillets = fitted.blends / own.radii.min(axis=1)
             if len(open_nodes) == 0:
                 break
-        found = _solved(own[open_nodes], fitted[recipe.swell][open_nodes], recipe)
+        found = trials.solved(recipe, open_nodes)
         best.take(open_nodes, found)
-        _refine(best, own, fitted[recipe.swell], recipe, open_nodes, found)
+        _refine(best, own, fitted, recipe, open_nodes, found)
         open_nodes = open_nodes[~best.good[open_nodes] & found.has_room]
         if trial == 0:
             open_nodes = open_nodes[~_narrow(own[open_nodes])]
@@ -121,16 +120,16 @@ def blends(stars: Stars, recipes: Iterable[Recipe] = RECIPES) -> tuple[Blends, .
     return tuple(copied)
 
 
-def _with_room(best: _Best, own: Stars, fitted: Collars, recipe: Recipe, rows: Ints) -> Ints:
+def _with_room(best: _Best, trials: _Trials, recipe: Recipe, rows: Ints) -> Ints:
     """Return which of the nodes `rows` (k,) have room; the others get a rough blend.
 
     What has no room is crowded, whatever its surface: only its collars are needed.
     """
-    without = rows[~fitted.has_room[rows]]
+    has_room = trials.collars(recipe.swell).has_room[rows]
+    without = rows[~has_room]
     if len(without):
-        rough = replace(recipe, stages=ROUGH)
-        best.take(without, _solved(own[without], fitted[without], rough))
-    return rows[fitted.has_room[rows]]
+        best.take(without, trials.solved(replace(recipe, stages=ROUGH), without))
+    return rows[has_room]
 
 
 def _refine(
@@ -143,7 +142,57 @@ def _refine(
         rows, found = rows[is_off], found[np.flatnonzero(is_off)]
         if len(rows):
             finer = replace(recipe, stages=(stage,), kept=1)
-            best.take(rows, _solved(own[rows], fitted[rows], finer, found))
+            best.take(rows, _solved(own[rows], fitted[rows], finer, found.vertices, found))
+
+
+class _Trials:
+    """What the recipes for U nodes share: each of it is made once, for the nodes that need it."""
+
+    def __init__(self, own: Stars, recipes: tuple[Recipe, ...]) -> None:
+        self._own = own
+        self._begun_with = {_way(recipe, recipe.stages[:-1]) for recipe in recipes}
+        self._collars: dict[float, Collars] = {}
+        self._moved: dict[float, tuple[UnitVectors, Bools]] = {}
+        self._found: dict[Recipe, tuple[Ints, Solved]] = {}
+
+    def collars(self, swell: float) -> Collars:
+        """Return the collars of all nodes, (U,), for ρ times `swell`."""
+        if swell not in self._collars:
+            self._collars[swell] = collars_of(self._own, swell)
+        return self._collars[swell]
+
+    def solved(self, recipe: Recipe, rows: Ints) -> Solved:
+        """Return what a recipe gives for the nodes `rows` (k,), ascending, from where it begins.
+
+        That is what an earlier recipe gave with the same stages but for the last.
+        """
+        own, fitted = self._own[rows], self.collars(recipe.swell)[rows]
+        before = self._found.get(_way(recipe, recipe.stages[:-1]))
+        if before is None:
+            found = _solved(own, fitted, recipe, self._vertices(recipe.openness, rows))
+        else:
+            begun = before[1][np.searchsorted(before[0], rows)]
+            last = replace(recipe, stages=recipe.stages[-1:])
+            found = _solved(own, fitted, last, begun.vertices, begun)
+        if (way := _way(recipe, recipe.stages)) in self._begun_with:
+            self._found[way] = rows, found
+        return found
+
+    def _vertices(self, openness: float, rows: Ints) -> UnitVectors:
+        """Return the moved vertices of the partitions of the nodes `rows`, (k, N + 2, 3)."""
+        if openness not in self._moved:
+            nowhere = np.empty_like(self._own.vertices), np.zeros(len(self._own), dtype=np.bool_)
+            self._moved[openness] = nowhere
+        moved, is_moved = self._moved[openness]
+        left = rows[~is_moved[rows]]
+        if len(left):
+            moved[left], is_moved[left] = _evened(self._own[left], openness), True
+        return moved[rows]
+
+
+def _way(recipe: Recipe, stages: tuple[Stage, ...]) -> Recipe:
+    """Return what a recipe does, whatever the fillet, with other stages."""
+    return replace(recipe, stages=stages, least=0.0, most=np.inf)
 
 
 class _Best:
@@ -209,9 +258,14 @@ def _copied(stars: Stars, shapes: Ints, shape_of: Ints, originals: Originals) ->
     return Blends(stars[nodes], nodes, own, twins, originals.turned(), originals)
 
 
-def _solved(own: Stars, fitted: Collars, recipe: Recipe, begun: Solved | None = None) -> Solved:
-    """Return the blends that a recipe gives, from those `begun` if there are any."""
-    vertices = _evened(own, recipe.openness) if begun is None else begun.vertices
+def _solved(
+    own: Stars,
+    fitted: Collars,
+    recipe: Recipe,
+    vertices: UnitVectors,
+    begun: Solved | None = None,
+) -> Solved:
+    """Return the blends that a recipe gives with moved vertices, from those `begun` if any are."""
     kinds = types_of(own.quads)
     samples = 4 * own.directions.shape[1] * recipe.samples  # of a star
     order = np.argsort(kinds.type_of, kind="stable")
