@@ -9,6 +9,8 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.struts.curves.cuts import CutCurves, cut_curves
 from scaffold_cad.struts.curves.rings import curve_rings
 from scaffold_cad.struts.meshes.bands import enlargement, ring_triangles
+from scaffold_cad.struts.meshes.fineness import Fineness
+from scaffold_cad.struts.meshes.rings import Grid
 from scaffold_cad.struts.meshes.surface import (
     Sized,
     node_surface,
@@ -39,6 +41,7 @@ class NodeBodies:
         """
         self._struts, self._sides = struts, sides
         self._sized = sized_rings(struts, sides)
+        self._fineness = Fineness.of(struts, sides)
         lows, highs = [np.zeros((0, 3))], [np.zeros((0, 3))]
         groups, nodes, kinds = [], [], []
         rows: list[Ints] = []
@@ -79,21 +82,24 @@ class NodeBodies:
         faces: list[Triangles] = []
         count = 0
         group_of, row_of = self._group_of[some], self._row_of[some]
-        for number in np.unique(group_of).tolist():
-            group = self._struts.blended[number][row_of[group_of == number]]
-            placed, triangles = self._closed(group)
+        groups = (
+            self._struts.blended[number][row_of[group_of == number]]
+            for number in np.unique(group_of).tolist()
+        )
+        for group, grid in self._fineness.parts(groups):
+            placed, triangles = self._closed(group, grid)
             points.append(placed)
             faces.append(triangles + count)
             count += len(placed)
         return TriangleMesh(np.concatenate(points), np.concatenate(faces))
 
-    def _closed(self, group: BlendedNodes) -> tuple[Points, Triangles]:
+    def _closed(self, group: BlendedNodes, grid: Grid) -> tuple[Points, Triangles]:
         """Return the vertices and triangles of nodes, the discs of their collars included."""
         struts, sides, shape = self._struts, self._sides, group.half_runs.shape
         half_runs = group.half_runs.reshape(-1)
         own = own_rings(struts, half_runs, self._sized, sides).reshape(*shape, sides, 3)
         growth = self._sized.growth[group.half_runs]
-        made = node_surface(struts, group, own, growth, sides)
+        made = node_surface(struts, group, own, growth, grid)
         last = made.rings
         middle = len(made.points) + np.arange(len(half_runs)).reshape(*shape, 1)
         fans = [np.broadcast_to(middle, last.shape), last, np.roll(last, -1, axis=2)]

@@ -43,24 +43,24 @@ POINT_BYTES = 512
 
 @dataclass(frozen=True, eq=False)
 class Samples(Frozen):
-    """Samples of U blends around each strut, in the order of rings."""
+    """Samples of U blends around each strut, in the order of rings, `fine` of them each."""
 
     points: Floats
-    """Relative to the node, shape (U, N, levels + 1, sides, 3), mm."""
+    """Relative to the node, shape (U, N, levels + 1, fine, 3), mm."""
     normals: UnitVectors
-    """Outward, shape (U, N, levels + 1, sides, 3)."""
+    """Outward, shape (U, N, levels + 1, fine, 3)."""
     rings: Ints
-    """Number of each, in 0..b-1: those on arcs are of two struts, (U, N, levels + 1, sides)."""
+    """Number of each, in 0..b-1: those on arcs are of two struts, (U, N, levels + 1, fine)."""
 
     @property
     def ways(self) -> UnitVectors:
-        """Unit vectors along which they are moved, shape (U, N, levels + 1, sides, 3)."""
+        """Unit vectors along which they are moved, shape (U, N, levels + 1, fine, 3)."""
         spokes = normalize(self.points)
         share = np.clip((dot(spokes, self.normals) - GRAZING) / (FACING - GRAZING), 0.0, 1.0)
         return normalize(self.normals + share[..., None] * (spokes - self.normals))
 
     def sums(self, values: Floats) -> Floats:
-        """Return the sum of the values (U, N, levels + 1, sides) of samples with one number."""
+        """Return the sum of the values (U, N, levels + 1, fine) of samples with one number."""
         row, count = self._on_arcs
         added = np.bincount(row.reshape(-1), values[:, :, :1].reshape(-1), count)
         found = values.copy()
@@ -68,7 +68,7 @@ class Samples(Frozen):
         return found
 
     def least(self, values: Floats) -> Floats:
-        """Return the least of the values (U, N, levels + 1, sides) of samples with one number."""
+        """Return the least of the values (U, N, levels + 1, fine) of samples with one number."""
         row, count = self._on_arcs
         smallest = np.full(count, np.inf)
         np.minimum.at(smallest, row.reshape(-1), values[:, :, :1].reshape(-1))
@@ -89,7 +89,7 @@ class Moved(Frozen):
     """Samples of K nodes where they are moved to."""
 
     points: Floats
-    """Relative to the nodes, shape (K, N, levels + 1, sides, 3), mm."""
+    """Relative to the nodes, shape (K, N, levels + 1, fine, 3), mm."""
     swell: Floats
     """How far they are moved, where that is further than the slack, shape (K,), mm."""
 
@@ -99,17 +99,17 @@ class Lifted(Frozen):
     """Samples of U blends around each strut, and how they are moved."""
 
     points: Floats
-    """Relative to the node, shape (U, N, levels + 1, sides, 3), mm."""
+    """Relative to the node, shape (U, N, levels + 1, fine, 3), mm."""
     ways: UnitVectors
-    """Along which they are moved, shape (U, N, levels + 1, sides, 3)."""
+    """Along which they are moved, shape (U, N, levels + 1, fine, 3)."""
     lifts: Floats
-    """How far, for the gaps around each, shape (U, N, levels + 1, sides), mm."""
+    """How far, for the gaps around each, shape (U, N, levels + 1, fine), mm."""
     reach: Floats
-    """Distance from the strut's axis, or its radius, shape (U, N, levels + 1, sides), mm."""
+    """Distance from the strut's axis, or its radius, shape (U, N, levels + 1, fine), mm."""
     areas: Floats
-    """Volume that moving each adds to its strut, shape (U, N, levels + 1, sides), mm²."""
+    """Volume that moving each adds to its strut, shape (U, N, levels + 1, fine), mm²."""
     spokes: Floats
-    """From the axes of struts to their last rings, shape (U, N, sides, 3), mm."""
+    """From the axes of struts to their last rings, shape (U, N, fine, 3), mm."""
     volumes: Floats
     """Volume between the patches and their node, shape (U,), mm³."""
     discs: Floats
@@ -143,27 +143,32 @@ class Lifted(Frozen):
             np.pi / 3 * wide**2 * far,
         )
 
-    def moved(self, which: Ints, growth: Floats, slack: float) -> Moved:
+    def moved(self, which: Ints, growth: Floats, sides: int, slack: float) -> Moved:
         """Return the samples of nodes as they make up for the volume of their blends.
 
         Parameters
         ----------
         which : (K,) blend of each node
         growth : (K, N) how much larger than the collars their polygons are, over their radii
+        sides : of these
         slack : how far samples are moved, over `reach`; further where that is not enough
         """
         found = np.empty((len(which), *self.points.shape[1:]))
         swell = np.zeros(len(which))
         for part in cut(np.arange(len(which)), self.lifts[0].size * POINT_BYTES, CACHE):
-            found[part], _, missing = self._moved(which[part], growth[part], slack)
+            found[part], _, missing = self._moved(which[part], growth[part], sides, slack)
             short = part[missing > ENOUGH]
             if len(short):
-                found[short], swell[short], _ = self._moved(which[short], growth[short], MOST)
+                found[short], swell[short], _ = self._moved(
+                    which[short], growth[short], sides, MOST
+                )
         return Moved(found, swell)
 
-    def _moved(self, which: Ints, growth: Floats, most: float) -> tuple[Floats, Floats, Floats]:
+    def _moved(
+        self, which: Ints, growth: Floats, sides: int, most: float
+    ) -> tuple[Floats, Floats, Floats]:
         """Return moved samples, how far they are, (K,), mm, and the part that is missing, (K,)."""
-        points, ways, sides = self.points[which], self.ways[which], self.points.shape[3]
+        points, ways = self.points[which], self.ways[which]
         lifts, limit = self.lifts[which], most * self.reach[which]
         fades = np.linspace(1.0, 0.0, points.shape[2])[:, None]
         areas = self.areas[which] * fades

@@ -1,7 +1,9 @@
 """Nodes as stacks of rings: the patches of each strut sampled around it, from the arcs outward.
 
 Level 0 of a strut's stack runs along the four arcs of its quad and is shared with its neighbors;
-the last level is the ring at its collar. A ring has `sides` points, a quarter of them a patch.
+the last level is the ring at its collar, of `sides` points. The others have as many a patch as an
+arc has steps: a quarter of the sides, or more, and then several of them are joined to one of the
+last level.
 """
 
 from __future__ import annotations
@@ -11,7 +13,7 @@ from functools import cache
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, read_only
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, UnitVectors, read_only
 from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.brep.bernstein import bernstein
@@ -43,14 +45,43 @@ class Stacks(Frozen):
     points: Points
     """Vertices node by node, shape (M, b, 3), mm: corners, points of arcs, levels 1 and on."""
     rings: Ints
-    """Vertices of each level of each strut, in 0..b-1, shape (M, N, levels + 1, sides)."""
+    """Vertices of each level of each strut, in 0..b-1, shape (M, N, levels + 1, 4 steps)."""
+    collars: Ints
+    """Vertices of the rings at the collars, in 0..b-1, shape (M, N, sides)."""
     triangles: Ints
     """Vertices of the triangles between levels, in 0..b-1, shape (M, t, 3)."""
     swell: Floats
     """How far samples are moved, where that is further than the slack, mm, shape (M,)."""
 
 
-def stacks(group: BlendedNodes, growth: Floats, levels: int, sides: int, slack: float) -> Stacks:
+@dataclass(frozen=True)
+class Grid:
+    """How many samples the patches of nodes have."""
+
+    steps: int
+    """Intervals of an arc."""
+    levels: int
+    """Intervals from an arc to a collar."""
+    sides: int
+    """Points of the ring at a collar, a multiple of 4, at most 4 `steps`."""
+
+    @property
+    def nearest(self) -> Ints:
+        """Point at the collar that each sample around a strut is joined to, (4 steps,)."""
+        fine = 4 * self.steps
+        return (2 * self.sides * np.arange(fine) + fine) // (2 * fine) % self.sides
+
+    def block_size(self, valency: int) -> int:
+        """Return how many vertices the surface of a node of a valency has."""
+        inner = 4 * self.steps * (self.levels - 1)
+        return self.shared(valency) + valency * (inner + self.sides)
+
+    def shared(self, valency: int) -> int:
+        """Return how many of them are on arcs."""
+        return valency + 2 + 2 * valency * (self.steps - 1)
+
+
+def stacks(group: BlendedNodes, growth: Floats, grid: Grid, slack: float) -> Stacks:
     """Sample the patches of nodes, and move the samples so that the volume is that of the blends.
 
     Where triangles are not seen from their node then, samples are moved aside.
@@ -59,38 +90,51 @@ def stacks(group: BlendedNodes, growth: Floats, levels: int, sides: int, slack: 
     ----------
     group : M nodes
     growth : (M, N) how much larger than the collars the last rings are, over their radii
-    levels : intervals from the arcs to the collar
-    sides : points of a ring, a multiple of 4
+    grid : how many samples patches have
     slack : how far samples are moved, over their distance from their strut's axis: further only
         where that does not make up for the volume
     """
-    quads = group.quads
-    count, valency = quads.shape[:2]
-    steps = sides // 4
-    shared = valency + 2 + 2 * valency * (steps - 1)
-    own = shared + np.arange(valency * levels * sides).reshape(valency, levels, sides)
-    rings = np.empty((count, valency, levels + 1, sides), dtype=np.intp)
-    rings[:, :, 0] = first_rings(quads, steps)
-    rings[:, :, 1:] = own
-    u, v = quarter_parameters(steps), np.linspace(0.0, 1.0, levels + 1) ** GRADING
-    samples = Samples(*_sampled(group.shapes, u, v), rings)
+    rings = _rings(group.quads, grid)
+    u, v = quarter_parameters(grid.steps), graded(grid.levels)
+    points, normals = around_struts(group.shapes, u, v)
+    at_collars = quarter_parameters(grid.sides // 4), v[-1:]
+    for samples, last in zip(
+        (points, normals), around_struts(group.shapes, *at_collars), strict=True
+    ):
+        samples[:, :, -1] = last[:, :, 0, grid.nearest]
     cells = cells_of(group.shapes, np.append(u, 1.0), v)
-    lifted = Lifted.of(group.shapes, group.axes, samples, cells)
+    lifted = Lifted.of(group.shapes, group.axes, Samples(points, normals, rings), cells)
     rounded = np.rint(growth / SAME)
     rows = np.concatenate([group.shape_of[:, None], rounded], axis=1)
     kinds, kind = np.unique(rows, axis=0, return_inverse=True)
     kind = kind.reshape(-1)
     which = kinds[:, 0].astype(np.intp)
-    moved = lifted.moved(which, SAME * kinds[:, 1:], slack)
-    placed = np.empty((len(kinds), shared + own.size, 3))
+    moved = lifted.moved(which, SAME * kinds[:, 1:], grid.sides, slack)
+    placed = np.empty((len(kinds), grid.block_size(rings.shape[1]), 3))
     # Of the samples at one vertex the last one written stays, for all the same.
     placed[np.arange(len(kinds))[:, None, None, None], rings[which]] = moved.points
     triangles = _triangles(placed, rings[which])
-    made = faced(placed, triangles, rings[which, :, -1].reshape(len(kinds), -1), sides)
+    collars = rings[:, :, -1, np.unique(grid.nearest, return_index=True)[1]]
+    fixed = collars[which].reshape(len(kinds), -1)
+    made = faced(placed, triangles, fixed, 4 * grid.steps)
     widest = lifted.reach.reshape(len(lifted.reach), -1).max(axis=1)  # (U,)
     furthest = np.maximum(moved.swell, slack * widest[which]) + made.aside
     swell = np.where(made.aside > 0, furthest, moved.swell)
-    return Stacks(made.points[kind], rings[group.shape_of], triangles[kind], swell[kind])
+    of = group.shape_of
+    return Stacks(made.points[kind], rings[of], collars[of], triangles[kind], swell[kind])
+
+
+def _rings(quads: Ints, grid: Grid) -> Ints:
+    """Return the vertices of each level of the struts of nodes, (U, N, levels + 1, 4 steps)."""
+    count, valency = quads.shape[:2]
+    inner = (grid.levels - 1, 4 * grid.steps)
+    block = inner[0] * inner[1] + grid.sides
+    first = grid.shared(valency) + block * np.arange(valency)
+    rings = np.empty((count, valency, grid.levels + 1, inner[1]), dtype=np.intp)
+    rings[:, :, 0] = first_rings(quads, grid.steps)
+    rings[:, :, 1:-1] = first[:, None, None] + np.arange(inner[0] * inner[1]).reshape(inner)
+    rings[:, :, -1] = first[:, None] + inner[0] * inner[1] + grid.nearest
+    return rings
 
 
 def _triangles(points: Floats, rings: Ints) -> Ints:
@@ -105,12 +149,10 @@ def _triangles(points: Floats, rings: Ints) -> Ints:
     rows = rings + first
     low, high = (some.reshape(-1, rings.shape[3]) for some in (rows[:, :, :-1], rows[:, :, 1:]))
     triangles = ring_triangles(points.reshape(-1, 3), low, high).reshape(count, -1, 3)
-    return np.asarray(triangles - first[..., 0])
-
-
-def block_size(valency: Ints, levels: int, sides: int) -> Ints:
-    """Return how many vertices the surface of a node of a valency has."""
-    return valency + 2 + 2 * valency * (sides // 4 - 1) + valency * levels * sides
+    # Where neighbors are joined to one point of a collar the second triangle between has no area.
+    is_whole = np.ones((*rings.shape[1:2], rings.shape[2] - 1, rings.shape[3], 2), dtype=np.bool_)
+    is_whole[:, -1, :, 1] = rings[0, :, -1] != np.roll(rings[0, :, -1], -1, axis=1)
+    return np.asarray(triangles[:, is_whole.reshape(-1)] - first[..., 0])
 
 
 def first_rings(quads: Ints, steps: int) -> Ints:
@@ -136,6 +178,11 @@ def first_rings(quads: Ints, steps: int) -> Ints:
     inner = inner + np.where(backward, steps - 1 - step, step - 1)  # (M, 4 N, steps - 1)
     rings: Ints = np.concatenate([start[..., None], inner], axis=2)
     return rings.reshape(count, valency, 4 * steps)
+
+
+def graded(levels: int) -> Floats:
+    """Return the parameters from arcs to collars, (levels + 1,)."""
+    return np.linspace(0.0, 1.0, levels + 1) ** GRADING
 
 
 @cache
@@ -207,22 +254,26 @@ def _parameters(quarters: Floats) -> Floats:
     return np.asarray(np.interp(quarters, even, np.append(steps, 1.0)))
 
 
-def _sampled(shapes: Solved, u: Floats, v: Floats) -> tuple[Floats, Floats]:
-    """Return points and unit normals around each strut, both (M, N, levels + 1, sides, 3)."""
-    count, patches = shapes.control.shape[:2]
-    flat = shapes.control.reshape(count * patches, *shapes.control.shape[2:])
+def around_struts(shapes: Solved, u: Floats, v: Floats) -> tuple[Floats, UnitVectors]:
+    """Return points and unit normals around each strut, both (U, N, levels + 1, 4 steps, 3).
+
+    Parameters
+    ----------
+    u : (steps,) parameters of each patch around its strut, in [0, 1)
+    v : (levels + 1,) parameters from its arc, 0, to its collar, 1
+    """
+    patches = shapes.control.reshape(-1, *shapes.control.shape[2:])  # (f, n_u, n_v, 3)
+    control = np.ascontiguousarray(np.moveaxis(patches, -1, 0))
     across, along = shapes.layout.u, shapes.layout.v
-    rows = np.einsum("ui,fijx->fujx", across.values_at(u), flat)
-    points = np.einsum("vj,fujx->fvux", along.values_at(v), rows)
-    by_v = np.einsum("vj,fujx->fvux", along.values_at(v, 1), rows)
-    turned = np.einsum("ui,fijx->fujx", across.values_at(u, 1), flat)
-    by_u = np.einsum("vj,fujx->fvux", along.values_at(v), turned)
-    normals = normalize(np.cross(by_u, by_v))
-    return _around(points, count), _around(normals, count)
+    rows = control @ along.values_at(v).T  # (3, f, n_u, levels + 1)
+    points, by_u = across.values_at(u) @ rows, across.values_at(u, 1) @ rows
+    by_v = across.values_at(u) @ (control @ along.values_at(v, 1).T)
+    normals = normalize(np.moveaxis(np.cross(by_u, by_v, axis=0), 0, -1))
+    return _around(np.moveaxis(points, 0, -1), len(shapes)), _around(normals, len(shapes))
 
 
 def _around(values: Floats, count: int) -> Floats:
-    """Return samples (M 4N, levels + 1, steps, 3) in the order of rings."""
-    _, levels, steps, _ = values.shape
-    by_strut = values.reshape(count, -1, 4, levels, steps, 3).swapaxes(2, 3)
-    return by_strut.reshape(count, -1, levels, 4 * steps, 3)
+    """Return samples (U 4N, steps, levels + 1, 3) in the order of rings."""
+    _, steps, levels, _ = values.shape
+    by_strut = values.reshape(count, -1, 4, steps, levels, 3)
+    return np.moveaxis(by_strut, 4, 2).reshape(count, -1, levels, 4 * steps, 3)

@@ -19,12 +19,10 @@ from scaffold_cad.struts.meshes.bands import (
     twist_of,
 )
 from scaffold_cad.struts.meshes.ends import closings
-from scaffold_cad.struts.meshes.rings import block_size, stacks
+from scaffold_cad.struts.meshes.fineness import Fineness
+from scaffold_cad.struts.meshes.rings import Grid, stacks
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.sharp.surface import node_triangles
-
-LEVELS = 4
-"""Intervals of a patch from its arc to its collar, for 16 sides."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,13 +225,13 @@ def shell_of(struts: RoundStruts, sides: int, open_at: Bools | None = None) -> S
 
 def _add_blended(parts: _Parts, struts: RoundStruts, own: Points, growth: Floats) -> Floats:
     """Add the nodes with blends, all vertices of them by `_blocks`; return the swell, (n,)."""
-    sides = own.shape[1]
-    starts, count = _blocks(struts, sides)
+    fineness = Fineness.of(struts, own.shape[1])
+    starts, count = _blocks(struts, fineness)
     points, swell = np.empty((count, 3)), np.zeros(len(struts.runs.nodes))
     parts.placed(points)
-    for group in struts.blended:
+    for group, grid in fineness.parts(struts.blended):
         half_runs = group.half_runs
-        made = node_surface(struts, group, own[half_runs], growth[half_runs], sides)
+        made = node_surface(struts, group, own[half_runs], growth[half_runs], grid)
         block = len(made.points) // len(group.nodes)
         place = (starts[group.nodes][:, None] + np.arange(block)).reshape(-1)
         points[place] = made.points
@@ -273,13 +271,13 @@ def _turns(struts: RoundStruts) -> Floats:
     return struts.curves.turns
 
 
-def _blocks(struts: RoundStruts, sides: int) -> tuple[Ints, int]:
+def _blocks(struts: RoundStruts, fineness: Fineness) -> tuple[Ints, int]:
     """Return the first vertex of each blended node, shape (n,), and how many they have."""
-    valency = np.zeros(len(struts.runs.nodes), dtype=np.intp)
-    for group in struts.blended:
+    valency, sizes = np.zeros((2, len(struts.runs.nodes)), dtype=np.intp)
+    for group, grid in fineness.parts(struts.blended):
         valency[group.nodes] = group.half_runs.shape[1]
+        sizes[group.nodes] = grid.block_size(group.half_runs.shape[1])
     order = np.argsort(valency, kind="stable")
-    sizes = np.where(valency > 0, block_size(valency, levels_of(sides), sides), 0)
     starts = np.empty_like(sizes)
     starts[order] = np.cumsum(sizes[order]) - sizes[order]
     return starts, int(sizes.sum())
@@ -288,21 +286,15 @@ def _blocks(struts: RoundStruts, sides: int) -> tuple[Ints, int]:
 def first_alike(struts: RoundStruts, sides: int) -> Ints:
     """Return the same vertex of the first node of the same shape, for those of blends, (v,)."""
     straight = struts.straight
-    starts, count = _blocks(straight, sides)
+    fineness = Fineness.of(straight, sides)
+    starts, count = _blocks(straight, fineness)
     found = np.arange(count)
-    for group in straight.blended:
+    for group, grid in fineness.parts(straight.blended):
         _, first, of = np.unique(group.shape_of, return_index=True, return_inverse=True)
-        block = np.arange(
-            int(block_size(np.array(group.half_runs.shape[1]), levels_of(sides), sides))
-        )
+        block = np.arange(grid.block_size(group.half_runs.shape[1]))
         own, alike = starts[group.nodes], starts[group.nodes[first[of.reshape(-1)]]]
         found[own[:, None] + block] = alike[:, None] + block
     return found
-
-
-def levels_of(sides: int) -> int:
-    """Return the intervals of a patch from its arc to its collar."""
-    return max(2, round(LEVELS * sides / 16))
 
 
 def sized_rings(struts: RoundStruts, sides: int, shift: Ints | None = None) -> Sized:
@@ -353,7 +345,7 @@ class NodeSurfaces(Frozen):
 
 
 def node_surface(
-    struts: RoundStruts, group: BlendedNodes, own: Points, growth: Floats, sides: int
+    struts: RoundStruts, group: BlendedNodes, own: Points, growth: Floats, grid: Grid
 ) -> NodeSurfaces:
     """Return the triangles of nodes.
 
@@ -361,12 +353,14 @@ def node_surface(
     ----------
     own : (M, N, sides, 3) points of the rings, mm
     growth : (M, N), see `Sized`, mm
+    grid : how many samples patches have
     """
     growth = growth / group.shapes.collar_radii[group.shape_of]
-    sampled = stacks(group, growth, levels_of(sides), sides, polygon_slack(sides))
+    sampled = stacks(group, growth, grid, polygon_slack(grid.sides))
     count, block = sampled.points.shape[:2]
-    rings = sampled.rings + (block * np.arange(count))[:, None, None, None]
+    first = block * np.arange(count)[:, None, None]
+    rings = sampled.collars + first
     points = (sampled.points + struts.runs.nodes[group.nodes][:, None]).reshape(-1, 3)
-    points[rings[:, :, -1]] = own
-    triangles = (sampled.triangles + (block * np.arange(count))[:, None, None]).reshape(-1, 3)
-    return NodeSurfaces(points, triangles, rings[:, :, -1], sampled.swell)
+    points[rings] = own
+    triangles = (sampled.triangles + first).reshape(-1, 3)
+    return NodeSurfaces(points, triangles, rings, sampled.swell)

@@ -7,7 +7,13 @@ import pytest
 
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts import RoundStruts, round_struts
-from scaffold_cad.struts.meshes.rings import first_rings, parameters_at, quarter_parameters, stacks
+from scaffold_cad.struts.meshes.rings import (
+    Grid,
+    first_rings,
+    parameters_at,
+    quarter_parameters,
+    stacks,
+)
 from scaffold_cad.struts.meshes.surface import triangulated
 from scaffold_cad.struts.model import BlendedNodes
 from tests.skeletons import BCC_STAR, ELBOW, JACK, TETRAPOD, TRIPOD
@@ -44,7 +50,7 @@ def only_group(struts: RoundStruts) -> BlendedNodes:
 def test_collars_are_circles_of_the_struts_radius(skeleton: Skeleton) -> None:
     struts = round_struts(skeleton)
     group = only_group(struts)
-    sampled = stacks(group, np.zeros(group.half_runs.shape), 4, 16, 0.05)
+    sampled = stacks(group, np.zeros(group.half_runs.shape), Grid(4, 4, 16), 0.05)
     last = sampled.points[0][sampled.rings[0, :, -1]]  # (N, 16, 3)
     axis = struts.runs.directions[group.half_runs[0]][:, None]
     height = (last * axis).sum(axis=2)
@@ -69,6 +75,6 @@ def test_equal_nodes_are_sampled_once_and_alike() -> None:
         1.0,
     )
     group = only_group(round_struts(both))
-    sampled = stacks(group, np.full((2, 6), 0.01), 4, 16, 0.05)
+    sampled = stacks(group, np.full((2, 6), 0.01), Grid(4, 4, 16), 0.05)
     np.testing.assert_array_equal(*sampled.points)
     assert (sampled.swell == 0).all()
