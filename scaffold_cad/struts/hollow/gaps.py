@@ -1,8 +1,8 @@
 """How far points inside of a node's surface are from it: how thick a wall is there.
 
 The nearest of many samples of the surface is looked for. For a wall that is being made the distance
-is that to the tangent plane there; for one that is measured the sample is moved along the surface
-to the foot of the perpendicular.
+is that to the paraboloid that touches the surface there, as bent as it; for one that is measured
+the sample is moved along the surface to the foot of the perpendicular.
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ UPRIGHT = 0.9999
 """Least cosine of a perpendicular to the normal at its foot."""
 LEANING = 0.99
 """Least cosine of the way to a sample to the normal there at which its plane counts."""
+MOST_BENT = 0.5
+"""Part of the distance from the tangent plane that the surface bends away from it at most."""
 STEPS = 4
 """Steps of Gauss and Newton to the foot of a perpendicular."""
 BESIDE = 1.05
@@ -40,10 +42,11 @@ class Gaps:
         """Take the surfaces of blends."""
         self._shapes = shapes
         self._points, self._normals = surface_samples(shapes, LEVELS)
+        self._axes, self._bends = surface_bends(shapes, self._normals, LEVELS)
         self._trees = [cKDTree(each) for each in self._points]
 
     def measured(self, points: Floats, rows: Ints) -> tuple[Floats, UnitVectors]:
-        """Return how far points are from the tangent planes at the nearest samples.
+        """Return how far points are from the surface beside the nearest samples.
 
         Parameters
         ----------
@@ -52,14 +55,28 @@ class Gaps:
 
         Returns
         -------
-        (k, q) float64, mm, and the planes' normals, (k, q, 3)
+        (k, q) float64, mm, and the normals at these samples, (k, q, 3)
         """
         gaps, normals = np.empty(points.shape[:2]), np.empty(points.shape)
         for place, (row, inside) in enumerate(zip(rows.tolist(), points, strict=True)):
-            _, nearest = self._trees[row].query(inside)
+            nearest, gaps[place] = self._beside(row, inside)
             normals[place] = self._normals[row, nearest]
-            gaps[place] = dot(self._points[row, nearest] - inside, normals[place])
         return gaps, normals
+
+    def _beside(self, row: int, points: Floats) -> tuple[Ints, Floats]:
+        """Return the samples nearest to points (q, 3), and how far these are, mm, both (q,).
+
+        The distance is that from the paraboloid there, to the second order of how far aside the
+        sample is.
+        """
+        place = np.asarray(self._trees[row].query(points)[1], dtype=np.intp)
+        way = self._points[row, place] - points
+        height = dot(way, self._normals[row, place])
+        aside = np.einsum("qax,qx->qa", self._axes[row, place], way)
+        bends = self._bends[row, place]
+        bends = bends / np.maximum(1.0 + bends * height[:, None], MOST_BENT)
+        most = MOST_BENT * np.abs(height)
+        return place, height + np.clip((bends * aside**2).sum(axis=1) / 2, -most, most)
 
     def least(self, inside: Solved) -> Floats:
         """Return the least distance of samples of the surfaces inside, (U,), mm."""
@@ -68,7 +85,7 @@ class Gaps:
     def least_and_most(self, inside: Solved) -> tuple[Floats, Floats]:
         """Return the least distance of samples of the surfaces inside, (U,), mm; and the greatest.
 
-        The greatest is that to the tangent planes at the nearest samples, past no collar.
+        The greatest is that beside the nearest samples, past no collar.
         """
         points, _ = surface_samples(inside, INSIDE)
         below, walls = self._below_struts(points)
@@ -110,8 +127,7 @@ class Gaps:
         And the greatest, as it seems. Those that seem nearest are looked at first, and no more
         where all others seem further away.
         """
-        place = np.asarray(self._trees[row].query(points)[1], dtype=np.intp)
-        seems = dot(self._points[row, place] - points, self._normals[row, place])
+        place, seems = self._beside(row, points)
         order = np.argsort(seems, kind="stable")
         least = np.inf
         for some in cut(order, row=1, within=AT_ONCE):
@@ -129,6 +145,7 @@ class Gaps:
         """
         patch, rest = place // LEVELS**2, place % LEVELS**2
         at = np.stack([rest // LEVELS, rest % LEVELS], axis=1) / (LEVELS - 1)  # (q, 2)
+        most = 0.5 / (LEVELS - 1)
         for _ in range(STEPS):
             found, slopes = self._evaluated(row, patch, at)
             way = points - found
@@ -137,7 +154,7 @@ class Gaps:
             (a, b), (_, d) = np.moveaxis(square, 0, -1)
             size = np.maximum(a * d - b * b, 1e-300)
             step = np.stack([d * along[:, 0] - b * along[:, 1], a * along[:, 1] - b * along[:, 0]])
-            at = np.clip(at + np.clip(step / size, -0.5, 0.5).T / (LEVELS - 1), 0.0, 1.0)
+            at = np.clip(at + np.clip(step / size, -most, most).T, 0.0, 1.0)
         found, slopes = self._evaluated(row, patch, at)
         start = self._points[row, place] - points
         way = found - points
@@ -201,3 +218,37 @@ def surface_samples(shapes: Solved, levels: int) -> tuple[Floats, UnitVectors]:
     count = len(shapes)
     flat = [np.moveaxis(each, 0, -1).reshape(count, -1, 3) for each in (points, normals)]
     return np.ascontiguousarray(flat[0]), normalize(flat[1])
+
+
+def surface_bends(shapes: Solved, normals: UnitVectors, levels: int) -> tuple[UnitVectors, Floats]:
+    """Return the axes of greatest and least curvature of blends, and the curvatures there.
+
+    Parameters
+    ----------
+    normals : (U, p, 3) on a grid in each patch
+    levels : of the grid in either direction
+
+    Returns
+    -------
+    (U, p, 2, 3) unit vectors, and (U, p, 2) float64, 1 / mm, > 0 where the surface is hollow
+    """
+    at = np.linspace(0.0, 1.0, levels)
+    u, v = shapes.layout.u, shapes.layout.v
+    patches = np.moveaxis(shapes.control, -1, 0)  # (3, U, 4 N, n_u, n_v)
+
+    def slope(by_u: int, by_v: int) -> Floats:
+        found = u.values_at(at, by_u) @ patches @ v.values_at(at, by_v).T
+        return np.moveaxis(found, 0, -1).reshape(normals.shape)
+
+    across, along = slope(1, 0), slope(0, 1)
+    x = normalize(across)
+    y = np.cross(normals, x)
+    # Parameters per mm along x and y: across = a x, along = b x + c y.
+    a, b, c = (dot(one, other) for one, other in ((across, x), (along, x), (along, y)))
+    second = [dot(slope(*order), normals) for order in ((2, 0), (1, 1), (0, 2))]
+    xx = second[0] / a**2
+    xy = (second[1] - b * xx * a) / (a * c)
+    yy = (second[2] - b**2 * xx - 2 * b * c * xy) / c**2
+    bends, turns = np.linalg.eigh(np.stack([xx, xy, xy, yy], axis=-1).reshape(*xx.shape, 2, 2))
+    axes = np.einsum("upax,upab->upbx", np.stack([x, y], axis=2), turns)
+    return axes, bends

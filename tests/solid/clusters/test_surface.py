@@ -194,8 +194,8 @@ def test_walls_that_cross_after_all_are_refused_with_a_place(
     monkeypatch.setattr(hollow, "FINER", 1)
     tips, radii = UNEVEN["one thick"]
     star = Skeleton([[0, 0, 0], *tips], [[0, i] for i in range(1, 5)], 1.0).with_edge_radii(radii)
-    with pytest.raises(MeshError, match=r"the wall of 0.05 mm crosses itself .* near \[.*\] mm"):
-        round_mesh(round_struts(star, wall=0.05), 8)
+    with pytest.raises(MeshError, match=r"the wall of 0.01 mm crosses itself .* near \[.*\] mm"):
+        round_mesh(round_struts(star, wall=0.01), 8)
 
 
 @pytest.mark.parametrize("unit", [25.4, 1000.0])

@@ -14,7 +14,7 @@ from scaffold_cad import Skeleton, delaunay_foam, round_struts, to_brep, write
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.struts.hollow.gaps import Gaps
+from scaffold_cad.struts.hollow.gaps import Gaps, surface_samples
 from scaffold_cad.struts.hollow.walls import walls
 from scaffold_cad.struts.meshes.surface import triangulated
 from scaffold_cad.struts.options import Ends
@@ -172,10 +172,24 @@ def test_nodes_whose_wall_no_inside_leaves_are_told(caplog: pytest.LogCaptureFix
     tips, elbow = foam.nodes[np.setdiff1d(around, 1)], [[90, 0, 0], [90, 20, 0], [110, 0, 0]]
     edges = [[0, k] for k in range(1, 7)] + [[7, 8], [7, 9]]
     nodes = np.concatenate([foam.nodes[[1]], tips, elbow])
-    struts = round_struts(Skeleton(nodes, edges, 2.0), wall=1.4, ends="open")
+    struts = round_struts(Skeleton(nodes, edges, 2.0), wall=1.7, ends="open")
     assert struts.inner is not None
     assert np.flatnonzero(struts.inner.crowded & ~struts.crowded).tolist() == [0]
     assert "no inside of node 0 leaves a wall of" in caplog.text
     found = walls(struts).nodes
     assert np.flatnonzero(np.isfinite(found)).tolist() == [7]
-    assert np.nanmin(found) >= 0.95 * 1.4
+    assert np.nanmin(found) >= 0.95 * 1.7
+
+
+def test_thin_walls_of_large_balls_are_measured_between_samples_too() -> None:
+    nodes = np.array([[0.0, 0, 0], [12.0, 0, 0], [-8.0, 10.0, 0]])
+    ball = Skeleton(nodes, [[0, 1], [0, 2]], [4.0, 0.5, 0.5], edge_radii=np.full((2, 2), 0.5))
+    struts = round_struts(ball, wall=0.1, ends="open")
+    assert struts.inner is not None
+    assert len(struts.overlapping) == 0
+    outer, inner = struts.blended[0].shapes, struts.inner.blended[0].shapes
+    points, _ = surface_samples(outer, 161)
+    inside, _ = surface_samples(inner, 45)
+    distances, _ = cKDTree(points[0]).query(inside[0])
+    assert distances.min() > 0.95 * 0.1
+    assert walls(struts).least < distances.min() + 0.01 * 0.1
