@@ -84,26 +84,23 @@ def blends(stars: Stars, recipes: Iterable[Recipe] = RECIPES) -> tuple[Blends, .
     seen = stars.seen(views)
     one, kind = _distinct(seen)
     own = _rounded(seen[one])
-    best, trials = _Best(len(own)), _Trials(own, recipes := tuple(recipes))
-    fillets = own.blends / own.radii.min(axis=1)  # (U,), less where there is no room
+    recipes = tuple(recipes)
+    best, trials = _Best(len(own)), _Trials(own, recipes)
     open_nodes = np.arange(len(own))
     for trial, recipe in enumerate(recipes):
-        if trial > 0:
-            open_nodes = open_nodes[recipe.suits(fillets[open_nodes])]
-        if recipe.swell > 1:
-            open_nodes = open_nodes[~best.proved[open_nodes]]
-        if len(open_nodes) == 0:
-            continue
-        fitted = trials.collars(recipe.swell)
         if trial == 0:
-            open_nodes = _with_room(best, trials, recipe, open_nodes)
-            fillets = fitted.blends / own.radii.min(axis=1)
-            if len(open_nodes) == 0:
-                break
-        found = trials.solved(recipe, open_nodes)
-        best.take(open_nodes, found)
-        _refine(best, own, fitted, recipe, open_nodes, found)
-        open_nodes = open_nodes[~best.good[open_nodes] & found.has_room]
+            rows = open_nodes = _with_room(best, trials, recipe, open_nodes)
+            fillets = trials.collars(recipe.swell).blends / own.radii.min(axis=1)  # (U,)
+        else:
+            rows = open_nodes[recipe.suits(fillets[open_nodes])]
+        if recipe.swell > 1:
+            rows = rows[~best.proved[rows]]
+        if len(rows) == 0:
+            continue
+        found = trials.solved(recipe, rows)
+        best.take(rows, found)
+        _refine(best, own, trials.collars(recipe.swell), recipe, rows, found)
+        open_nodes = np.setdiff1d(open_nodes, rows[best.good[rows] | ~found.has_room])
         if trial == 0:
             open_nodes = open_nodes[~_narrow(own[open_nodes])]
     views = views.rounded(SAME)
@@ -168,7 +165,7 @@ class _Trials:
         """
         own, fitted = self._own[rows], self.collars(recipe.swell)[rows]
         before = self._found.get(_way(recipe, recipe.stages[:-1]))
-        if before is None:
+        if before is None or not np.isin(rows, before[0]).all():
             found = _solved(own, fitted, recipe, self._vertices(recipe.openness, rows))
         else:
             begun = before[1][np.searchsorted(before[0], rows)]
