@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -14,7 +15,10 @@ from scaffold_cad.base.vectors import dot, leading_dot, length, normalize
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 NEAREST = 8
-"""How many triangles are looked at for the one nearest to a point."""
+"""How many triangles of about one size are looked at for the one nearest to a point."""
+
+ALIKE = 4.0
+"""How many times larger than others triangles of about one size are at most."""
 
 FACING = 0.5
 """Least cosine of the angle between a direction and a triangle that faces it."""
@@ -26,12 +30,47 @@ EPSILON, TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 """Rounding of a number of size 1; the least number, which keeps divisors above 0."""
 
 
+@dataclass(frozen=True, eq=False)
+class _Size:
+    """Triangles of about one size."""
+
+    rows: Ints
+    """Their numbers, shape (k,)."""
+    reach: Floats
+    """How far their corners are from their middles at most, shape (k,), mm."""
+    tree: cKDTree
+    """Of their middles."""
+
+    def near(self, points: Points, bound: float = np.inf) -> tuple[Floats, Ints]:
+        """Return how far the nearest middles are from points, and which these are, both (n, c).
+
+        Those that are further than the bound are infinitely far.
+        """
+        count = min(NEAREST, len(self.rows))
+        far, place = self.tree.query(points, k=count, distance_upper_bound=bound)
+        shape = len(points), count
+        return np.reshape(far, shape), np.reshape(place, shape)
+
+
+def _by_size(corners: Floats) -> list[_Size]:
+    """Return triangles (t, 3, 3) by size, the largest ones first.
+
+    Among many small ones a large one that is nearer would not be looked at.
+    """
+    middles = corners.mean(axis=1)
+    reach = length(corners - middles[:, None]).max(axis=1)
+    most = reach.max(initial=TINY)
+    kind = np.floor(np.log(most / np.maximum(reach, EPSILON * most)) / np.log(ALIKE))
+    parts = [np.flatnonzero(kind == each) for each in np.unique(kind)]
+    return [_Size(rows, reach[rows], cKDTree(middles[rows])) for rows in parts]
+
+
 class NearestPlace:
-    """The surface of a mesh whose triangles are of about one size, for its nearest places."""
+    """The surface of a mesh whose triangles are not much longer than wide, for nearest places."""
 
     def __init__(self, mesh: TriangleMesh) -> None:
         self._corners = mesh.vertices[mesh.triangles]  # (t, 3, 3)
-        self._tree = cKDTree(self._corners.mean(axis=1))
+        self._sizes = _by_size(self._corners)
 
     def nearest(self, points: Points, facing: UnitVectors | None = None) -> Points:
         """Return the nearest place of the mesh to each of `points` (n, 3), among near triangles.
@@ -77,43 +116,41 @@ class NearestPlace:
 
     def _some(self, points: Points, facing: UnitVectors | None) -> tuple[Points, Ints]:
         """Do as `_found` for a few points."""
-        count = min(NEAREST, len(self._corners))
-        _, triangles = self._tree.query(points, k=count)
-        triangles = triangles.reshape(len(points), count)
+        near = [each.rows[each.near(points)[1]] for each in self._sizes]
+        triangles = np.concatenate(near, axis=1)
+        count = triangles.shape[1]
         every = np.repeat(points, count, axis=0)
         feet = nearest_on_triangles(every, self._corners[triangles.reshape(-1)])
         gaps = length(feet - every).reshape(-1, count)
         if facing is not None:
             faces: Bools = dot(self._normals[triangles], facing[:, None]) > FACING  # (n, count)
             gaps = np.where(faces | ~faces.any(axis=1, keepdims=True), gaps, np.inf)
-        row, best = np.arange(len(points)), gaps.argmin(axis=1)
+        best = gaps.argmin(axis=1)
+        row = np.arange(len(points))
         places: Points = feet.reshape(-1, count, 3)[row, best]
         return places, triangles[row, best]
 
     def _some_nearer(self, points: Points, limit: float) -> tuple[Ints, Points, Ints]:
         """Do as `nearer` for a few points: most triangles have a plane that is further away."""
-        size, bound = len(self._corners), limit + float(self._reach.max())
-        count = min(NEAREST, size)
-        far, triangle = self._tree.query(points, k=count, distance_upper_bound=bound)
-        far, triangle = np.reshape(far, -1), np.reshape(triangle, -1)
-        row = np.repeat(np.arange(len(points)), count)
-        some = np.flatnonzero(triangle < size)
-        some = some[far[some] < limit + self._reach[triangle[some]]]
-        own, of = points[row[some]], triangle[some]
-        some = some[np.abs(dot(own - self._corners[of, 0], self._normals[of])) < limit]
-        row, triangle = row[some], triangle[some]
+        rows, triangles = [], []
+        for each in self._sizes:
+            far, place = each.near(points, limit + float(each.reach.max()))
+            row, column = np.nonzero(np.isfinite(far))
+            place = place[row, column]
+            some: Bools = np.asarray(far[row, column] < limit + each.reach[place])
+            rows.append(row[some])
+            triangles.append(each.rows[place[some]])
+        row, triangle = np.concatenate(rows), np.concatenate(triangles)
+        own = points[row]
+        away = dot(own - self._corners[triangle, 0], self._normals[triangle])
+        beside = np.flatnonzero(np.abs(away) < limit)
+        row, triangle = row[beside], triangle[beside]
         feet = nearest_on_triangles(points[row], self._corners[triangle])
         gap = length(feet - points[row])
         order = np.lexsort((gap, row))
         order = order[gap[order] < limit]
         first = order[np.flatnonzero(np.diff(row[order], prepend=-1))]
         return row[first], feet[first], triangle[first]
-
-    @cached_property
-    def _reach(self) -> Floats:
-        """How far corners are from the middles of triangles at most, (t,), mm."""
-        spokes = self._corners - self._corners.mean(axis=1, keepdims=True)
-        return np.asarray(length(spokes).max(axis=1))
 
     @cached_property
     def _normals(self) -> UnitVectors:

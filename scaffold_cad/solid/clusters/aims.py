@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, Triangles
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, Triangles
 from scaffold_cad.base.ranges import steps
 from scaffold_cad.base.topology import edges_of_sides, sides_of
 from scaffold_cad.base.vectors import dot, length, normalize
@@ -30,9 +30,6 @@ vertices that moved would be too far in."""
 
 LUMP = 3.0
 """What is thicker than this, in walls, stays: a void that is filled."""
-
-BETWEEN = np.array([[1, 1, 1], [0, 1.5, 1.5], [1.5, 0, 1.5], [1.5, 1.5, 0]]) / 3
-"""Where triangles are looked at: in their middles and at those of their sides."""
 
 LARGE = 4.0
 """Size of the pieces of triangles that nearest places are looked for in, in walls."""
@@ -101,11 +98,12 @@ class Aim:
         growth = np.where(lumps, wanted / np.where(lumps, share, 1.0) - 1.0, 0.0)
         return np.asarray(growth[:, None] * way)
 
-    def thinnest(self, corners: Floats, limit: float) -> tuple[float, Points]:
-        """Return how thin walls of triangles inside (t, 3, 3) are below a limit, mm, and where."""
-        points = np.concatenate([corners.reshape(-1, 3), *np.moveaxis(BETWEEN @ corners, 1, 0)])
+    def thinnest(self, vertices: Points, faces: Triangles, limit: float) -> tuple[float, Points]:
+        """Return how thin walls of triangles inside (t, 3) are below a limit, mm, and where."""
+        looked = [vertices[each].mean(axis=1) for each in between(faces)]
+        points = np.concatenate([vertices[np.unique(faces)], *looked])
         rows, places, _ = self.outside.nearer(points, limit)
-        below, feet, _ = self._below(corners, limit)
+        below, feet, _ = self._below(vertices[faces], limit)
         starts = np.concatenate([points[rows], self.reentrant[below]])
         if len(starts) == 0:
             return limit, np.zeros(3)
@@ -126,6 +124,11 @@ class Aim:
         far = length(way)
         share = np.where(far > 0, MORE * self.least / np.where(far > 0, far, 1.0) - 1.0, 0.0)
         return np.asarray(share[:, None] * way)
+
+
+def between(faces: Triangles) -> tuple[Triangles, Edges]:
+    """Return triangles (t, 3) and their edges (e, 2): walls are looked at in their middles."""
+    return faces, edges_of_sides(sides_of(faces))[0]
 
 
 def near_to(corners: Floats, points: Points, wall: float) -> Bools:

@@ -20,7 +20,7 @@ from scaffold_cad.base.vectors import dot, length
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.solid.clusters.aims import BETWEEN
+from scaffold_cad.solid.clusters.aims import between
 from scaffold_cad.solid.clusters.closing import shortened
 from scaffold_cad.solid.clusters.growth import Core
 from scaffold_cad.solid.clusters.sags import Sags
@@ -144,8 +144,8 @@ def thin_places(outside: _Made, struts: RoundStruts, inner: RoundStruts) -> tupl
     spans = outside.spans.chosen(~is_field)
     if len(spans) == 0:
         return np.zeros((0, 3)), np.zeros(0)
-    corners = outside.mesh.vertices[outside.mesh.triangles]  # (t, 3, 3)
-    points = (BETWEEN @ corners).reshape(-1, 3)
+    looked = between(outside.mesh.triangles)
+    points = np.concatenate([outside.mesh.vertices[each].mean(axis=1) for each in looked])
     tail: Points = runs.nodes[runs.edges[spans.run, 0]]
     ahead: Points = runs.directions[2 * spans.run]
     radius = runs.radii[spans.run].max(axis=1)

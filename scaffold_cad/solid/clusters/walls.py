@@ -19,7 +19,7 @@ from scaffold_cad.base.positions import in_single_precision
 from scaffold_cad.base.vectors import length
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.solid.clusters.aims import BETWEEN, Aim, near_to
+from scaffold_cad.solid.clusters.aims import Aim, between, near_to
 
 ENOUGH = 0.976
 """What is thinner than this part of the wall between two polygons is thickened."""
@@ -119,7 +119,7 @@ def thickened(struts: Walls, wall: float, between: float, factor: float) -> Tria
     if len(some):
         vertices = _moved(mesh.vertices, some, of_field, aim, THINNING)
         mesh = _placed(replace(struts, mesh=mesh), vertices, aim, factor)
-    _tell(*aim.thinnest(mesh.vertices[faces], TOLD * wall), wall)
+    _tell(*aim.thinnest(mesh.vertices, faces, TOLD * wall), wall)
     return mesh
 
 
@@ -213,11 +213,11 @@ def _moved(vertices: Points, faces: Triangles, moves: Bools, aim: Aim, thinning:
         looked = looked[moves[looked]]
         away = np.zeros_like(vertices)
         away[looked] = aim.thicker(vertices[looked])
-        for weights in BETWEEN:
-            way = aim.thicker(weights @ vertices[faces])
+        for each in between(faces):
+            way = aim.thicker(vertices[each].mean(axis=1))
             thin = np.flatnonzero(way.any(axis=1))
-            for corner, weight in zip(faces[thin].T, weights, strict=True):
-                larger = (weight > 0) & (length(way[thin]) > length(away[corner]))
+            for corner in each[thin].T:
+                larger = length(way[thin]) > length(away[corner])
                 away[corner[larger]] = way[thin][larger]
         corner, way = aim.thicker_below(vertices[faces])
         corner = faces.reshape(-1)[corner]
