@@ -29,9 +29,10 @@ def test_each_node_has_its_own_fillet(blend: Any, wall: float | None) -> None:
     struts = round_struts(BOTH, blend=blend, wall=wall)
     np.testing.assert_allclose(struts.fillet[[0, 5]], [0.3, 0.9])
     alone = [to_solid(round_struts(ONE, blend=one, wall=wall)).volume() for one in (0.3, 0.9)]
-    assert abs(alone[1] - alone[0]) > 0.01  # mm³; a wall is as thick beside any fillet
     # What is inside moves where walls are too thin, by 32-bit numbers that differ with the place.
-    assert to_solid(struts).volume() == pytest.approx(sum(alone), rel=1e-5)
+    off = (1e-9 if wall is None else 1e-4) * sum(alone)
+    assert abs(alone[1] - alone[0]) > 3 * off  # a wall is as thick beside any fillet
+    assert to_solid(struts).volume() == pytest.approx(sum(alone), abs=off)
 
 
 def test_crowded_nodes_have_their_own_fillet() -> None:
