@@ -19,6 +19,7 @@ from scaffold_cad.solid.clusters import surface_of, unseen
 from scaffold_cad.solid.field.lattice import LEAST_STEPS
 from scaffold_cad.struts.apart import Slack, crossings
 from scaffold_cad.struts.meshes.bands import polygon_slack
+from scaffold_cad.struts.meshes.fineness import Fineness
 from scaffold_cad.struts.meshes.surface import Triangulated
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.sharp.surface import without_triangles
@@ -98,14 +99,17 @@ def check_sides(sides: int) -> None:
 def _check_size(struts: RoundStruts, sides: int) -> None:
     """Raise if there is too little memory for the triangles of the nodes.
 
-    Around each strut that leaves a node they are four grids of `sides` / 4 squares a side.
+    Around each strut that leaves a node they are four grids of squares, see `Fineness`.
     """
     shells = [struts] if struts.inner is None else [struts, struts.inner]
-    patched = sum(part.half_runs.size for shell in shells for part in shell.blended)
-    triangles = patched * sides**2 / 2
+    squares = 0
+    for shell in shells:
+        for group, grid in Fineness.of(shell, sides).parts(shell.blended):
+            squares += 4 * group.half_runs.size * grid.steps * grid.levels
+    triangles = 2 * squares
     most = MOST_MEMORY * machine_memory() / TRIANGLE_BYTES
     if triangles > most:
-        fitting = int((2 * most / patched) ** 0.5) // 4 * 4
+        fitting = int(sides * (most / triangles) ** 0.5) // 4 * 4
         raise OptionError(
             f"sides is {sides}; the nodes have some {triangles:.2g} triangles then, which need "
             f"{triangles * TRIANGLE_BYTES / 1e9:.2g} GB of memory or more; need "

@@ -31,6 +31,9 @@ OF_WALL = 1.0
 MOST = 4.0
 """How many times finer than their share patches are at most, either way."""
 
+FEWEST = 2.0
+"""How many intervals patches have at least, either way: with one, patches of 4 sides fold."""
+
 PROBES = 8
 """Samples around a quarter of a strut, and from its arc to its collar, that chords are taken of:
 every other one is the middle of a chord. They are those of 16 sides."""
@@ -60,8 +63,8 @@ class Fineness(Frozen):
         wall = struts.options.wall or np.inf
         for group in struts.blended:
             around, ahead = _finer(group, sides, wall)
-            steps[group.nodes] = np.ceil(sides / 4 * around - 1e-9)
-            levels[group.nodes] = np.ceil(max(2.0, sides / 4) * ahead - 1e-9)
+            steps[group.nodes] = np.ceil(np.maximum(FEWEST, sides / 4 * around) - 1e-9)
+            levels[group.nodes] = np.ceil(max(FEWEST, sides / 4) * ahead - 1e-9)
         return Fineness(steps, levels, sides)
 
     def parts(self, groups: Iterable[BlendedNodes]) -> Iterator[tuple[BlendedNodes, Grid]]:

@@ -60,6 +60,15 @@ def test_finer_nodes_are_joined_to_their_struts(angle: float, sides: int) -> Non
     assert np.linalg.norm(np.cross(sides_of[:, 0], sides_of[:, 1]), axis=1).min() > 0
 
 
+@pytest.mark.parametrize("cell", ["sc", "bcc", "truncated_cube", "rhombic_dodecahedron"])
+def test_nodes_with_four_sides_keep_triangles_and_volume(cell: str) -> None:
+    struts = round_struts(tile(cell, 10.0, 1, radius=0.6))
+    coarse, fine = round_mesh(struts, 4), round_mesh(struts, 32)
+    made = triangulated(struts, 4).mesh
+    np.testing.assert_array_equal(coarse.triangles, made.triangles)  # no field
+    assert coarse.signed_volume == pytest.approx(fine.signed_volume, rel=2e-3)
+
+
 def test_struts_like_others_are_sampled_as_these_are() -> None:
     first = round_struts(fork(30))
     wide = round_struts(fork(70), like=first)
