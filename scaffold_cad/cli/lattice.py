@@ -137,7 +137,9 @@ def _add_place(parser: argparse.ArgumentParser) -> None:
     )
     add_maps(where, parser)
     parser.add_argument(
-        "--trim", action="store_true", help="cut struts flush with the box: it measures as asked"
+        "--trim",
+        action="store_true",
+        help="cut struts flush with the box or the part: a box measures as asked",
     )
 
 
@@ -259,8 +261,8 @@ def _check_combination(options: argparse.Namespace) -> None:
 
 def _check_bodies(options: argparse.Namespace) -> None:
     """Raise where an option of boxes or parts is given without them."""
-    if options.trim and options.box is None:
-        raise OptionError("--trim cuts struts flush with a box; need --box")
+    if options.trim and options.box is None and options.inside is None:
+        raise OptionError("--trim cuts struts flush with a box or a part; need --box or --inside")
     if options.skin is not None and options.box is None and options.inside is None:
         raise OptionError("--skin is the wall of a box or a part; need --box or --inside")
     if options.drain is not None and (options.skin is None or options.layer is not None):
@@ -283,10 +285,13 @@ def _is_filled_solid(options: argparse.Namespace) -> bool:
 def _hollow(
     part: TriangleMesh | None, options: argparse.Namespace
 ) -> HollowPart | HollowSolid | None:
-    """Return the part or the box with its skin, in which struts are cut; None for struts alone."""
+    """Return the part or the box with its skin in which struts are cut, or a part without one.
+
+    None stands for struts alone, and for those cut flush with a box.
+    """
     if options.layer is None and options.foam is None and map_of(options) is None:
         latticestruts.check_cells(part, options)
-    if options.skin is None or options.layer is not None:
+    if options.layer is not None or (options.skin is None and (part is None or not options.trim)):
         return None
     if _is_filled_solid(options):
         source.refuse(options, ["drain"], "is for mesh files; cut a hole into the STEP solid")
@@ -323,7 +328,7 @@ def _bodied(
     foam: Skeleton | None,
     options: argparse.Namespace,
 ) -> Any:
-    """Return struts that are cut flush with a box, or are in a part or a box with a skin."""
+    """Return struts that are cut flush with a box or a part, or are in one with a skin."""
     lattice = options.cell, options.size, options.radius
     given = shapes.round_options(options)
     sides = (options.sides or LATTICE_SIDES) if options.round else 4

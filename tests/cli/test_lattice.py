@@ -199,7 +199,7 @@ def test_powder_gets_out_of_a_skin_that_is_drained(tmp_path: Path) -> None:
         (["--box", "16", "--to-face", "3"], "--to-face is of a face; need --face"),
         (["--surface", "part.stl"], "--surface needs the --thickness"),
         (["--box", "16", "--drain", "3"], "--drain is for holes in the skin of a mesh; need --sk"),
-        (["--sphere", "20x8", "--trim"], "--trim cuts struts flush with a box"),
+        (["--sphere", "20x8", "--trim"], "--trim cuts struts flush with a box or a part"),
         (["--sphere", "20x8", "--skin", "1"], "--skin is the wall of a box or a part"),
         (["--box", "16", "--trim", "--skin", "1"], "--trim is for struts without a skin"),
     ],
@@ -241,6 +241,14 @@ def test_a_step_part_is_filled(tmp_path: Path) -> None:
     build123d.export_step(build123d.Box(20, 16, 16), part)
     assert main([*BCC, "--inside", str(part), "-o", str(out)]) == 0
     assert loaded(out).volume < 0.3 * 20 * 16 * 16
+
+
+def test_struts_are_cut_flush_with_a_part(tmp_path: Path) -> None:
+    part, box, out = tmp_path / "part.stl", tmp_path / "box.stl", tmp_path / "out.stl"
+    trimesh.creation.box(bounds=[[0, 0, 0], [16, 16, 16]]).export(part)
+    assert main([*BCC, "--inside", str(part), "--trim", "-o", str(out)]) == 0
+    assert main([*BCC, "--box", "16", "--trim", "-o", str(box)]) == 0
+    assert loaded(out).volume == pytest.approx(loaded(box).volume, rel=1e-5)
 
 
 def test_a_box_has_a_skin_too(tmp_path: Path) -> None:
