@@ -124,7 +124,8 @@ def strut_part(
     """Return `body` with struts for its inside, such as a foam or your own: one watertight solid.
 
     Those that have a part in the body are cut where they leave it: they are best made larger than
-    it. The rest is as for `lattice_part`.
+    it. Without a skin those go of which the middle alone is in it: they would be loose. The rest is
+    as for `lattice_part`.
 
     Parameters
     ----------

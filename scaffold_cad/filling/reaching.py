@@ -122,10 +122,14 @@ def touching(region: Region, struts: Struts, radius: Radius, skin: float | None)
         found[crossed[away.min(axis=1, initial=np.inf) > region.tolerance]] = True
     if not found.any():
         low, high = region.bounds
-        raise SkeletonError(
-            f"no strut is in the body from {place_text(low)} to {place_text(high)}; need one "
-            "(smaller cells?)"
-        )
+        where = f"in the body from {place_text(low)} to {place_text(high)}"
+        if len(crossed) and skin is None:
+            count = len(np.unique(crossed))
+            raise SkeletonError(
+                f"no strut has a node {where}: the middles of {count} alone are, which would be "
+                "loose; need nodes in it, or a skin"
+            )
+        raise SkeletonError(f"no strut is {where}; need one (smaller cells?)")
     return found
 
 

@@ -79,6 +79,15 @@ def test_struts_beside_the_body_are_no_filling() -> None:
         strut_part(body, round_struts(lattice))  # type: ignore[arg-type]
 
 
+def test_struts_without_a_node_in_the_body_need_a_skin() -> None:
+    rod = Skeleton([[-9, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    body = trimesh.creation.box((10.0, 10.0, 10.0))
+    with pytest.raises(SkeletonError, match=r"the middles of 1 alone are.*need nodes in it"):
+        strut_part(body, rod, sides=32)
+    part = strut_part(body, rod, sides=32, skin=1.0)
+    assert part.volume() == pytest.approx(1000 - 8**3 + np.pi * 8, rel=1e-6)
+
+
 def cubes(*placed: tuple[float, float, bool]) -> TriangleMesh:
     """Return cubes of a side, along x from where they begin, or voids of that shape."""
     count = len(CUBE.vertices)
