@@ -11,6 +11,7 @@ from scipy.sparse.csgraph import connected_components
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points
 from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.vectors import sums_by_row
+from scaffold_cad.mesh.bodies import winding_number
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted, cone_volumes
 
 
@@ -75,7 +76,12 @@ def without_bodies(mesh: TriangleMesh, pieces: Pieces, gone: Bools) -> TriangleM
     after = (low[voids, None] >= low[bodies]).all(axis=2)  # (voids, bodies)
     before = (high[voids, None] <= high[bodies]).all(axis=2)
     marked = gone.copy()
-    marked[voids[np.logical_and(after, before).any(axis=1)]] = True
+    piece_of = pieces.piece_of[mesh.triangles[:, 0]]  # (t,)
+    # A box that holds another tells too little: crumbs may lie around a part of the rest.
+    for row, column in np.argwhere(np.logical_and(after, before)).tolist():
+        place = mesh.vertices[np.argmax(pieces.piece_of == voids[row])]
+        around = mesh.vertices[mesh.triangles[piece_of == bodies[column]]]
+        marked[voids[row]] |= winding_number(place, around) > 0
     return without_pieces(mesh, pieces, marked)
 
 

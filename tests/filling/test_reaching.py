@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import build123d as bd
+import manifold3d
 import numpy as np
 import pytest
 import trimesh
@@ -106,6 +107,17 @@ def test_crumbs_go_and_voids_stay() -> None:
     left = without_crumbs(part)
     assert left.volume() == pytest.approx(1000 - 125, rel=1e-6)
     assert sorted(pieces_of(manifold_triangles(left)).volumes) == pytest.approx([-125, 1000])
+
+
+def test_voids_stay_that_only_the_box_of_a_crumb_holds() -> None:
+    whole = to_manifold(cubes((0, 10, False), (7, 2, True)))  # the void is at [7, 0.1, 0.1]
+    bars = [
+        manifold3d.Manifold.cube(sides).translate(place)
+        for sides, place in (((8, 0.2, 0.2), (6, 11, -1)), ((0.2, 14, 0.2), (13.8, -2, -1)))
+    ]
+    bars.append(manifold3d.Manifold.cube((0.2, 0.2, 6)).translate((13.8, -2, -1)))
+    left = without_crumbs(whole + bars[0] + bars[1] + bars[2])
+    assert sorted(pieces_of(manifold_triangles(left)).volumes) == pytest.approx([-8, 1000])
 
 
 def test_pockets_go_and_other_voids_stay(caplog: pytest.LogCaptureFixture) -> None:
