@@ -124,8 +124,7 @@ def strut_part(
     """Return `body` with struts for its inside, such as a foam or your own: one watertight solid.
 
     Those that have a part in the body are cut where they leave it: they are best made larger than
-    it. Without a skin those go of which the middle alone is in it: they would be loose. The rest is
-    as for `lattice_part`.
+    it, and rods right through it stay. The rest is as for `lattice_part`.
 
     Parameters
     ----------

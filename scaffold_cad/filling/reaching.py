@@ -65,7 +65,9 @@ def lattice_reaching(
         else:
             shift = nudge * float(cell_size(known, size).min()) * NUDGE_DIRECTION
             whole = struts_around(region, known, size, origin=corner + shift, axes=axes)
-        return whole.kept(touching(region, whole, radius, skin)).skeleton(radius)
+        return whole.kept(touching(region, whole, radius, skin, through=skin is not None)).skeleton(
+            radius
+        )
 
     return reaching
 
@@ -78,7 +80,8 @@ def skeleton_reaching(region: Region, struts: Skeleton, skin: float | None) -> R
 
     def reaching(nudge: float) -> Skeleton:
         moved = whole(nudge)
-        return moved.with_edges(touching(region, Struts(moved.nodes, moved.edges), widest, skin))
+        bare = Struts(moved.nodes, moved.edges)
+        return moved.with_edges(touching(region, bare, widest, skin, through=True))
 
     return reaching
 
@@ -95,19 +98,24 @@ def offset(struts: Struts | Skeleton, nudge: float) -> Floats:
     return nudge * mean * NUDGE_DIRECTION
 
 
-def touching(region: Region, struts: Struts, radius: Radius, skin: float | None) -> Bools:
+def touching(
+    region: Region, struts: Struts, radius: Radius, skin: float | None, *, through: bool
+) -> Bools:
     """Return which struts (m,) have a part in a body, or in what is inside its skin.
 
-    Without a skin those outside count too whose nodes are so near that the surface cuts them: it
-    cuts a lattice that goes on. Those are left out of which the middle alone is in the body: they
-    would be loose.
+    Those outside count too whose nodes are so near that the surface cuts them: it cuts struts that
+    go on.
+
+    Parameters
+    ----------
+    through : whether those count of which the middle alone is in the body; without a skin these
+        are loose pieces
 
     Raises
     ------
     SkeletonError
         If there are none.
     """
-    inside = region.contains(struts.nodes)
     crossed, along = region.crossings(struts.nodes, struts.edges)
     away = np.stack([along, 1 - along], axis=1) * struts.lengths[crossed, None]  # (k, 2)
     met = struts.edges[crossed]  # (k, 2)
@@ -115,15 +123,15 @@ def touching(region: Region, struts: Struts, radius: Radius, skin: float | None)
     near = np.zeros(len(struts.nodes), dtype=np.bool_)
     near[met[away < SLANT * reach]] = True
     found = np.asarray(near[struts.edges].any(axis=1))
-    if skin is None:
-        found |= inside[struts.edges].any(axis=1)
-    else:
+    if through:
         found |= region.contains(struts.nodes[struts.edges].mean(axis=1))
         found[crossed[away.min(axis=1, initial=np.inf) > region.tolerance]] = True
+    else:
+        found |= region.contains(struts.nodes)[struts.edges].any(axis=1)
     if not found.any():
         low, high = region.bounds
         where = f"in the body from {place_text(low)} to {place_text(high)}"
-        if len(crossed) and skin is None:
+        if len(crossed) and not through:
             count = len(np.unique(crossed))
             raise SkeletonError(
                 f"no strut has a node {where}: the middles of {count} alone are, which would be "

@@ -80,13 +80,20 @@ def test_struts_beside_the_body_are_no_filling() -> None:
         strut_part(body, round_struts(lattice))  # type: ignore[arg-type]
 
 
-def test_struts_without_a_node_in_the_body_need_a_skin() -> None:
+def test_rods_right_through_a_body_stay() -> None:
     rod = Skeleton([[-9, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
     body = trimesh.creation.box((10.0, 10.0, 10.0))
-    with pytest.raises(SkeletonError, match=r"the middles of 1 alone are.*need nodes in it"):
-        strut_part(body, rod, sides=32)
+    assert strut_part(body, rod, sides=32).volume() == pytest.approx(np.pi * 10, rel=1e-6)
     part = strut_part(body, rod, sides=32, skin=1.0)
     assert part.volume() == pytest.approx(1000 - 8**3 + np.pi * 8, rel=1e-6)
+
+
+def test_struts_of_a_lattice_right_through_a_body_need_a_skin() -> None:
+    body = trimesh.creation.box((4.0, 10.0, 4.0))
+    with pytest.raises(SkeletonError, match=r"the middles of 1 alone are.*need nodes in it"):
+        lattice_part(body, "sc", 16.0, 0.2, origin=[0.0, -8.0, 0.0])
+    part = lattice_part(body, "sc", 16.0, 0.2, origin=[0.0, -8.0, 0.0], skin=1.0, sides=32)
+    assert part.volume() == pytest.approx(160 - 32 + np.pi * 0.2**2 * 8, rel=1e-5)
 
 
 def cubes(*placed: tuple[float, float, bool]) -> TriangleMesh:

@@ -159,7 +159,7 @@ def test_struts_that_fill_the_body_are_said(caplog: pytest.LogCaptureFixture) ->
 
 
 def test_a_body_between_the_nodes_has_no_struts_in_it() -> None:
-    with pytest.raises(SkeletonError, match=r"no strut is in the body from"):
+    with pytest.raises(SkeletonError, match=r"no strut has a node in the body from"):
         lattice_part(BALL, "bcc", [400.0, 400.0, 400.0], 0.5)
 
 

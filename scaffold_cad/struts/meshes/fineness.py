@@ -47,7 +47,8 @@ class Fineness(Frozen):
     """How the patches of all nodes are sampled."""
 
     steps: Ints
-    """Intervals of the arcs of each node, shape (n,); 0 where there are none."""
+    """Intervals of the arcs of each node, shape (n,); 0 where there are none, their share where the
+    node is crowded."""
     levels: Ints
     """Intervals from the arcs to the collars of each node, shape (n,); 0 where there are none."""
     sides: int
@@ -62,7 +63,10 @@ class Fineness(Frozen):
         steps, levels = np.zeros((2, count), dtype=np.intp)
         wall = struts.options.wall or np.inf
         for group in struts.blended:
-            around, ahead = _finer(group, sides, wall)
+            around, ahead = np.ones((2, len(group.nodes)))
+            sound = np.flatnonzero(~struts.crowded[group.nodes])  # others become fields
+            if len(sound):
+                around[sound], ahead[sound] = _finer(group[sound], sides, wall)
             steps[group.nodes] = np.ceil(np.maximum(FEWEST, sides / 4 * around) - 1e-9)
             levels[group.nodes] = np.ceil(max(FEWEST, sides / 4) * ahead - 1e-9)
         return Fineness(steps, levels, sides)

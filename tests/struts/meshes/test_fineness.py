@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -90,3 +92,16 @@ def test_walls_at_tips_of_forks_do_not_cross_with_few_sides(
     mesh = round_mesh(round_struts(fork(30), wall=wall), 8)
     assert len(mesh.triangles) < 2000  # no field
     assert not caplog.records
+
+
+def test_crowded_nodes_are_no_finer_than_their_share() -> None:
+    # Struts shorter than thick, whose cones end before their collars: these have no radius.
+    nodes = [[0, -1, 0.2], [0, 0, 0], [0.2, 0.9, 0.2], [0.2, 1.8, 0.2], [0.9, 0.2, 0]]
+    edges = [[0, 1], [1, 2], [2, 3], [1, 4]]
+    struts = round_struts(Skeleton(nodes, edges, [1.4, 2.0, 1.1, 0.2, 0.1]))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = Fineness.of(struts, 16)
+    assert struts.crowded[1]
+    assert (found.steps[1], found.levels[1]) == (4, 4)
+    round_mesh(struts, 16).check_closed()
