@@ -29,6 +29,7 @@ from scaffold_cad.mesh.remeshing import evened
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.products.breps import to_brep
 from scaffold_cad.products.models import Make, Model
+from scaffold_cad.products.overlaps import described
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import manifolds, solidified
 from scaffold_cad.struts import RoundStruts, round_struts
@@ -275,6 +276,12 @@ def _hollow(solid: Solid, outer: TriangleMesh, skin: float) -> tuple[Solid, Mani
 def _united(hollow: HollowSolid, model: Model) -> tuple[str, Solid | None]:
     """Return what is wrong, and the part if nothing is."""
     inner, inside = hollow.inner, hollow.inside
+    edges = model.overlapping if isinstance(model, RoundStruts) else model.embedding().left_out
+    if len(edges):
+        raise BrepError(
+            f"{described(edges, model.skeleton)}: faces would cross; need struts apart (smaller "
+            f"radii, larger cells, fewer joints; {_MESH})"
+        )
     try:
         frame = to_brep(model)
     except BrepError as error:

@@ -154,7 +154,12 @@ def dumbbell() -> Any:
             "the body has 2 solids; need one",
         ),
         (dumbbell, {"skin": 1.2}, BrepError, r"OCCT cannot move the faces .* by 1.2 mm"),
-        (lambda: Box(9, 9, 9), {"skin": 1.0, "radius": 2.5}, BrepError, "lattice_part makes it"),
+        (
+            lambda: Box(9, 9, 9),
+            {"skin": 1.0, "radius": 2.5},
+            BrepError,
+            "joints; lattice_part makes it",
+        ),
         (lambda: Box(80, 80, 80), {"skin": 1.0}, BrepError, r"has \d+ struts, .* need 5000"),
         (lambda: Box(9, 9, 9), {"skin": 1.0, "section": "oval"}, OptionError, "section is 'oval'"),
     ],
