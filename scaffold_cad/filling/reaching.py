@@ -114,7 +114,7 @@ def touching(
     Raises
     ------
     SkeletonError
-        If there are none.
+        If no strut has a part in it.
     """
     crossed, along = region.crossings(struts.nodes, struts.edges)
     away = np.stack([along, 1 - along], axis=1) * struts.lengths[crossed, None]  # (k, 2)

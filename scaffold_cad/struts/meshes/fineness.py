@@ -47,10 +47,12 @@ class Fineness(Frozen):
     """How the patches of all nodes are sampled."""
 
     steps: Ints
-    """Intervals of the arcs of each node, shape (n,); 0 where there are none, their share where the
-    node is crowded."""
+    """Intervals of the arcs of each node, shape (n,); 0 at nodes without a blend.
+
+    Crowded nodes have their share of the polygons' sides: they become fields.
+    """
     levels: Ints
-    """Intervals from the arcs to the collars of each node, shape (n,); 0 where there are none."""
+    """Intervals from the arcs to the collars of each node, shape (n,); 0 where it has no blend."""
     sides: int
     """Points of the rings at the collars, a multiple of 4."""
 
