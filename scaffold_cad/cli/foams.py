@@ -92,7 +92,7 @@ def foam(region: TriangleMesh | Points, options: argparse.Namespace) -> Skeleton
         If an option is out of its range, or memory may not hold that many cells.
     """
     corners = region.vertices if isinstance(region, TriangleMesh) else region
-    count = _cell_count(corners, options) if options.count is None else options.count
+    count = _cell_count(corners, options.size) if options.count is None else options.count
     return _made(region, options, count, {"count": options.count, "size": options.size})
 
 
@@ -115,7 +115,7 @@ def foam_around(region: TriangleMesh | Points, options: argparse.Namespace) -> S
     mean = mean_size(BoxMap(high - low, low), size)[0] if callable(size) else size
     margin = MARGIN * mean * (1.0 if options.stretch is None else np.asarray(options.stretch))
     box = np.stack([low - margin, high + margin])
-    count = _cell_count(box, argparse.Namespace(size=size))
+    count = _cell_count(box, size)
     return _made(box, options, count, {"count": None, "size": size})
 
 
@@ -142,10 +142,9 @@ def _made(
     return made
 
 
-def _cell_count(corners: Points, options: argparse.Namespace) -> int:
-    """Return how many cells the box around points (n, 3) has, about."""
+def _cell_count(corners: Points, size: Any) -> int:
+    """Return how many cells of a size, mm, the box around points (n, 3) has, about."""
     low, high = corners.min(axis=0), corners.max(axis=0)
-    size = options.size
     if callable(size):
         size = mean_size(BoxMap(high - low, low), size)[0]
     return round(np.clip((high - low).prod() / size**3, 1, 1e15)) if size > 0 else 1

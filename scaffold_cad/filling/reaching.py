@@ -65,9 +65,8 @@ def lattice_reaching(
         else:
             shift = nudge * float(cell_size(known, size).min()) * NUDGE_DIRECTION
             whole = struts_around(region, known, size, origin=corner + shift, axes=axes)
-        return whole.kept(touching(region, whole, radius, skin, through=skin is not None)).skeleton(
-            radius
-        )
+        met = touching(region, whole, radius, skin, through=skin is not None)
+        return whole.kept(met).skeleton(radius)
 
     return reaching
 

@@ -189,9 +189,8 @@ def strut_solid(
     """
     make = maker(section=section, **options)
     hollow = hollow_solid(body, skin)
-    return filled_solid(
-        hollow, skeleton_reaching(as_region(hollow.surface), struts, skin), make
-    ).solid
+    reaching = skeleton_reaching(as_region(hollow.surface), struts, skin)
+    return filled_solid(hollow, reaching, make).solid
 
 
 def hollow_solid(body: Shape, skin: float) -> HollowSolid:
