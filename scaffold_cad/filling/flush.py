@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arrays import Floats
+from scaffold_cad.base.arrays import Floats, place_text
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import BoxRegion
 from scaffold_cad.base.segments import meet_box
-from scaffold_cad.errors import OptionError
+from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.filling.cleaning import (
     NUDGE_DIRECTION,
     NUDGES,
@@ -111,7 +111,13 @@ def trimmed_box(box: ArrayLike, struts: Reaching, make: Make, sides: int) -> Man
         whole = struts(nudge)
         start, end = whole.nodes[whole.edges].transpose(1, 0, 2)
         reach = REACH * float(whole.edge_radii.max())
-        met = whole.with_edges(meet_box(start, end, low - reach, high + reach))
+        inside = meet_box(start, end, low - reach, high + reach)
+        if not inside.any():
+            raise SkeletonError(
+                f"no strut is in the box from {place_text(low)} to {place_text(high)}; need one "
+                "(smaller cells?)"
+            )
+        met = whole.with_edges(inside)
         solid = solidified(make(met), sides=None if sides == 4 else sides)
         cutter = manifold3d.Manifold.cube((high - low).tolist()).translate(low.tolist())
         return Attempt(solid.manifold ^ cutter, met, solid.united_edges)

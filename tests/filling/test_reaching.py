@@ -19,7 +19,9 @@ from scaffold_cad import (
 )
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.filling.cleaning import without_crumbs, without_pockets
-from scaffold_cad.filling.flush import flush_box
+from scaffold_cad.filling.flush import flush_box, trimmed_box
+from scaffold_cad.filling.models import sided_maker
+from scaffold_cad.filling.reaching import movable
 from scaffold_cad.mesh.pieces import pieces_of
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.manifolds import manifold_triangles, to_manifold
@@ -78,6 +80,12 @@ def test_struts_beside_the_body_are_no_filling() -> None:
             strut_part(body, struts)
     with pytest.raises(OptionError, match="need a Skeleton"):
         strut_part(body, round_struts(lattice))  # type: ignore[arg-type]
+
+
+def test_struts_beside_a_box_are_not_trimmed() -> None:
+    away = movable(tile("bcc", 8.0, 2, radius=0.5))
+    with pytest.raises(SkeletonError, match=r"no strut is in the box from \[90, 90, 90\] mm"):
+        trimmed_box([[90] * 3, [99] * 3], away, sided_maker(4), 4)
 
 
 def test_rods_right_through_a_body_stay() -> None:
