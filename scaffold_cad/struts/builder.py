@@ -22,7 +22,7 @@ from scaffold_cad.struts.curves.curve import Curves, curves
 from scaffold_cad.struts.curves.joints import CurvedJoints, curved_joints, possible, sampled
 from scaffold_cad.struts.curves.proof import proved
 from scaffold_cad.struts.elbows import Elbows, elbow_curves, elbows_of
-from scaffold_cad.struts.groups import Group, with_blends, with_walls
+from scaffold_cad.struts.groups import Group, reached_fillets, with_blends, with_walls
 from scaffold_cad.struts.hollow.insides import hollow_nodes, limits_beside
 from scaffold_cad.struts.hollow.sockets import sockets_of
 from scaffold_cad.struts.hollow.walls import end_walls, without_wall
@@ -100,7 +100,7 @@ def round_struts(
     >>> tips = [[9, 0, 0], [0, 9, 0], [0, 0, 9]]
     >>> tripod = Skeleton([[0, 0, 0], *tips], [[0, 1], [0, 2], [0, 3]], 1.0)
     >>> struts = round_struts(tripod, blend=0.4)
-    >>> struts.exact.tolist(), round(float(struts.fillet[0]), 6)
+    >>> struts.exact.tolist(), float(struts.fillet[0])
     ([True, True, True], 0.4)
     """
     check_skeleton(skeleton)
@@ -354,13 +354,11 @@ def _assembled(
     """Return the struts, once it is known which nodes are crowded."""
     collar, x = np.minimum(plan.joints.wanted, plan.limits), np.zeros((len(runs.tails), 3))
     collar += ball_collars(skeleton, runs)
-    fillet = np.full(len(skeleton.nodes), np.nan)
     crowded = np.zeros(len(skeleton.nodes), dtype=np.bool_)
     for group in solved:
         made, which = group.shapes, group.shape_of
         collar[group.half_runs] = made.collar_distances[which]
         x[group.half_runs] = made.collar_corners[which][:, :, 0]
-        fillet[group.nodes] = made.rho[which]
         crowded[group.nodes[~made.sound[which]]] = True
     bends = np.full(len(skeleton.nodes), np.nan)
     bends[plan.elbows.nodes] = reached = plan.elbows.radii(collar)
@@ -378,6 +376,7 @@ def _assembled(
     crossing = crossings(runs, solved, passed, collar, options.ends, crowded)
     crowded |= crossing.nodes
     crowded_runs = no_room | crossing.struts | crowded[runs.edges].all(axis=1)
+    fillet = reached_fillets(plan.groups, plan.wanted, solved, crowded)
     return RoundStruts(
         skeleton, options, runs, solved, collar, passed, x, fillet, bends, crowded, crowded_runs
     )

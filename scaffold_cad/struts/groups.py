@@ -75,6 +75,21 @@ def with_blends(group: Group, stars: Stars) -> Iterator[BlendedNodes]:
     yield from (each for each in made if len(each.nodes))
 
 
+def reached_fillets(
+    groups: list[Group], wanted: list[Stars], solved: tuple[BlendedNodes, ...], crowded: Bools
+) -> Floats:
+    """Return the fillet radius at each node, (n,), mm; nan at those without a blend.
+
+    Those of crowded nodes are in a field, which has them as wide as asked for.
+    """
+    asked, reached = np.full((2, len(crowded)), np.nan)
+    for group, stars in zip(groups, wanted, strict=True):
+        asked[group.nodes] = stars.blends
+    for part in solved:
+        reached[part.nodes] = part.shapes.rho[part.shape_of]
+    return np.where(crowded | (reached > (1 - SAME_FILLET) * asked), asked, reached)
+
+
 def _note(
     made: list[BlendedNodes], group: Group, asked: Floats, failed: Floats, passed: Floats
 ) -> None:

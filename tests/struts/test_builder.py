@@ -37,13 +37,22 @@ def test_struts_with_room_are_exact_and_keep_apart(skeleton: Skeleton) -> None:
     assert struts.overlapping.tolist() == []
     assert not struts.crowded.any()
     inner = skeleton.valency > 1
-    np.testing.assert_allclose(struts.fillet[inner], 0.5, rtol=1e-9)
+    assert (struts.fillet[inner] == 0.5).all()
     assert np.isnan(struts.fillet[~inner]).all()
 
 
 def test_the_blend_asked_for_is_reached_where_it_has_room() -> None:
     for blend in (0.2, 0.5, 1.5):
-        assert round_struts(TRIPOD, blend=blend).fillet[0] == pytest.approx(blend)
+        assert round_struts(TRIPOD, blend=blend).fillet[0] == blend
+
+
+def test_the_fillet_of_a_node_that_is_a_field_is_the_one_asked_for() -> None:
+    turns = np.radians([-30, -15, 0, 15, 30])
+    tips = 40 * np.stack([np.cos(turns), np.sin(turns), 0 * turns], axis=1)
+    fan = Skeleton([[0, 0, 0], *tips], [[0, k] for k in range(1, 6)], 2.0)
+    struts = round_struts(fan, blend=1.0)
+    assert struts.crowded[0]
+    assert struts.fillet[0] == 1.0
 
 
 def test_a_wider_blend_has_its_collars_further_out() -> None:
