@@ -25,7 +25,7 @@ _Result = TypeVar("_Result")
 WAYS = {
     ("Skeleton", "Scaffold"): "build_scaffold(skeleton) makes one",
     ("Skeleton", "QuadMesh"): "build_scaffold(skeleton).mesh is one",
-    ("Skeleton", "RoundStruts"): "round_struts(skeleton) makes them",
+    ("Skeleton", "RoundStruts"): "round_struts(skeleton) makes one",
     ("RoundStruts", "Skeleton"): "struts.skeleton is one",
     ("Skeleton", "ConvolutionField"): "ConvolutionField(skeleton) is one",
     ("Scaffold", "Skeleton"): "scaffold.skeleton is one",
@@ -57,7 +57,7 @@ def check_kind(what: object, *kinds: type | str, name: str = "") -> None:
     found = type(what).__name__
     names = [kind if isinstance(kind, str) else kind.__name__ for kind in kinds]
     ways = [WAYS[found, kind] for kind in names if (found, kind) in WAYS]
-    hint = f": {ways[0]}" if ways else ""
+    hint = f": {' or '.join(ways[:2])}" if ways else ""
     given = f"{name} is" if name else "got"
     raise OptionError(f"{given} {_described(what)}; need a {' or a '.join(names)}{hint}")
 
