@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import logging
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
+
+# Tests run beside each other, on all processors: products of matrices that take several threads as
+# well wait for each other, and all tests took twice the processor time. Read where numpy is loaded.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 # A shared machine may stall for longer than any fixed deadline. `--hypothesis-profile=thorough`
 # looks longer, and at other examples each time.
