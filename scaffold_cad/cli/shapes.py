@@ -20,8 +20,8 @@ from scaffold_cad.products.overlaps import Overlaps
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.scaffold.stars import Fit, Section
 from scaffold_cad.solid import frame_skeleton
-from scaffold_cad.solid.rounds import SIDES
-from scaffold_cad.struts import Ends, Joints, Nodes, RoundStruts, round_struts
+from scaffold_cad.solid.rounds import SIDES, check_sides
+from scaffold_cad.struts import Ends, Joints, Nodes, RoundStruts, StrutOptions, round_struts
 
 if TYPE_CHECKING:
     from scaffold_cad.skeleton import Skeleton
@@ -158,9 +158,19 @@ def add_overlaps_argument(parser: argparse.ArgumentParser) -> None:
 
 
 def check_round_options(options: argparse.Namespace) -> None:
-    """Raise where an option of round struts is given without them."""
+    """Raise where an option of round struts is given without them, or has a value that none have.
+
+    This takes no skeleton: nothing need be read or made before it.
+    """
     if not options.round:
         source.refuse(options, [*ROUND_OPTIONS, "sides"], "is for --round")
+        return
+    if options.sides is not None:
+        check_sides(options.sides)
+    given = round_options(options)
+    if not isinstance(given.get("blend"), float):  # values of a file, for the nodes that there are
+        given.pop("blend", None)
+    StrutOptions(**given)
 
 
 def check_frame_options(options: argparse.Namespace) -> None:

@@ -63,7 +63,7 @@ class StrutOptions:
 
     def __post_init__(self) -> None:
         if self.blend is not None and np.ndim(self.blend) == 0:
-            as_number(self.blend, "blend", hint=BLENDS)
+            _number(self.blend, BLENDS)
         check_choice(self.ends, "ends", ("flat", "round", "open"))
         check_choice(self.joints, "joints", get_args(Joints))
         if isinstance(self.bend, str):
@@ -112,6 +112,13 @@ class StrutOptions:
         return np.full(thin.shape, given) if given.ndim == 0 else given[nodes]
 
 
+def _number(blend: object, hint: str) -> float:
+    """Return the one fillet radius of all nodes."""
+    if blend == 0:
+        raise OptionError("blend is 0 mm; need > 0, or nodes='sharp' for edges without a fillet")
+    return as_number(blend, "blend", hint=hint)
+
+
 def _check_sockets(sockets: object) -> None:
     """Raise unless sockets are None or pairs of a radius and a depth by nodes."""
     if sockets is None:
@@ -138,12 +145,7 @@ def as_blend(blend: Blend | None, nodes: Points) -> float | Floats | None:
     """
     there = blend(nodes) if callable(blend) else blend
     if there is None or np.ndim(there) == 0:
-        if there is not None and there == 0:
-            raise OptionError(
-                "blend is 0 mm; need > 0, or nodes='sharp' for edges without a fillet"
-            )
-        hint = "" if callable(blend) else BLENDS
-        return None if there is None else as_number(there, "blend", hint=hint)
+        return None if there is None else _number(there, "" if callable(blend) else BLENDS)
     given = as_floats(there, "blend", OptionError)
     if given.shape != (len(nodes),):
         raise OptionError(f"blend has shape {given.shape}; need one number, or ({len(nodes)},), mm")

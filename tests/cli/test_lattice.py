@@ -440,3 +440,18 @@ def test_filled_parts_take_the_options_of_round_struts(tmp_path: Path) -> None:
         assert main([*box, "--nodes", nodes, "-o", str(out)]) == 0
         volumes.append(loaded(out).volume)
     assert volumes[0] < 0.999 * volumes[1]
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("--sides 6", "--sides is 6; need a multiple of 4"),
+        ("--ends open", "--ends is 'open' without a wall; need --wall, mm, or --ends flat"),
+    ],
+)
+def test_values_of_round_struts_are_checked_before_any_are_made(
+    words: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    box = ["--cell", "bcc", "--size", "5", "--radius", "0.4", "--box", "10", "--round"]
+    assert main(["lattice", *box, *words.split(), "-o", str(tmp_path / "a.stl")]) == 2
+    assert capsys.readouterr().err == f"scaffold-cad: {told}\n"
