@@ -1,10 +1,10 @@
 """Seams: the field's mesh cut off across each strut, and joined to the ring of the strut beyond.
 
-A field's strut goes on past its cut. Its mesh is cut by a plane, as far as may be from the
-vertices near it, and a zip of triangles leads from the loop there to the ring. Seen from the axis
-all triangles of the zip and those that are cut face outward, in 32-bit coordinates: between the
-loop, which goes once around the axis, and the ring they cover each place once, so that nothing
-crosses.
+A field's strut goes on past its cut. Its mesh is cut by a plane between vertices, and a zip of
+triangles leads from the loop there to the ring. Seen from the axis all triangles of the zip and
+those that are cut face outward, in 32-bit coordinates: between the loop, which goes once around the
+axis, and the ring they cover each place once, so that nothing crosses. A sliver of the mesh that a
+plane cuts may face inward; then a seam at another plane holds.
 """
 
 from __future__ import annotations
@@ -19,13 +19,17 @@ from scaffold_cad.base.positions import in_single_precision
 from scaffold_cad.base.vectors import dot, length
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.remainder import Cuts
-from scaffold_cad.solid.clusters.spans import WINDOW, tail_length
+from scaffold_cad.solid.clusters.spans import WINDOW, free_length
 
 TUBE = 1.2
 """Where the vertices of a strut's own tail are looked for, in its radii about its axis."""
 
 BESIDE = 0.3
 """How far beside the window vertices are kept away from, in the strut's radii."""
+
+PLANES = 16
+"""Most planes of each cut, those farthest from vertices first, of which the first that holds is
+taken; about one in 600 does not."""
 
 MARGIN = 1e-3
 """Least sine at which triangles of a seam are seen from the axis."""
@@ -40,7 +44,7 @@ class Seamed(Frozen):
     triangles: Triangles
     """Triangles; vertices are counted from those of the rings on, shape (t, 3)."""
     failed: Ints
-    """Cuts that cannot be joined, ascending: then the triangles are of no use."""
+    """Cuts that cannot be joined at any plane, ascending: then the triangles are of no use."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,25 +102,50 @@ def seamed(
         of clusters do, which end in balls
     """
     if far is None:
-        far = tail_length(cuts.radius, cuts.slope) + 1.5 * cuts.radius
+        far = free_length(cuts.radius, cuts.slope)
     frames = _Frames(cuts, starts, np.cross(cuts.outward, starts))
-    bad = np.zeros(len(cuts.node), dtype=np.bool_)
-    beyond, plane = _tails(field.vertices, frames, far, bad)
-    clipped = _clipped(field, beyond, plane, frames, bad, factor)
-    order = _around(clipped, frames, bad)
-    zips, cut = _zips(clipped, order, frames, rings, len(points) + len(field.vertices))
-    vertices = np.concatenate([field.vertices, clipped.vertices])
-    pieces = clipped.triangles + len(points)
-    written = in_single_precision(np.concatenate([points, vertices]), factor) / factor
-    for triangles, of in ((pieces, clipped.cut_of_triangle), (zips, cut)):
-        bad[of[~frames.seen(written[triangles], of)]] = True
-    kept = (beyond[field.triangles] < 0).all(axis=1)
-    triangles = np.concatenate([field.triangles[kept] + len(points), pieces, zips])
-    return Seamed(vertices, triangles, np.flatnonzero(bad))
+    tails = _tails(field.vertices, len(points), frames, far)
+    vertices = np.concatenate([points, field.vertices])
+    triangles = field.triangles + len(points)
+    beyond = np.full(len(vertices), -1, dtype=np.intp)
+    near = np.zeros(len(vertices), dtype=np.bool_)
+    near[tails.vertex] = True
+    close = triangles[near[triangles].any(axis=1)]
+    left, parts = np.ones(len(cuts.node), dtype=np.bool_), []
+    for plane in _planes(tails, frames):
+        bad = ~left | np.isnan(plane)
+        _mark(beyond, tails, plane, bad)
+        clipped = _clipped(TriangleMesh(vertices, close), beyond, plane, frames, bad, factor)
+        order = _around(clipped, frames, bad)
+        zips, cut = _zips(clipped, order, frames, rings, len(vertices))
+        vertices = np.concatenate([vertices, clipped.vertices])
+        made, of = np.concatenate([clipped.triangles, zips]), np.append(clipped.owner, cut)
+        written = in_single_precision(vertices[made], factor) / factor
+        bad[of[~frames.seen(written, of)]] = True
+        parts.append(made[~bad[of]])
+        left &= bad
+        beyond[np.isin(beyond, np.flatnonzero(left))] = -1
+        if not left.any():
+            break
+    kept = triangles[(beyond[triangles] < 0).all(axis=1)]
+    made = np.concatenate([kept, *parts])
+    return Seamed(vertices[len(points) :], made, np.flatnonzero(left))
 
 
-def _tails(vertices: Points, frames: _Frames, far: Floats, bad: Bools) -> tuple[Ints, Floats]:
-    """Return the cut that each vertex is beyond, or -1, (v,), and the places of planes, (c,)."""
+@dataclass(frozen=True, eq=False)
+class _Tails(Frozen):
+    """The vertices of what fields have past the ends of spans, and just before."""
+
+    vertex: Ints
+    """Counted from those of the rings on, shape (p,)."""
+    cut: Ints
+    """Whose strut it is, shape (p,)."""
+    along: Floats
+    """How far past the end of the span, shape (p,), mm."""
+
+
+def _tails(vertices: Points, count: int, frames: _Frames, far: Floats) -> _Tails:
+    """Return the vertices near the axes of cuts; `count` others come before them."""
     cuts = frames.cuts
     middle = cuts.base + 0.5 * far[:, None] * cuts.outward
     reach = np.hypot(0.5 * far + BESIDE * cuts.radius, 1.5 * TUBE * cuts.radius)
@@ -127,30 +156,32 @@ def _tails(vertices: Points, frames: _Frames, far: Floats, bad: Bools) -> tuple[
     away = length(vertices[vertex] - cuts.base[cut] - along[:, None] * cuts.outward[cut])
     own = (along > -BESIDE * cuts.radius[cut]) & (along < far[cut])
     own &= away < TUBE * (cuts.radius + np.abs(cuts.slope) * far)[cut]
-    cut, vertex, along = cut[own], vertex[own], along[own]
-    plane = _planes(cut, along, frames, bad)
-    past = along > plane[cut]
-    beyond = np.full(len(vertices), -1, dtype=np.intp)
-    beyond[vertex[past]] = cut[past]
-    bad[cut[past][beyond[vertex[past]] != cut[past]]] = True  # in the tails of two struts
-    return beyond, plane
+    return _Tails(vertex[own] + count, cut[own], along[own])
 
 
-def _planes(cut: Ints, along: Floats, frames: _Frames, bad: Bools) -> Floats:
-    """Return where each cut's plane keeps the largest distance from vertices, (c,)."""
-    order = np.lexsort((along, cut))
-    cut, along = cut[order], along[order]
+def _planes(tails: _Tails, frames: _Frames) -> Floats:
+    """Return the places of planes, those farthest from vertices first, NaN for none, (k, c)."""
+    order = np.lexsort((tails.along, tails.cut))
+    cut, along = tails.cut[order], tails.along[order]
     middle, gap = (along[1:] + along[:-1]) / 2, along[1:] - along[:-1]
     window = WINDOW * frames.cuts.radius[cut[1:]]
     fits = (cut[1:] == cut[:-1]) & (middle > 0) & (middle < window)
-    cut, middle, gap = cut[1:][fits], middle[fits], gap[fits]
-    plane = np.zeros(len(bad))
-    best = np.lexsort((gap, cut))
-    plane[cut[best]] = middle[best]  # of several the last one stays: the largest gap
-    without = np.ones(len(bad), dtype=np.bool_)
-    without[cut] = False
-    bad |= without
-    return plane
+    order = np.flatnonzero(fits)[np.lexsort((-gap[fits], cut[1:][fits]))]
+    cut, middle = cut[1:][order], middle[order]
+    rank = np.arange(len(cut)) - np.searchsorted(cut, cut)
+    planes = np.full((PLANES, len(frames.cuts.node)), np.nan)
+    few = rank < PLANES
+    planes[rank[few], cut[few]] = middle[few]
+    return planes
+
+
+def _mark(beyond: Ints, tails: _Tails, plane: Floats, bad: Bools) -> None:
+    """Set the cut that vertices are beyond; without those of cuts that are bad already."""
+    past = ~bad[tails.cut] & (tails.along > np.where(bad, 0.0, plane)[tails.cut])
+    vertex, cut = tails.vertex[past], tails.cut[past]
+    free = beyond[vertex] < 0
+    beyond[vertex[free]] = cut[free]
+    bad[cut[beyond[vertex] != cut]] = True  # in the tails of two struts
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,8 +195,9 @@ class _Clipped:
     sides: Edges
     """Sides on planes, from one of these to another, shape (l, 2)."""
     triangles: Triangles
-    """The triangles; vertices of the field come first."""
-    cut_of_triangle: Ints
+    """The triangles; vertices on planes come last, shape (t, 3)."""
+    owner: Ints
+    """Cut of each triangle, shape (t,)."""
 
 
 def _clipped(
@@ -177,14 +209,12 @@ def _clipped(
     factor: float,
 ) -> _Clipped:
     marks = beyond[field.triangles]  # (t, 3)
-    out = marks >= 0
-    mixed = out.any(axis=1) & ~out.all(axis=1)
-    touched = out.any(axis=1)
-    most = marks[touched].max(axis=1)
-    for corner in marks[touched].T:  # a triangle with corners beyond two cuts
-        bad[most[(corner >= 0) & (corner != most)]] = True
-    triangles, out = field.triangles[mixed], out[mixed]
-    cut = marks[mixed].max(axis=1)
+    out, most = marks >= 0, marks.max(axis=1)
+    for corner in marks.T:  # a triangle with corners beyond two cuts
+        other = (corner >= 0) & (corner != most)
+        bad[most[other]] = bad[corner[other]] = True
+    mixed = out.any(axis=1) & ~out.all(axis=1) & ~bad[most]
+    triangles, out, cut = field.triangles[mixed], out[mixed], most[mixed]
     one = out.sum(axis=1) == 1
     # Turned so that the corner that is alone on its side comes first.
     alone = np.where(one, out.argmax(axis=1), (~out).argmax(axis=1))

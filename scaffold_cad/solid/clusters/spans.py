@@ -25,7 +25,10 @@ TAIL = 0.1
 """How far the struts of a field go on past the windows of their cuts, in radii, before the ball
 at their end."""
 
-FACING = WINDOW + TAIL + 1.2
+ROUND = 1.2
+"""From there to where nothing of that ball is any more, in its radii."""
+
+FACING = WINDOW + TAIL + ROUND
 """Length of strut that a cut takes where it faces another: what is cut off keeps apart."""
 
 
@@ -127,6 +130,12 @@ def merged(spans: Spans, runs: Runs, free: Floats) -> Spans:
 def tail_length(radius: Floats, slope: Floats) -> Floats:
     """Return how far the axes of a field's struts go on past their spans, mm."""
     return np.asarray((WINDOW + TAIL + np.abs(slope)) * radius)
+
+
+def free_length(radius: Floats, slope: Floats) -> Floats:
+    """Return how far past their spans nothing of a field's struts is any more, mm."""
+    tail = tail_length(radius, slope)
+    return np.asarray(tail + ROUND * (radius + np.maximum(slope, 0.0) * tail))
 
 
 def radii_at(runs: Runs, run: Ints, place: Floats) -> Floats:
