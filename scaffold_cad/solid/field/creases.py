@@ -12,12 +12,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points
 from scaffold_cad.base.positions import in_single_precision
 from scaffold_cad.base.topology import sides_of
 from scaffold_cad.base.vectors import dot, length, normalize
-from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.solid.field.flatends import FLUSH, Lines, Planes, plane_of, planes_near, planes_of
 from scaffold_cad.solid.field.grid import Grid
 from scaffold_cad.solid.field.splitting import faulty, split_sides
@@ -32,6 +33,11 @@ that they are looked for. Sides of a vertex that moved to one may cross another.
 
 SNAP = 0.5
 """A vertex moves to a crease that is nearer than this, in the length of its side across it."""
+
+
+AROUND_SIDES = 4.0
+"""How far beyond the reach of flat ends triangles may meet those that change, in the length of
+the longest side: sides leave that reach by one, the triangles at their ends by another."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,13 +63,32 @@ def with_creases(
     planes = planes_of(union)
     if len(planes.tip) == 0:
         return mesh
+    near = _near_ends(mesh, planes, union.origin)
+    used = np.unique(mesh.triangles[near])
+    part, own = compacted(mesh.vertices, mesh.triangles[near]), owners[used]
     for apart in APART:
-        found = _crossings(union, grid, mesh, owners, planes, apart)
+        found = _crossings(union, grid, part, own, planes, apart)
         if len(found.sides) == 0:
             break
-        mesh, split = _creased(mesh, found)
-        owners = np.append(owners, owners[split[:, 0]])
-    return mesh
+        part, split = _creased(part, found)
+        own = np.append(own, own[split[:, 0]])
+    vertices, new = mesh.vertices.copy(), part.vertices[len(used) :]
+    vertices[used] = part.vertices[: len(used)]
+    number = np.append(used, len(vertices) + np.arange(len(new)))
+    triangles = [mesh.triangles[~near], number[part.triangles]]
+    return TriangleMesh(np.concatenate([vertices, new]), np.concatenate(triangles))
+
+
+def _near_ends(mesh: TriangleMesh, planes: Planes, origin: Points) -> Bools:
+    """Return the triangles that may change, or meet what changes, (t,)."""
+    ends = sides_of(mesh.triangles)
+    first, second = ends[ends[:, 0] < ends[:, 1]].T  # of a closed mesh: each side once
+    longest = float(length(mesh.vertices[first] - mesh.vertices[second]).max())
+    tree = cKDTree(mesh.vertices, compact_nodes=False, balanced_tree=False)
+    found = tree.query_ball_point(planes.tip + origin, planes.reach + AROUND_SIDES * longest)
+    marks = np.zeros(len(mesh.vertices), dtype=np.bool_)
+    marks[np.concatenate(found).astype(np.intp)] = True
+    return np.asarray(marks[mesh.triangles].any(axis=1))
 
 
 def _creased(mesh: TriangleMesh, found: _Crossings) -> tuple[TriangleMesh, Edges]:
