@@ -2,6 +2,7 @@
 
 Every array that a caller gives to a public object goes through one of the `as_…` functions: what
 is kept is a C-contiguous, read-only copy of a known dtype and shape, and its values are finite.
+Points and faces that are such an array already, as those of other meshes, are kept as they are.
 `Frozen` makes all other arrays of such objects read-only too.
 """
 
@@ -9,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sized
 from functools import cached_property, wraps
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeGuard, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -45,12 +46,23 @@ LARGEST_WHOLE = 2.0**53
 
 _Array = TypeVar("_Array", bound=np.ndarray[Any, Any])
 _Value = TypeVar("_Value")
+_Kind = TypeVar("_Kind", bound=np.generic)
 
 
 def read_only(array: _Array) -> _Array:
     """Return `array` itself, which nobody may write to from now on."""
     array.setflags(write=False)
     return array
+
+
+def is_locked(values: ArrayLike, kind: type[_Kind]) -> TypeGuard[NDArray[_Kind]]:
+    """Return whether `values` are an array of a kind that nobody may write to: it needs no copy.
+
+    It has its numbers to itself, in their usual order.
+    """
+    if type(values) is not np.ndarray or values.dtype != kind:
+        return False
+    return values.base is None and not values.flags.writeable and values.flags.c_contiguous
 
 
 class Frozen:
@@ -110,20 +122,21 @@ def _with_locked_result(compute: Callable[[Any], _Value]) -> Callable[[Any], _Va
 def as_points(
     values: ArrayLike, name: str, error: type[ScaffoldCadError] = SkeletonError
 ) -> Points:
-    """Return a read-only copy of `values` as (n, 3) float64, all finite.
+    """Return a read-only copy of `values` as (n, 3) float64, all finite; see `is_locked`.
 
     Raises
     ------
     SkeletonError, or another `error`
         If the shape is wrong or a coordinate is not finite; the row is named.
     """
-    points = as_floats(values, name, error)
+    points = values if is_locked(values, np.float64) else as_floats(values, name, error)
     if points.size == 0:
         points = points.reshape(0, 3)
     if points.ndim != 2 or points.shape[1] != 3:
         raise error(f"{name} has shape {points.shape}; need (n, 3)")
-    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
-    if len(bad):
+    finite = np.isfinite(points)
+    if not finite.all():
+        bad = np.flatnonzero(~finite.all(axis=1))
         raise error(f"{name}[{bad[0]}] is {points[bad[0]].tolist()}; need finite numbers")
     return read_only(points)
 
@@ -359,7 +372,7 @@ def _as_rows(
     values: ArrayLike, name: str, width: int, count: int, verb: str, error: type[ScaffoldCadError]
 ) -> Ints:
     """Return a read-only copy of `values` as (n, width) intp, all in 0..count-1."""
-    rows = as_indices(values, name, error)
+    rows = values if is_locked(values, np.intp) else as_indices(values, name, error)
     if rows.size == 0:
         rows = rows.reshape(0, width)
     if rows.ndim != 2 or rows.shape[1] != width:

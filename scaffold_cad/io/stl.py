@@ -200,9 +200,12 @@ def _chunks(mesh: TriangleMesh) -> Iterator[np.ndarray]:
 
 def _normals(corners: np.ndarray) -> np.ndarray:
     """Return the unit normals (t, 3) of the triangles with `corners` (t, 3, 3)."""
-    first = corners[:, 1] - corners[:, 0]
-    second = corners[:, 2] - corners[:, 0]
-    normals = np.cross(first, second)
-    lengths = np.sqrt(np.einsum("ti,ti->t", normals, normals))[:, None]
+    a, b, c = (np.ascontiguousarray(corners[:, k].T) for k in range(3))  # (3, t)
+    first, second = b - a, c - a
+    normals = np.empty_like(a)
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        normals[k] = first[i] * second[j] - first[j] * second[i]
+    lengths = np.sqrt((normals * normals).sum(axis=0))
     np.divide(normals, lengths, out=normals, where=lengths > 0)
-    return normals
+    return normals.T

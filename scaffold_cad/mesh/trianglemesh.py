@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import (
@@ -17,6 +17,7 @@ from scaffold_cad.base.arrays import (
     Triangles,
     as_points,
     as_triangles,
+    read_only,
 )
 from scaffold_cad.base.notebook import Shown
 from scaffold_cad.base.summaries import counted, size_text
@@ -64,9 +65,8 @@ class TriangleMesh(Frozen, Shown):
         and the triangles without three corners go.
         """
         rounded = self.vertices.astype(np.float32)
-        corners = rounded[self.triangles]  # (t, 3, 3)
-        if not (corners == np.roll(corners, 1, axis=1)).all(axis=2).any():
-            return TriangleMesh(rounded.astype(np.float64), self.triangles)
+        if not _any_coincide(rounded, self.triangles):
+            return TriangleMesh(read_only(rounded.astype(np.float64)), self.triangles)
         places, place = np.unique(rounded + np.float32(0), axis=0, return_inverse=True)
         triangles = place.reshape(-1)[self.triangles]
         proper = triangles[have_distinct_corners(triangles)]
@@ -118,12 +118,21 @@ def have_distinct_corners(triangles: Triangles) -> Bools:
     return distinct
 
 
+def _any_coincide(places: NDArray[np.float32], triangles: Triangles) -> bool:
+    """Return whether corners of one triangle are at the same of some places (v, 3)."""
+    x = np.ascontiguousarray(places[:, 0])[triangles]  # (t, 3)
+    a, b, c = x.T
+    alike = triangles[(a == b) | (b == c) | (c == a)]  # few are
+    corners = places[alike]  # (k, 3, 3)
+    return bool((corners == np.roll(corners, 1, axis=1)).all(axis=2).any())
+
+
 def compacted(vertices: Points, triangles: Triangles) -> TriangleMesh:
     """Return the triangles with only the vertices that they use."""
     used = np.zeros(len(vertices), dtype=np.bool_)
     used[triangles] = True
     rank = np.cumsum(used) - 1
-    return TriangleMesh(vertices[used], rank[triangles])
+    return TriangleMesh(read_only(vertices[used]), read_only(rank[triangles]))
 
 
 def cone_volumes(vertices: Points, triangles: Triangles) -> Floats:

@@ -49,6 +49,23 @@ def test_arrays_are_read_only_contiguous_copies(
     np.testing.assert_array_equal(array, before)
 
 
+def test_what_nobody_may_write_to_is_kept_as_it_is() -> None:
+    points, edges = as_points(np.ones((4, 3)), "nodes"), as_edges([[0, 3], [1, 2]], "edges", 4)
+    assert as_points(points, "vertices") is points
+    assert as_edges(edges, "edges", 4) is edges
+    with pytest.raises(SkeletonError, match=r"edges\[0\] joins nodes \[0, 3\]; need 0 to 2"):
+        as_edges(edges, "edges", 3)
+
+
+def test_views_of_what_may_be_written_to_are_copied() -> None:
+    values = np.ones((4, 3))
+    view = values[:]
+    view.setflags(write=False)
+    kept = as_points(view, "nodes")
+    values[:] = 3
+    np.testing.assert_array_equal(kept, np.ones((4, 3)))
+
+
 def test_lists_and_whole_numbers_become_float64() -> None:
     points = as_points([[0, 1, 2], [3, 4, 5]], "nodes")
     assert points.dtype == np.float64

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Triangles
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Triangles, read_only
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.struts.curves.rings import CurveRings, curve_rings
 from scaffold_cad.struts.hollow.sockets import socket_triangles
@@ -218,7 +218,7 @@ def shell_of(struts: RoundStruts, sides: int, open_at: Bools | None = None) -> S
     owner, triangles = np.concatenate(parts.owners), np.concatenate(parts.faces)
     if model is not None:
         owner, triangles = model.owner, model.mesh.triangles
-    mesh = TriangleMesh(np.concatenate(parts.points), triangles)
+    mesh = TriangleMesh(read_only(np.concatenate(parts.points)), read_only(triangles))
     made = Triangulated(mesh, owner[owner >= 0], passed, sized.shift, owner, swell)
     return Shell(made, number[ends[~is_ball]], parts.rings[ends[~is_ball]])
 
