@@ -141,8 +141,7 @@ class NearestPlace:
             rows.append(row[some])
             triangles.append(each.rows[place[some]])
         row, triangle = np.concatenate(rows), np.concatenate(triangles)
-        own = points[row]
-        away = dot(own - self._corners[triangle, 0], self._normals[triangle])
+        away = dot(points[row], self._normals[triangle]) - self._heights[triangle]
         beside = np.flatnonzero(np.abs(away) < limit)
         row, triangle = row[beside], triangle[beside]
         feet = nearest_on_triangles(points[row], self._corners[triangle])
@@ -156,6 +155,11 @@ class NearestPlace:
     def _normals(self) -> UnitVectors:
         a, b, c = np.moveaxis(self._corners, 1, 0)
         return normalize(np.cross(b - a, c - a) + np.finfo(float).tiny)
+
+    @cached_property
+    def _heights(self) -> Floats:
+        """How far the planes of triangles are along their normals, (t,), mm."""
+        return dot(self._corners[:, 0], self._normals)
 
 
 def nearest_on_triangles(points: Points, corners: Floats) -> Points:

@@ -141,8 +141,13 @@ def _placed(struts: Walls, vertices: Points, aim: Aim, factor: float) -> Triangl
     There they are evened first, which unfolds small triangles; what still crosses is put back.
     """
     mesh = struts.mesh
+    placed, crossing = mesh.vertices, mesh.triangles[:0]
     for back in chain(repeat(None, EVENING), repeat(BACK, TRIES), repeat(0.0)):
-        vertices, crossing = _as_written(struts, vertices, aim.wall, factor)
+        before, placed = placed, _as_written(struts, vertices, factor)
+        looked: Bools = np.asarray((placed != before).any(axis=1))
+        looked[crossing] = True
+        crossing = _crossing(mesh, placed, looked, aim.wall, factor)
+        vertices = placed.copy()
         if len(crossing) == 0:
             break
         beside = _beside(mesh, crossing)
@@ -158,23 +163,30 @@ def _placed(struts: Walls, vertices: Points, aim: Aim, factor: float) -> Triangl
     return TriangleMesh(vertices, mesh.triangles)
 
 
-def _as_written(
-    struts: Walls, vertices: Points, wall: float, factor: float
-) -> tuple[Points, Triangles]:
-    """Return vertices (v, 3) as a file has those that moved, and the triangles that then cross.
+def _as_written(struts: Walls, vertices: Points, factor: float) -> Points:
+    """Return vertices (v, 3) as a file has those that moved; nodes of one shape as the first one.
 
-    Nodes of one shape are moved as the first one is.
+    Those that do not move stay as they are.
     """
     mesh = struts.mesh
     way = np.where(struts.moves[:, None], (vertices - mesh.vertices)[struts.alike], 0.0)
-    moved: Bools = np.asarray(way.any(axis=1))
     placed = in_single_precision(mesh.vertices + way, factor) / factor
-    placed = np.where(moved[:, None], placed, mesh.vertices)
-    near = near_to(mesh.vertices[mesh.triangles], mesh.vertices[moved], wall)
+    return np.where(way.any(axis=1, keepdims=True), placed, mesh.vertices)
+
+
+def _crossing(
+    mesh: TriangleMesh, placed: Points, looked: Bools, wall: float, factor: float
+) -> Triangles:
+    """Return the triangles that cross others with the vertices of a mesh at places (v, 3).
+
+    Parameters
+    ----------
+    looked : (v,) vertices that moved since others were looked at, or whose triangles crossed then
+    """
+    near = near_to(mesh.vertices[mesh.triangles], mesh.vertices[looked], wall)
     triangles = mesh.triangles[near]
     written = in_single_precision(placed, factor)
-    crossing = np.unique(self_intersections(TriangleMesh(written, triangles)))
-    return placed, triangles[crossing]
+    return triangles[np.unique(self_intersections(TriangleMesh(written, triangles)))]
 
 
 def _evened(mesh: TriangleMesh, places: Points, rows: Ints) -> Points:
