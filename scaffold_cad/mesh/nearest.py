@@ -94,7 +94,8 @@ class NearestPlace:
         -------
         rows (k,), nearest places (k, 3), and their triangles (k,)
         """
-        parts = list(blocks(len(points), NEAREST * TRIANGLE_BYTES, CACHE))
+        count = len(points) if len(self._corners) else 0
+        parts = list(blocks(count, NEAREST * TRIANGLE_BYTES, CACHE))
         made = (self._some_nearer(points[part], limit) for part in parts)
         found = list(counted("nearest places", made, [part.stop - part.start for part in parts]))
         none = np.zeros(0, dtype=np.intp), np.zeros((0, 3)), np.zeros(0, dtype=np.intp)

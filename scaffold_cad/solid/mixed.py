@@ -29,10 +29,10 @@ from scaffold_cad.solid.clusters.hollow import hollow, thin_places
 from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.spans import Spans, no_spans, whole_runs
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
-from scaffold_cad.solid.clusters.walls import Walls, thickened
+from scaffold_cad.solid.clusters.walls import Walls, tell_thin, thickened
 from scaffold_cad.struts.breps.faces import bored, end_rings, faces_of, run_names
 from scaffold_cad.struts.meshes.bands import polygon_wall
-from scaffold_cad.struts.meshes.surface import annuli, shell_of
+from scaffold_cad.struts.meshes.surface import Shell, annuli, shell_of
 from scaffold_cad.struts.model import RoundStruts
 
 CLUSTER = "cluster"
@@ -48,17 +48,27 @@ _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
-class _Part(Frozen):
-    """The surface of solid struts."""
+class _Exact(Frozen):
+    """Struts that are all exact."""
 
     faces: AnalyticBrep
-    """Its faces; as their shells they have what they say of these."""
+    """Their faces; as their shells they have what they say of these."""
     circles: Ints
     """Edge at each node where a strut ends, else -1, shape (n,)."""
     first_name: int
     """Place of the name of node 0."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Part(Frozen):
+    """The surface of solid struts."""
+
+    struts: RoundStruts
+    """All of them."""
+    made: Faceted | None
+    """Facets, and what is left beside them; None if all are exact."""
     mesh: TriangleMesh
-    """Triangles near it."""
+    """Triangles near the surface, the facets last."""
     node: Ints
     """Nodes that the first of these are around."""
     nodes: Bools
@@ -84,22 +94,25 @@ def mixed_brep(struts: RoundStruts) -> AnalyticBrep:
         If the walls of hollow struts cross.
     """
     if struts.inner is None:
-        return _told(_solids(_part(struts, wanted_fillets(struts), unproved(struts)).faces))
+        part = _part(struts, wanted_fillets(struts), unproved(struts))
+        return _told(_solids(_faces(part).faces))
     outside, inside = hollow(struts, unproved, _part, _together)
+    outside = _moved_out(outside, inside, float(struts.options.wall or 0.0))
     _tell_thin(struts, *thin_places(outside, struts, struts.inner))
-    own = inside.faces.faces
+    outer, inner = _faces(outside), _faces(inside)
+    own = inner.faces.faces
     kind = np.where(own.shell == VOID, BODY, VOID)  # what a solid is inside is a void
-    void = replace(inside.faces, faces=replace(own, shell=kind))
+    void = replace(inner.faces, faces=replace(own, shell=kind))
     runs = struts.runs
     ends = np.flatnonzero(runs.valency[runs.tails] == 1)
-    circles = np.stack([outside.circles, inside.circles], axis=1)[runs.tails[ends]]
+    circles = np.stack([outer.circles, inner.circles], axis=1)[runs.tails[ends]]
     is_open = (circles >= 0).all(axis=1) & (struts.options.ends == "open")
     ends, circles = ends[is_open], circles[is_open]
     either = np.full(len(ends), EITHER)
     if len(struts.sockets.nodes):
-        void, circles[:, 1] = bored(struts, void, ends, circles[:, 1], either, inside.first_name)
-    rings = end_rings(struts, ends, circles, either, outside.first_name)
-    return _told(_solids(extended(outside.faces, turned(void), rings)))
+        void, circles[:, 1] = bored(struts, void, ends, circles[:, 1], either, inner.first_name)
+    rings = end_rings(struts, ends, circles, either, outer.first_name)
+    return _told(_solids(extended(outer.faces, turned(void), rings)))
 
 
 def _tell_thin(struts: RoundStruts, places: Points, walls: Floats) -> None:
@@ -147,97 +160,102 @@ def _part(
     ----------
     outside : the surface outside, for that inside of hollow struts
     """
-    made, count = faceted(struts, fillets, core, sags), len(core.nodes)
-    if made is not None and outside is not None:
-        walls = Walls.between(outside.mesh, made.mesh, made.rings.reshape(-1))
-        wall = float(struts.options.wall or 0.0)
-        moved = thickened(walls, wall, polygon_wall(SIDES), 1.0)
-        inside = moved.vertices[len(outside.mesh.vertices) :]
-        made = replace(made, mesh=TriangleMesh(inside, made.mesh.triangles))
+    made = faceted(struts, fillets, core, sags)
     if made is None:
-        part, _ = _exact(struts, np.zeros(len(struts.runs.nodes), dtype=np.bool_))
-        return replace(part, nodes=core.nodes, pieces=core.zone, fillets=fillets)
-    pieces = _pieces(made)
-    piece = pieces.piece_of[made.mesh.triangles[:, 0]]
-    names = _cluster_names(struts, made, pieces)
-    facets = brep_of_triangles(made.mesh, piece, names)
-    facets = _saying(facets, np.where(pieces.volumes[piece] < 0, VOID, BODY))
-    if made.clusters is None:
+        shell = shell_of(struts, SIDES)
+        mesh, node = shell.made.mesh, shell.made.node
+        return _Part(struts, None, mesh, node, core.nodes, core.zone, fillets, no_spans())
+    if outside is not None:
+        walls = Walls.between(outside.mesh, made.mesh, made.rings.reshape(-1))
+        made = replace(made, mesh=_inside(walls, float(struts.options.wall or 0.0)))
+    clusters = made.clusters
+    if clusters is None:
         none, nodes, every = np.zeros(0, np.intp), np.ones_like(core.nodes), np.ones_like(core.zone)
-        return _Part(
-            facets,
-            np.full(count, -1),
-            0,
-            made.mesh,
-            none,
-            nodes,
-            every,
-            fillets,
-            whole_runs(struts.runs),
-        )
-    rest = made.clusters.rest
-    beside, corners = _exact(rest.struts, rest.open_at)
-    exact = _named(beside.faces, struts, made)
-    rings = _rings(beside.circles, made, len(exact.names) + piece[_at_rings(made)], facets)
-    numbers = np.append(edge_numbers(exact, facets)[0], -1)
-    return _Part(
-        extended(exact, facets, rings),
-        numbers[beside.circles[:count]],
-        beside.first_name,
-        _near(made, beside.mesh, corners),
-        beside.node,
-        made.clusters.nodes,
-        made.clusters.pieces,
-        made.clusters.reached,
-        made.clusters.spans,
+        return _Part(struts, made, made.mesh, none, nodes, every, fillets, whole_runs(struts.runs))
+    rest = clusters.rest
+    shell = shell_of(rest.struts, SIDES, rest.open_at)
+    mesh, node = _near(made, shell, len(rest.open_at)), shell.made.node
+    reached = clusters.nodes, clusters.pieces, clusters.reached, clusters.spans
+    return _Part(struts, made, mesh, node, *reached)
+
+
+def _inside(walls: Walls, wall: float) -> TriangleMesh:
+    """Return the facets inside, moved to where walls are as asked."""
+    moved = replace(walls, mesh=thickened(walls, wall, polygon_wall(SIDES), 1.0))
+    tell_thin(moved, wall)
+    first = walls.first
+    return TriangleMesh(
+        moved.mesh.vertices[first:], walls.mesh.triangles[walls.inner, ::-1] - first
     )
 
 
-def _exact(struts: RoundStruts, open_at: Bools) -> tuple[_Part, Ints]:
-    """Return the surface of struts that are all exact, and the vertices of rings where they end.
+def _moved_out(outside: _Part, inside: _Part, wall: float) -> _Part:
+    """Return the outside with facets moved away from an exact inside, which stays."""
+    if outside.made is None:
+        return outside
+    facets = outside.made.mesh
+    first = len(outside.mesh.vertices) - len(facets.vertices)
+    both = _together(outside, inside)
+    outer, inner = np.split(np.arange(len(both.triangles)), [len(outside.mesh.triangles)])
+    exact = inner if inside.made is None else inner[: -len(inside.made.mesh.triangles)]
+    every = np.arange(len(both.vertices))
+    fixed = first + outside.made.rings.reshape(-1)
+    walls = Walls(both, exact, outer[-len(facets.triangles) :], len(every), every, fixed)
+    moved = thickened(walls, wall, polygon_wall(SIDES), 1.0).vertices[: len(outside.mesh.vertices)]
+    made = replace(outside.made, mesh=TriangleMesh(moved[first:], facets.triangles))
+    return replace(outside, made=made, mesh=TriangleMesh(moved, outside.mesh.triangles))
+
+
+def _faces(part: _Part) -> _Exact:
+    """Return the faces of a surface: exact ones and facets."""
+    made, struts, count = part.made, part.struts, len(part.nodes)
+    if made is None:
+        return _exact(struts, np.zeros(len(struts.runs.nodes), dtype=np.bool_))
+    pieces = _pieces(made)
+    piece = pieces.piece_of[made.mesh.triangles[:, 0]]
+    facets = brep_of_triangles(made.mesh, piece, _cluster_names(struts, made, pieces))
+    facets = _saying(facets, np.where(pieces.volumes[piece] < 0, VOID, BODY))
+    if made.clusters is None:
+        return _Exact(facets, np.full(count, -1), 0)
+    rest = made.clusters.rest
+    beside = _exact(rest.struts, rest.open_at)
+    exact = _named(beside.faces, struts, made)
+    rings = _rings(beside.circles, made, len(exact.names) + piece[_at_rings(made)], facets)
+    numbers = np.append(edge_numbers(exact, facets)[0], -1)
+    circles = numbers[beside.circles[:count]]
+    return _Exact(extended(exact, facets, rings), circles, beside.first_name)
+
+
+def _exact(struts: RoundStruts, open_at: Bools) -> _Exact:
+    """Return the faces of struts that are all exact.
 
     Parameters
     ----------
     open_at : (n,) nodes where they end without a face
-
-    Returns
-    -------
-    the surface, and vertices (n, SIDES) of its triangles
     """
     straight = struts.straight
     faces, ends, rings = faces_of(straight, open_at)
     circles = np.full(len(open_at), -1)
     circles[straight.runs.tails[ends]] = rings
-    shell = shell_of(struts, SIDES, open_at)
-    corners = np.full((len(open_at), SIDES), -1)
-    corners[struts.runs.tails[shell.ends]] = shell.rings
-    part = _Part(
-        _saying(faces, np.full(len(faces.faces.kinds), EITHER)),
-        circles,
-        len(straight.runs.edges),
-        shell.made.mesh,
-        shell.made.node,
-        np.zeros_like(open_at),
-        np.zeros(len(struts.curves.pieces), dtype=np.bool_),
-        np.zeros(len(open_at)),
-        no_spans(),
-    )
-    return part, corners
+    faces = _saying(faces, np.full(len(faces.faces.kinds), EITHER))
+    return _Exact(faces, circles, len(straight.runs.edges))
 
 
-def _near(made: Faceted, mesh: TriangleMesh, corners: Ints) -> TriangleMesh:
-    """Return triangles near the whole surface, those of exact struts first.
+def _near(made: Faceted, shell: Shell, count: int) -> TriangleMesh:
+    """Return triangles near the whole surface, those of exact struts first, facets last.
 
     Parameters
     ----------
-    corners : (n, SIDES) vertices of the ring at each node where an exact strut ends
+    shell : of exact struts, with rings of `SIDES` at some of their `count` nodes
     """
     assert made.clusters is not None
-    count, cuts = len(mesh.vertices), made.clusters.rest.cuts
-    between = annuli(corners[cuts.node], made.rings + count)
+    mesh, rest = shell.made.mesh, made.clusters.rest
+    corners = np.full((count, SIDES), -1)
+    corners[rest.struts.runs.tails[shell.ends]] = shell.rings
+    between = annuli(corners[rest.cuts.node], made.rings + len(mesh.vertices))
     return TriangleMesh(
         np.concatenate([mesh.vertices, made.mesh.vertices]),
-        np.concatenate([mesh.triangles, between, made.mesh.triangles + count]),
+        np.concatenate([mesh.triangles, between, made.mesh.triangles + len(mesh.vertices)]),
     )
 
 

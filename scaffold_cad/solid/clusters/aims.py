@@ -37,7 +37,7 @@ LARGE = 4.0
 NEAR = 2.0
 """How far from the inside triangles are looked at, in walls."""
 
-REENTRANT = 0.1
+REENTRANT = 0.02
 """Least angle between the triangles of an edge that is looked at as reentrant, rad."""
 
 PITCH = 0.3

@@ -28,7 +28,7 @@ from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.seams import seamed
 from scaffold_cad.solid.clusters.spans import Spans, whole_runs
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
-from scaffold_cad.solid.clusters.walls import Walls, thickened
+from scaffold_cad.solid.clusters.walls import Walls, tell_thin, thickened
 from scaffold_cad.solid.field import FieldStruts
 from scaffold_cad.solid.field.written import field_as_written, report_thickened
 from scaffold_cad.struts.apart import Slack
@@ -138,8 +138,12 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
     alone = inside.alone
     alone = alone[~_on_balls(struts, inside.mesh.vertices[alone])]
     fixed = np.concatenate([at_ends, first + alone])
-    walls = Walls(mesh, outer, inner, first + inside.exact, alike, fixed)
-    return thickened(walls, wall, polygon_wall(sides), factor)
+    walls, part = Walls(mesh, outer, inner, first + inside.exact, alike, fixed), polygon_wall(sides)
+    mesh = thickened(walls, wall, part, factor)
+    of_struts = np.concatenate([at_ends, np.arange(outside.exact)])
+    mesh = thickened(walls.turned(mesh, of_struts), wall, part, factor)
+    tell_thin(replace(walls, mesh=mesh), wall)
+    return mesh
 
 
 def _on_balls(struts: RoundStruts, points: Points) -> Bools:

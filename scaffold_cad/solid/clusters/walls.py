@@ -53,11 +53,11 @@ class Walls(Frozen):
     mesh: TriangleMesh
     """All of them."""
     outer: Ints
-    """Numbers of the triangles outside."""
+    """Numbers of the triangles that stay, those outside."""
     inner: Ints
-    """Numbers of those inside, which share no vertex with these."""
+    """Numbers of those that move, those inside, which share no vertex with these."""
     first: int
-    """Vertices inside are those of fields from this one on."""
+    """Vertices that move are those of fields from this one on: walls there may become thinner."""
     alike: Ints
     """Vertex of the first node of the same shape, itself for others, shape (v,)."""
     fixed: Ints
@@ -80,6 +80,18 @@ class Walls(Frozen):
         outer, inner = np.split(np.arange(len(mesh.triangles)), [count])
         every = np.arange(len(mesh.vertices))
         return Walls(mesh, outer, inner, first, every, fixed + first)
+
+    def turned(self, mesh: TriangleMesh, fixed: Ints) -> Walls:
+        """Return the walls at triangles inside that stay, where the outside is to move.
+
+        Parameters
+        ----------
+        mesh : after the inside has moved
+        fixed : vertices outside that stay where they are
+        """
+        stays = self.inner[~self.moves[self.mesh.triangles[self.inner]].any(axis=1)]
+        count = len(mesh.vertices)
+        return Walls(mesh, stays, self.outer, count, np.arange(count), fixed)
 
     @property
     def moves(self) -> Bools:
@@ -119,12 +131,16 @@ def thickened(struts: Walls, wall: float, between: float, factor: float) -> Tria
     if len(some):
         vertices = _moved(mesh.vertices, some, of_field, aim, THINNING)
         mesh = _placed(replace(struts, mesh=mesh), vertices, aim, factor)
-    _tell(*aim.thinnest(mesh.vertices, faces, TOLD * wall), wall)
     return mesh
 
 
-def _tell(least: float, place: Points, wall: float) -> None:
-    """Log that a wall is thin."""
+def tell_thin(struts: Walls, wall: float) -> None:
+    """Log where a wall is thin."""
+    faces = struts.looked_at
+    points = struts.mesh.vertices[np.unique(faces)]
+    outer = struts.mesh.triangles[struts.outer]
+    aim = Aim.of(struts.mesh.vertices, outer, points, wall, TOLD * wall)
+    least, place = aim.thinnest(struts.mesh.vertices, faces, TOLD * wall)
     if least < TOLD * wall:
         _log.warning(
             "a wall is as thin as %.3g mm near %s, for the %g mm asked for: its triangles have no "

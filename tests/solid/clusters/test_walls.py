@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from scaffold_cad.base.arrays import Ints
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.solid.clusters.walls import Walls, thickened
+from scaffold_cad.solid.clusters.walls import Walls, tell_thin, thickened
 
 NONE = np.zeros(0, dtype=np.intp)
 WALL = 1.2
@@ -37,9 +39,19 @@ def test_walls_below_reentrant_edges_are_as_thick_as_asked() -> None:
 def test_walls_that_stay_thin_are_told(
     fixed: Ints, told: bool, caplog: pytest.LogCaptureFixture
 ) -> None:
-    made = thickened(Walls.between(VALLEY, BELOW, fixed), WALL, 1.0, 1.0)
+    walls = Walls.between(VALLEY, BELOW, fixed)
+    made = thickened(walls, WALL, 1.0, 1.0)
+    tell_thin(replace(walls, mesh=made), WALL)
     assert (depth_at_edge(made) < 0.9 * WALL) == told
     assert ("a wall is as thin as 1 mm near [0, " in caplog.text) == told
+
+
+def test_the_outside_moves_where_the_inside_stays() -> None:
+    small = TriangleMesh(VALLEY.vertices * [0.1, 0.1, 1], VALLEY.triangles)
+    walls = Walls.between(small, BELOW, np.arange(3))
+    made = thickened(walls.turned(walls.mesh, NONE), WALL, 1.0, 1.0)
+    assert np.array_equal(made.vertices[-3:], BELOW.vertices)
+    assert 0.97 * WALL < made.vertices[2:4, 2].min() < 1.1 * WALL
 
 
 def test_small_triangles_that_would_fold_are_evened() -> None:
