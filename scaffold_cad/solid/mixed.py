@@ -297,11 +297,11 @@ def _rings(circles: Ints, made: Faceted, name: Ints, facets: AnalyticBrep) -> Pl
     none = np.zeros(count, dtype=np.bool_)
     return PlaneRings(
         rest.struts.runs.nodes[cuts.node],
-        -cuts.outward,
+        cuts.outward if made.around else -cuts.outward,
         rest.struts.x[made.half_runs],
         np.hstack([circles[cuts.node][:, None], side]),
         np.hstack([none[:, None], ahead]),
-        none,
+        np.full(count, made.around),
         np.full(count, EITHER),
         name,
     )

@@ -208,22 +208,19 @@ def test_hollow_struts_are_hollow_in_clusters_too(
     assert sorted(set(sizes.round(12).tolist())) == [0.6, 1.0]
 
 
-@pytest.mark.parametrize(("wall", "is_thin"), [(0.15, False), (0.06, True)])
-def test_thin_walls_of_facets_beside_exact_insides_are_told(
-    wall: float, is_thin: bool, caplog: pytest.LogCaptureFixture
+@pytest.mark.parametrize("wall", [0.15, 0.06])
+def test_facets_beside_exact_insides_keep_the_wall(
+    wall: float, caplog: pytest.LogCaptureFixture
 ) -> None:
     near = CROSSING.moved(CROSSING.nodes * [1, 1, (2 - wall) / np.ptp(CROSSING.nodes[:, 2])])
     brep = mixed_brep(round_struts(near, wall=wall))
-    told = re.search(r"a wall is as thin as (\S+) mm near \[.*by their outsides only", caplog.text)
     shells = [shell.tessellate(0.001, 0.05) for shell in brep_of_faces(brep).shells()]
     meshes = [trimesh.Trimesh([tuple(one) for one in points], faces) for points, faces in shells]
     outside, *inside = sorted(meshes, key=lambda mesh: -float(mesh.scale))
     facets = np.concatenate([outside.vertices, outside.vertices[outside.edges_unique].mean(axis=1)])
     facets = facets[np.abs(facets - near.nodes.mean(axis=0)).max(axis=1) < 4]
-    least = distances(facets, trimesh.util.concatenate(inside)).min()
-    assert (least < 0.9 * wall) == is_thin == bool(told)
-    if told:
-        assert float(told[1]) == pytest.approx(least, rel=0.05)
+    assert distances(facets, trimesh.util.concatenate(inside)).min() > 0.95 * wall
+    assert "as thin as" not in caplog.text
 
 
 def test_sockets_beside_clusters_stay_and_ends_in_clusters_are_closed() -> None:

@@ -28,11 +28,18 @@ MORE = 1.01
 """What is too thin is moved to this times what is enough: to the whole wall, triangles between
 vertices that moved would be too far in."""
 
+FURTHER = 5.0
+"""How many times further than a place at most a corner moves to move it: others may be fixed."""
+
 LUMP = 3.0
 """What is thicker than this, in walls, stays: a void that is filled."""
 
 LARGE = 4.0
 """Size of the pieces of triangles that nearest places are looked for in, in walls."""
+
+SLENDER = 2.0
+"""Least length over width of triangles that are looked at in pieces, if longer than a wall: the
+middles of others may be nearer to a place than theirs."""
 
 NEAR = 2.0
 """How far from the inside triangles are looked at, in walls."""
@@ -77,17 +84,19 @@ class Aim:
         way[rows] = self._away(points[rows] - places)
         return way
 
-    def thicker_below(self, corners: Floats) -> tuple[Ints, Floats]:
+    def thicker_below(self, corners: Floats, moves: Bools) -> tuple[Ints, Floats]:
         """Return corners inside that are to move from reentrant edges, and how, (q,), (q, 3), mm.
 
         Parameters
         ----------
         corners : of triangles inside, (t, 3, 3)
+        moves : (t, 3) whether they may
         """
         rows, places, triangle = self._below(corners, self.least)
         way = self._away(places - self.reentrant[rows])
-        own = 3 * triangle[:, None] + np.arange(3)  # (q, 3)
-        return own.reshape(-1), np.repeat(way, 3, axis=0)
+        part = shares(weights_of(places, corners[triangle]), moves[triangle])  # (q, 3)
+        own = 3 * triangle[:, None] + np.arange(3)
+        return own.reshape(-1), (part[..., None] * way[:, None]).reshape(-1, 3)
 
     def thinner(self, points: Points) -> Floats:
         """Return how points are to move where walls are too thick, (k, 3), mm."""
@@ -124,6 +133,32 @@ class Aim:
         far = length(way)
         share = np.where(far > 0, MORE * self.least / np.where(far > 0, far, 1.0) - 1.0, 0.0)
         return np.asarray(share[:, None] * way)
+
+
+def weights_of(places: Points, corners: Floats) -> Floats:
+    """Return what each corner of triangles (q, 3, 3) weighs in a place on them (q, 3), (q, 3)."""
+    a, b, c = np.moveaxis(corners, 1, 0)
+    normal = np.cross(b - a, c - a)
+    size = np.maximum(dot(normal, normal), np.finfo(float).tiny)
+    of_b = dot(np.cross(places - a, c - a), normal) / size
+    of_c = dot(np.cross(b - a, places - a), normal) / size
+    return np.stack([1.0 - of_b - of_c, of_b, of_c], axis=1).clip(0.0, 1.0)
+
+
+def shares(weights: Floats, moves: Bools) -> Floats:
+    """Return how far the corners of places move for these to move by 1, (q, k).
+
+    It is the least that they can move together, 0 where one would move more than `FURTHER`.
+
+    Parameters
+    ----------
+    weights : (q, k) of corners in places
+    moves : (q, k) whether they may
+    """
+    free = np.where(moves, weights, 0.0)
+    size = np.maximum((free * free).sum(axis=1, keepdims=True), np.finfo(float).tiny)
+    found = free / size
+    return np.where(found.max(axis=1, keepdims=True) > FURTHER, 0.0, found)
 
 
 def between(faces: Triangles) -> tuple[Triangles, Edges]:
@@ -163,11 +198,14 @@ def _pieces(corners: Floats, points: Points, wall: float) -> tuple[Floats, Ints]
         near = near_to(corners, points, wall)
         corners, parent = corners[near], parent[near]
         sides = _sides(corners)
-        large: Bools = np.asarray(sides.max(axis=1, initial=0.0) > most)
+        longest = sides.max(axis=1, initial=0.0)
+        a, b, c = np.moveaxis(corners, 1, 0)
+        slender = (longest > wall) & (longest**2 > SLENDER * length(np.cross(b - a, c - a)))
+        large: Bools = np.asarray((longest > most) | slender)
         pieces.append(corners[~large])
         parents.append(parent[~large])
-        corners, parent, longest = corners[large], parent[large], sides[large].argmax(axis=1)
-        turn = (longest[:, None] + np.arange(3)) % 3
+        corners, parent, first = corners[large], parent[large], sides[large].argmax(axis=1)
+        turn = (first[:, None] + np.arange(3)) % 3
         a, b, c = np.moveaxis(np.take_along_axis(corners, turn[..., None], axis=1), 1, 0)
         half = (a + b) / 2
         corners = np.concatenate([np.stack([a, half, c], axis=1), np.stack([half, b, c], axis=1)])

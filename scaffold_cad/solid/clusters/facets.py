@@ -2,7 +2,7 @@
 
 The mesh of a cluster is cut off across each strut that leaves it, as for meshes, and joined to a
 polygon in the plane in which the exact strut begins. The polygon lies inside the strut's circle,
-and the ring between both is a plane face of its own.
+outside of walls around it, and the ring between both is a plane face of its own.
 """
 
 from __future__ import annotations
@@ -35,7 +35,8 @@ SIDES = 32
 
 INSET = 0.005
 """How far the corners of polygons are inside of their circles, in radii: more than CAD programs
-take for one place."""
+take for one place. Outside of walls the middles of their sides are as far outside of the circles:
+walls are not thinner for them."""
 
 FLAT = 0.005
 """How far facets are off the field's surface, in radii of the struts there, by the root of the
@@ -65,6 +66,8 @@ class Faceted(Frozen):
     """Vertices of the polygon at each cut, counter-clockwise about its `outward`, (c, SIDES)."""
     half_runs: Ints
     """Half-run that begins at each cut, among those left, shape (c,)."""
+    around: bool
+    """Whether the polygons are around the circles of struts, not inside of them."""
 
 
 def faceted(
@@ -78,6 +81,7 @@ def faceted(
     core : what is in clusters in any case
     sags : how far the sides of triangles of fields may be inside of round surfaces
     """
+    around = struts.inner is not None
     seeds, bodies = core.spans, cache(partial(bodies_of, struts))
     remade = Remade(lambda some: field_of(some, SIDES, sags))
     for _ in range(TRIES):
@@ -88,7 +92,7 @@ def faceted(
             return None
         cuts, left = clusters.rest.cuts, clusters.rest.struts
         half_runs = _half_runs(left, cuts.node)
-        points, starts = _polygons(left, half_runs), left.x[half_runs]
+        points, starts = _polygons(left, half_runs, around), left.x[half_runs]
         rings = np.arange(len(points)).reshape(-1, SIDES)
         fields = cluster_struts(struts, clusters)
         field, voids = without_voids(remade.surface(fields), fields.middles)
@@ -97,14 +101,14 @@ def faceted(
             report_filled(voids)
             vertices = np.concatenate([points, made.vertices])
             mesh = _compacted(vertices, made.triangles, len(points))
-            return Faceted(clusters, _coarser(mesh, fields, rings, sags), rings, half_runs)
+            return Faceted(clusters, _coarser(mesh, fields, rings, sags), rings, half_runs, around)
         _log.debug("%d of %d seams failed", len(made.failed), len(cuts.node))
         core, seeds = grown(struts, clusters, made.failed)
     none, fields = np.zeros((0, SIDES), dtype=np.intp), whole_struts(struts)
     field, voids = without_voids(field_of(fields, SIDES, sags), fields.middles)
     report_filled(voids)
     mesh = _coarser(field, fields, none, sags)
-    return Faceted(None, mesh, none, none[:, 0])
+    return Faceted(None, mesh, none, none[:, 0], around)
 
 
 def _coarser(
@@ -131,14 +135,20 @@ def _half_runs(left: RoundStruts, nodes: Ints) -> Ints:
     return of_node[nodes]
 
 
-def _polygons(left: RoundStruts, half_runs: Ints) -> Points:
-    """Return the polygons in the circles at the nodes of half-runs (c,), (c SIDES, 3), mm."""
+def _polygons(left: RoundStruts, half_runs: Ints, outside: bool) -> Points:
+    """Return the polygons in the circles at the nodes of half-runs (c,), (c SIDES, 3), mm.
+
+    Parameters
+    ----------
+    outside : whether they are around the circles instead
+    """
     runs = left.runs
     angle = 2 * np.pi / SIDES * np.arange(SIDES)
     x = left.x[half_runs]
     y = np.cross(runs.directions[half_runs], x)
     around = np.cos(angle)[:, None] * x[:, None] + np.sin(angle)[:, None] * y[:, None]
-    size = (1.0 - INSET) * runs.radii.reshape(-1)[half_runs]
+    share = (1.0 + INSET) / np.cos(np.pi / SIDES) if outside else 1.0 - INSET
+    size = share * runs.radii.reshape(-1)[half_runs]
     center = runs.nodes[runs.tails[half_runs]]
     points: Points = center[:, None] + size[:, None, None] * around
     return points.reshape(-1, 3)

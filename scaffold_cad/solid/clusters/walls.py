@@ -19,7 +19,7 @@ from scaffold_cad.base.positions import in_single_precision
 from scaffold_cad.base.vectors import length
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.solid.clusters.aims import Aim, between, near_to
+from scaffold_cad.solid.clusters.aims import Aim, between, near_to, shares
 
 ENOUGH = 0.976
 """What is thinner than this part of the wall between two polygons is thickened."""
@@ -27,7 +27,7 @@ ENOUGH = 0.976
 TOLD = 0.9
 """What is thinner than this part of the wall is told."""
 
-ROUNDS = 6
+ROUNDS = 12
 """Times that vertices move; each time other places may be the nearest ones."""
 
 THINNING = 2
@@ -119,12 +119,9 @@ def thickened(struts: Walls, wall: float, between: float, factor: float) -> Tria
         looked at
     """
     faces, moves = struts.looked_at, struts.moves
-    looked = np.unique(faces)
-    if len(looked) == 0:
+    if len(faces) == 0:
         return struts.mesh
-    outer = struts.mesh.triangles[struts.outer]
-    points = struts.mesh.vertices[looked[moves[looked]]]
-    aim = Aim.of(struts.mesh.vertices, outer, points, wall, ENOUGH * between * wall)
+    aim = _aim(struts, faces, wall, ENOUGH * between * wall)
     mesh = _placed(struts, _moved(struts.mesh.vertices, faces, moves, aim, 0), aim, factor)
     of_field = moves & (np.arange(len(moves)) >= struts.first)
     some = faces[of_field[faces].any(axis=1)]
@@ -134,12 +131,17 @@ def thickened(struts: Walls, wall: float, between: float, factor: float) -> Tria
     return mesh
 
 
+def _aim(struts: Walls, faces: Triangles, wall: float, least: float) -> Aim:
+    """Return how thick walls are to be at triangles (t, 3), at corners that stay too."""
+    vertices = struts.mesh.vertices
+    points = np.concatenate([vertices[np.unique(faces)], vertices[faces].mean(axis=1)])
+    return Aim.of(vertices, struts.mesh.triangles[struts.outer], points, wall, least)
+
+
 def tell_thin(struts: Walls, wall: float) -> None:
     """Log where a wall is thin."""
     faces = struts.looked_at
-    points = struts.mesh.vertices[np.unique(faces)]
-    outer = struts.mesh.triangles[struts.outer]
-    aim = Aim.of(struts.mesh.vertices, outer, points, wall, TOLD * wall)
+    aim = _aim(struts, faces, wall, TOLD * wall)
     least, place = aim.thinnest(struts.mesh.vertices, faces, TOLD * wall)
     if least < TOLD * wall:
         _log.warning(
@@ -244,19 +246,24 @@ def _moved(vertices: Points, faces: Triangles, moves: Bools, aim: Aim, thinning:
         for each in between(faces):
             way = aim.thicker(vertices[each].mean(axis=1))
             thin = np.flatnonzero(way.any(axis=1))
-            for corner in each[thin].T:
-                larger = length(way[thin]) > length(away[corner])
-                away[corner[larger]] = way[thin][larger]
-        corner, way = aim.thicker_below(vertices[faces])
-        corner = faces.reshape(-1)[corner]
-        larger = length(way) > length(away[corner])
-        away[corner[larger]] = way[larger]
+            free = moves[each[thin]]
+            part = shares(np.full(free.shape, 1.0 / free.shape[1]), free)
+            for corner, share in zip(each[thin].T, part.T, strict=True):
+                _keep_larger(away, corner, share[:, None] * way[thin])
+        corner, way = aim.thicker_below(vertices[faces], moves[faces])
+        _keep_larger(away, faces.reshape(-1)[corner], way)
         away[~moves] = 0.0
         vertices += away
         # Where a vertex moved the next ones may be too near.
         moved: Bools = np.asarray(away.any(axis=1))
         faces = faces[moved[faces].any(axis=1)]
     return vertices
+
+
+def _keep_larger(away: Points, corner: Ints, way: Points) -> None:
+    """Put ways of corners (q, 3) in place of those (v, 3) that are shorter."""
+    larger = length(way) > length(away[corner])
+    away[corner[larger]] = way[larger]
 
 
 def _beside(mesh: TriangleMesh, triangles: Ints) -> Bools:
