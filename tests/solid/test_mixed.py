@@ -184,11 +184,16 @@ OUTSIDE_ONLY = CROSSING.moved(CROSSING.nodes * [1, 1, 3])
 """Two struts that cross, with walls of 0.4 by their outsides only."""
 
 
-@pytest.mark.parametrize("ends", ["flat", "open", "round"])
 @pytest.mark.parametrize(
-    ("skeleton", "voids"),
-    [(NARROW, 1), (CROSSING, 1), (OUTSIDE_ONLY, 2)],
-    ids=["narrow", "cross", "outside"],
+    ("skeleton", "voids", "ends"),
+    [
+        pytest.param(NARROW, 1, "flat", id="narrow flat"),
+        pytest.param(CROSSING, 1, "flat", id="cross flat"),
+        pytest.param(CROSSING, 1, "open", id="cross open"),
+        pytest.param(CROSSING, 1, "round", id="cross round"),
+        pytest.param(OUTSIDE_ONLY, 2, "open", id="outside open"),
+        pytest.param(OUTSIDE_ONLY, 2, "round", id="outside round"),
+    ],
 )
 def test_hollow_struts_are_hollow_in_clusters_too(
     skeleton: Skeleton, voids: int, ends: str

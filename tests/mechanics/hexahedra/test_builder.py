@@ -67,8 +67,7 @@ def test_a_strut_has_the_volume_of_its_cylinder(layers: int) -> None:
         assert len(on_end) == 9 + 8 * layers
 
 
-@pytest.mark.parametrize("layers", [0, 1])
-@pytest.mark.parametrize("collars", [False, True])
+@pytest.mark.parametrize(("collars", "layers"), [(False, 1), (True, 0)])
 @pytest.mark.parametrize("name", list(cells()))
 def test_no_hexahedron_of_a_named_cell_is_below_a_fifth(
     name: str, collars: bool, layers: int

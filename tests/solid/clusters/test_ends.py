@@ -68,7 +68,7 @@ def test_ends_in_a_crowd_have_rims_and_those_that_struts_cover_have_none() -> No
     assert mesh.vertices[:, 2].max() > 1.65  # the strut across the other end is whole
 
 
-@pytest.mark.parametrize("seed", range(20, 32))
+@pytest.mark.parametrize("seed", range(20, 26))
 def test_ends_of_random_struts_are_closed_and_free_of_crossings(seed: int) -> None:
     ends, radii, _ = random_struts(seed, spread=(1.5, 3.0, 10.0)[seed % 3])
     struts = field_struts(ends, radii, flat=True, blend=0.1 * (seed % 2))

@@ -146,7 +146,7 @@ def test_what_is_written_is_closed_and_free_of_crossings(name: str) -> None:
     assert solid.mesh.signed_volume > 0
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(6))
 def test_random_struts_of_several_cell_sizes_are_closed_and_free_of_crossings(seed: int) -> None:
     ends, radii, flat = random_struts(seed, spread=3.0 if seed % 2 else 10.0)
     solid = field_solid(field_struts(ends, radii, flat=flat))
@@ -219,7 +219,7 @@ def test_what_is_far_too_large_is_refused_before_cells_are_made(
 
 
 @pytest.mark.parametrize("flat", [False, True])
-@pytest.mark.parametrize(("count", "radius"), [(2, 1.0), (6, 0.7), (8, 1.2)])
+@pytest.mark.parametrize(("count", "radius"), [(2, 1.0), (5, 0.7), (6, 1.2)])
 def test_cells_are_estimated(
     count: int, radius: float, flat: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -26,8 +26,10 @@ def fork(angle: float, turn: float = 0.0, length: float = 30.0) -> Skeleton:
     return Skeleton(np.vstack([np.zeros(3), tips]), [[0, 1], [0, 2]], 1.0)
 
 
-@pytest.mark.parametrize("sides", [8, 16, 32])
-@pytest.mark.parametrize("angle", [20, 30, 45, 60, 90])
+@pytest.mark.parametrize(
+    ("angle", "sides"),
+    [(20, 8), (20, 32), (30, 16), (45, 8), (45, 32), (60, 16), (90, 8), (90, 32)],
+)
 def test_triangles_are_near_to_blends(angle: float, sides: int) -> None:
     struts = round_struts(fork(angle))
     made = triangulated(struts, sides)
