@@ -37,10 +37,6 @@ LUMP = 3.0
 LARGE = 4.0
 """Size of the pieces of triangles that nearest places are looked for in, in walls."""
 
-SLENDER = 2.0
-"""Least length over width of triangles that are looked at in pieces, if longer than a wall: the
-middles of others may be nearer to a place than theirs."""
-
 NEAR = 2.0
 """How far from the inside triangles are looked at, in walls."""
 
@@ -198,10 +194,7 @@ def _pieces(corners: Floats, points: Points, wall: float) -> tuple[Floats, Ints]
         near = near_to(corners, points, wall)
         corners, parent = corners[near], parent[near]
         sides = _sides(corners)
-        longest = sides.max(axis=1, initial=0.0)
-        a, b, c = np.moveaxis(corners, 1, 0)
-        slender = (longest > wall) & (longest**2 > SLENDER * length(np.cross(b - a, c - a)))
-        large: Bools = np.asarray((longest > most) | slender)
+        large: Bools = np.asarray(sides.max(axis=1, initial=0.0) > most)
         pieces.append(corners[~large])
         parents.append(parent[~large])
         corners, parent, first = corners[large], parent[large], sides[large].argmax(axis=1)
