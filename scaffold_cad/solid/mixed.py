@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, place_text
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.brep.analytic import AnalyticBrep
 from scaffold_cad.brep.facets import brep_of_triangles, edges_between
@@ -25,7 +25,7 @@ from scaffold_cad.mesh.pieces import Pieces, pieces_of
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.facets import SIDES, Faceted, faceted
 from scaffold_cad.solid.clusters.growth import Core, unproved
-from scaffold_cad.solid.clusters.hollow import hollow, thin_places
+from scaffold_cad.solid.clusters.hollow import hollow
 from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.spans import Spans, no_spans, whole_runs
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
@@ -97,8 +97,10 @@ def mixed_brep(struts: RoundStruts) -> AnalyticBrep:
         part = _part(struts, wanted_fillets(struts), unproved(struts))
         return _told(_solids(_faces(part).faces))
     outside, inside = hollow(struts, unproved, _part, _together)
-    outside = _moved_out(outside, inside, float(struts.options.wall or 0.0))
-    _tell_thin(struts, *thin_places(outside, struts, struts.inner))
+    wall = float(struts.options.wall or 0.0)
+    outside = _moved_out(outside, inside, wall)
+    if inside.made is not None:
+        tell_thin(_walls(outside, inside.made), wall)
     outer, inner = _faces(outside), _faces(inside)
     own = inner.faces.faces
     kind = np.where(own.shell == VOID, BODY, VOID)  # what a solid is inside is a void
@@ -113,19 +115,6 @@ def mixed_brep(struts: RoundStruts) -> AnalyticBrep:
         void, circles[:, 1] = bored(struts, void, ends, circles[:, 1], either, inner.first_name)
     rings = end_rings(struts, ends, circles, either, outer.first_name)
     return _told(_solids(extended(outer.faces, turned(void), rings)))
-
-
-def _tell_thin(struts: RoundStruts, places: Points, walls: Floats) -> None:
-    """Log that facets leave thin walls beside exact insides, at points (k, 3)."""
-    if len(walls):
-        _log.warning(
-            "a wall is as thin as %.3g mm near %s, for the %g mm asked for: facets where struts "
-            "cross by their outsides only are within the round struts; need the struts further "
-            "apart, thicker walls, or a mesh format",
-            walls.min(),
-            place_text(places[walls.argmin()]),
-            struts.options.wall,
-        )
 
 
 def _told(faces: AnalyticBrep) -> AnalyticBrep:
@@ -166,8 +155,7 @@ def _part(
         mesh, node = shell.made.mesh, shell.made.node
         return _Part(struts, None, mesh, node, core.nodes, core.zone, fillets, no_spans())
     if outside is not None:
-        walls = Walls.between(outside.mesh, made.mesh, made.rings.reshape(-1))
-        made = replace(made, mesh=_inside(walls, float(struts.options.wall or 0.0)))
+        made = replace(made, mesh=_inside(_walls(outside, made), struts.options.wall or 0.0))
     clusters = made.clusters
     if clusters is None:
         none, nodes, every = np.zeros(0, np.intp), np.ones_like(core.nodes), np.ones_like(core.zone)
@@ -179,14 +167,15 @@ def _part(
     return _Part(struts, made, mesh, node, *reached)
 
 
+def _walls(outside: _Part, made: Faceted) -> Walls:
+    """Return the walls between a surface outside and the facets inside."""
+    return Walls.between(outside.mesh, made.mesh, made.rings.reshape(-1))
+
+
 def _inside(walls: Walls, wall: float) -> TriangleMesh:
     """Return the facets inside, moved to where walls are as asked."""
-    moved = replace(walls, mesh=thickened(walls, wall, polygon_wall(SIDES), 1.0))
-    tell_thin(moved, wall)
-    first = walls.first
-    return TriangleMesh(
-        moved.mesh.vertices[first:], walls.mesh.triangles[walls.inner, ::-1] - first
-    )
+    moved, first = thickened(walls, wall, polygon_wall(SIDES), 1.0), walls.first
+    return TriangleMesh(moved.vertices[first:], walls.mesh.triangles[walls.inner, ::-1] - first)
 
 
 def _moved_out(outside: _Part, inside: _Part, wall: float) -> _Part:
@@ -201,7 +190,9 @@ def _moved_out(outside: _Part, inside: _Part, wall: float) -> _Part:
     every = np.arange(len(both.vertices))
     fixed = first + outside.made.rings.reshape(-1)
     walls = Walls(both, exact, outer[-len(facets.triangles) :], len(every), every, fixed)
-    moved = thickened(walls, wall, polygon_wall(SIDES), 1.0).vertices[: len(outside.mesh.vertices)]
+    mesh = thickened(walls, wall, polygon_wall(SIDES), 1.0)
+    tell_thin(replace(walls, mesh=mesh), wall)
+    moved = mesh.vertices[: len(outside.mesh.vertices)]
     made = replace(outside.made, mesh=TriangleMesh(moved[first:], facets.triangles))
     return replace(outside, made=made, mesh=TriangleMesh(moved, outside.mesh.triangles))
 
