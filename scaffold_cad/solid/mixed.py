@@ -31,7 +31,7 @@ from scaffold_cad.solid.clusters.spans import Spans, no_spans, whole_runs
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
 from scaffold_cad.solid.clusters.walls import Walls, tell_thin, thickened
 from scaffold_cad.struts.breps.faces import bored, end_rings, faces_of, run_names
-from scaffold_cad.struts.meshes.bands import polygon_wall
+from scaffold_cad.struts.meshes.bands import polygon_slack, polygon_wall
 from scaffold_cad.struts.meshes.surface import Shell, annuli, shell_of
 from scaffold_cad.struts.model import RoundStruts
 
@@ -191,7 +191,8 @@ def _moved_out(outside: _Part, inside: _Part, wall: float) -> _Part:
     fixed = first + outside.made.rings.reshape(-1)
     walls = Walls(both, exact, outer[-len(facets.triangles) :], len(every), every, fixed)
     mesh = thickened(walls, wall, polygon_wall(SIDES), 1.0)
-    tell_thin(replace(walls, mesh=mesh), wall)
+    slack = polygon_slack(SIDES) * float(inside.struts.runs.radii.max())
+    tell_thin(replace(walls, mesh=mesh), wall, slack)
     moved = mesh.vertices[: len(outside.mesh.vertices)]
     made = replace(outside.made, mesh=TriangleMesh(moved[first:], facets.triangles))
     return replace(outside, made=made, mesh=TriangleMesh(moved, outside.mesh.triangles))

@@ -138,12 +138,17 @@ def _aim(struts: Walls, faces: Triangles, wall: float, least: float) -> Aim:
     return Aim.of(vertices, struts.mesh.triangles[struts.outer], points, wall, least)
 
 
-def tell_thin(struts: Walls, wall: float) -> None:
-    """Log where a wall is thin."""
-    faces = struts.looked_at
-    aim = _aim(struts, faces, wall, TOLD * wall)
-    least, place = aim.thinnest(struts.mesh.vertices, faces, TOLD * wall)
-    if least < TOLD * wall:
+def tell_thin(struts: Walls, wall: float, slack: float = 0.0) -> None:
+    """Log where a wall is thin.
+
+    Parameters
+    ----------
+    slack : how far triangles that stay may reach beyond the round surface that they are near, mm
+    """
+    faces, enough = struts.looked_at, TOLD * wall - slack
+    aim = _aim(struts, faces, wall, enough)
+    least, place = aim.thinnest(struts.mesh.vertices, faces, enough)
+    if least < enough:
         _log.warning(
             "a wall is as thin as %.3g mm near %s, for the %g mm asked for: its triangles have no "
             "room for more; need a thinner wall, thicker struts or wider angles",
