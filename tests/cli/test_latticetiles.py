@@ -41,7 +41,7 @@ def test_layers_by_tiles_are_those_of_one_process(tmp_path: Path) -> None:
     sizes = []
     for name, words in (("a", []), ("b", ["--tiles", str(tmp_path / "parts"), "--block", "2"])):
         out = tmp_path / f"{name}.cli"
-        assert main([*BOX, "--layer", "0.5", "--wall", "0.1", *words, "-o", str(out)]) == 0
+        assert main([*BOX, "--layer", "1", "--wall", "0.1", *words, "-o", str(out)]) == 0
         sizes.append(out.stat().st_size)
     assert sizes[1] == pytest.approx(sizes[0], rel=0.05)
 

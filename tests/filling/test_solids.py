@@ -42,8 +42,8 @@ def plate() -> Any:
 
 
 def thin_tube() -> Any:
-    """Return a wall of 2 mm, whose insides struts meet in some 120 places."""
-    return Cylinder(9, 5) - Cylinder(7, 5)
+    """Return a wall of 2 mm, whose insides struts meet in many places."""
+    return Cylinder(7, 4) - Cylinder(5, 4)
 
 
 def wave() -> Any:

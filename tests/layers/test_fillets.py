@@ -59,7 +59,7 @@ def test_crowded_nodes_have_the_sections_of_the_field_solid(
 ) -> None:
     struts = round_struts(skeleton, **options)
     assert struts.crowded.any() or struts.crowded_runs.any()
-    field = field_solid(whole_struts(struts), cell=0.07 * float(skeleton.radii.min())).mesh
+    field = field_solid(whole_struts(struts), cell=0.1 * float(skeleton.radii.min())).mesh
     heights = np.linspace(*between, 5)
     wanted = np.array([area_at(field, height) for height in heights.tolist()])
     layers = slices(struts, heights, sides=SIDES)

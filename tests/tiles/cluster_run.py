@@ -11,7 +11,7 @@ from pathlib import Path
 from scaffold_cad import PeriodicLattice
 from scaffold_cad.tiles import Build, run_tiles, tiles
 
-LATTICE = PeriodicLattice("bcc", 6.0, 4, radius=0.5)
+LATTICE = PeriodicLattice("bcc", 6.0, 3, radius=0.5)
 BLOCK = 1
 WORK = Build(options={"collars": True})
 
