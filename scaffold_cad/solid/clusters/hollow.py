@@ -8,21 +8,25 @@ from dataclasses import replace
 from typing import Protocol, TypeVar
 
 import numpy as np
+from scipy.spatial import cKDTree
 
-from scaffold_cad.base.arrays import Bools, Floats, Ints, place_text
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, place_text
 from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.positions import in_single_precision
+from scaffold_cad.base.ranges import steps
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import dot, length
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.solid.clusters.aims import between
 from scaffold_cad.solid.clusters.closing import shortened
 from scaffold_cad.solid.clusters.growth import Core
 from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.spans import CUT, Spans
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
+from scaffold_cad.solid.clusters.walls import TOLD
 from scaffold_cad.struts.meshes.surface import inside_of
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.runs import Runs, ball_ends
@@ -30,6 +34,9 @@ from scaffold_cad.struts.runs import Runs, ball_ends
 FINER = 5
 """Times that hollow struts are made, with cells of half the size where walls cross, until these
 are whole."""
+
+AROUND = CUT + 0.05
+"""How far past spans walls are looked at, in the strut's radii: their cuts, rings and all."""
 
 _log = logging.getLogger(__name__)
 
@@ -75,7 +82,7 @@ def hollow(
     """Return the surfaces outside and inside of hollow struts.
 
     Where their outside and their inside cross, nodes become fields, and the cells of fields
-    smaller.
+    smaller; these do so, too, where the outside is near an inside that is its own.
 
     Parameters
     ----------
@@ -87,14 +94,18 @@ def hollow(
     inner = inside_of(struts)
     core, more = core_of(struts), core_of(inner)
     core = replace(core.with_nodes(more.nodes), pieces=core.pieces | more.pieces)
-    sags = Sags(float(struts.options.wall or 0.0) / 4.0)
-    for _ in range(FINER):
+    sags, finer = Sags(float(struts.options.wall or 0.0) / 4.0), False
+    for left in reversed(range(FINER)):
         outside, inside = _both(struts, inner, make, core, sags)
         mesh = joined(outside, inside)
         written = TriangleMesh(in_single_precision(mesh.vertices, factor), mesh.triangles)
         crossing = np.unique(self_intersections(written))
         if len(crossing) == 0:
-            return outside, inside
+            thin = _thin_places(outside, struts, inner)
+            if finer or left == 0 or len(thin) == 0:
+                return outside, inside
+            sags, finer = sags.smaller_at(thin), True
+            continue
         places = mesh.vertices[mesh.triangles[crossing]].mean(axis=1)
         at_nodes = _nodes_of(crossing, outside, inside)
         _log.debug("walls cross in %d triangles", len(crossing))
@@ -117,6 +128,38 @@ def _nodes_of(triangles: Ints, outside: _Made, inside: _Made) -> Ints:
         there = (own >= 0) & (own < len(surface.node))
         node[there] = surface.node[own[there]]
     return node
+
+
+def _thin_places(outside: _Made, struts: RoundStruts, inner: RoundStruts) -> Points:
+    """Return points outside (k, 3) at thin walls beside struts that cross by their outsides only.
+
+    What is inside these is no field, which could move away. The outside will, by less where its
+    cells are small.
+    """
+    runs, wall = struts.runs, float(struts.options.wall or 0.0)
+    _, is_field = _along(outside.spans, runs, inner.runs, wall)
+    spans = outside.spans.chosen(~is_field)
+    if len(spans) == 0:
+        return np.zeros((0, 3))
+    looked = between(outside.mesh.triangles)
+    points = np.concatenate([outside.mesh.vertices[each].mean(axis=1) for each in looked])
+    tail: Points = runs.nodes[runs.edges[spans.run, 0]]
+    ahead: Points = runs.directions[2 * spans.run]
+    radius = runs.radii[spans.run].max(axis=1)
+    low, high = spans.low - AROUND * radius, spans.high + AROUND * radius
+    # Places along the axes, by which points find the span that they are near to.
+    count: Ints = np.ceil((high - low) / radius).astype(np.intp) + 1
+    row: Ints = np.repeat(np.arange(len(spans)), count)
+    along = low[row] + steps(count) / (count[row] - 1) * (high - low)[row]
+    axes = tail[row] + along[:, None] * ahead[row]
+    far, found = cKDTree(axes).query(points, distance_upper_bound=1.5 * float(radius.max()))
+    near = np.flatnonzero(np.isfinite(far))
+    points, row = points[near], row[np.asarray(found)[near]]
+    along = dot(points - tail[row], ahead[row])
+    off = length(points - tail[row] - along[:, None] * ahead[row])
+    left = off - inner.runs.radii_at(2 * spans.run[row], along)
+    thin = (left < TOLD * wall) & (along > low[row]) & (along < high[row])
+    return np.asarray(points[thin])
 
 
 def _along(spans: Spans, runs: Runs, inside: Runs, wall: float) -> tuple[Spans, Bools]:
