@@ -35,10 +35,16 @@ RADIUS = 0.6
 
 
 def plate() -> Any:
-    """Return a plate with two holes, rounded corners and a rounded upper rim."""
-    block = Box(24, 16, 8) - Pos(5, 2, 0) * Cylinder(2.5, 8) - Pos(-6, -2, 0) * Cylinder(2, 8)
+    """Return a plate with two holes, rounded corners and a rim of a fillet wider than these."""
+    block = Box(20, 14, 8) - Pos(4, 1, 0) * Cylinder(2.5, 8) - Pos(-5, -1, 0) * Cylinder(2, 8)
     block = fillet(block.edges().filter_by(Axis.Z).filter_by(GeomType.LINE), 3)
     return fillet(block.faces().sort_by(Axis.Z)[-1].outer_wire().edges(), 2)
+
+
+def knob() -> Any:
+    """Return a cylinder with a fillet wider than the flat it leaves."""
+    block = Cylinder(5, 8)
+    return fillet(block.edges().sort_by(Axis.Z)[-1], 3.5)
 
 
 def thin_tube() -> Any:
@@ -51,10 +57,10 @@ def wave() -> Any:
     with BuildPart() as part:
         with BuildSketch():
             with BuildLine():
-                Spline((0, 0), (6, 2), (12, -1), (18, 3))
-                Polyline((18, 3), (18, -8), (0, -8), (0, 0))
+                Spline((0, 0), (5, 2), (10, -1), (14, 3))
+                Polyline((14, 3), (14, -8), (0, -8), (0, 0))
             make_face()
-        extrude(amount=12)
+        extrude(amount=10)
     return part.part
 
 
@@ -63,6 +69,7 @@ def wave() -> Any:
     [
         (thin_tube, 4.0, 0.3, 0.4),
         (plate, 8.0, RADIUS, 1.2),
+        (knob, 5.0, 0.4, 1.0),
         (wave, 8.0, RADIUS, 1.2),
     ],
 )

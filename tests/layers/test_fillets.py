@@ -16,7 +16,7 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters import whole_struts
 from scaffold_cad.solid.field import field_solid
 
-SIDES = 64
+SIDES = 48
 """Of polygons that stand for circles."""
 
 
@@ -59,8 +59,8 @@ def test_crowded_nodes_have_the_sections_of_the_field_solid(
 ) -> None:
     struts = round_struts(skeleton, **options)
     assert struts.crowded.any() or struts.crowded_runs.any()
-    field = field_solid(whole_struts(struts), cell=0.1 * float(skeleton.radii.min())).mesh
-    heights = np.linspace(*between, 5)
+    field = field_solid(whole_struts(struts), cell=0.125 * float(skeleton.radii.min())).mesh
+    heights = np.linspace(*between, 3)
     wanted = np.array([area_at(field, height) for height in heights.tolist()])
     layers = slices(struts, heights, sides=SIDES)
     box, found = layers.box, np.zeros(0)
