@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad import brep
 from scaffold_cad.base.arguments import as_number, checks_keywords
-from scaffold_cad.base.arrays import Frozen
+from scaffold_cad.base.arrays import Frozen, place_text
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.builders import built
 from scaffold_cad.base.radii import Radius
@@ -201,10 +201,11 @@ def hollow_solid(body: Shape, skin: float) -> HollowSolid:
     OptionError
         If `skin` is out of its range or fills the body, or `body` is not one solid.
     BrepError
-        If OCCT cannot move the faces inwards.
+        If the body has voids, or OCCT cannot move its faces inwards.
     """
     thickness = as_number(skin, "skin")
     solid = _one_solid(body)
+    _check_no_voids(solid)
     outer = brep.tessellated(solid)
     check_seen(outer, skin=thickness)
     return HollowSolid(solid, outer, *_hollow(solid, outer, thickness))
@@ -246,6 +247,16 @@ def _one_solid(body: Shape) -> Solid:
         raise OptionError(f"the body has {len(solids)} solids; need one at a time")
     solid: Solid = solids[0]
     return solid
+
+
+def _check_no_voids(solid: Solid) -> None:
+    """Raise if a solid has voids: OCCT moves the faces of one shell."""
+    _, *voids = sorted(solid.shells(), key=lambda shell: -shell.bounding_box().diagonal)
+    if voids:
+        near = place_text(np.array(tuple(voids[0].center())))
+        raise BrepError(
+            f"the body has {counted(len(voids), 'void')}, as at {near}; need one without ({_MESH})"
+        )
 
 
 def _hollow(solid: Solid, outer: TriangleMesh, skin: float) -> tuple[Solid, Manifold]:

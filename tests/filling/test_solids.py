@@ -18,6 +18,7 @@ from build123d import (
     GeomType,
     Polyline,
     Pos,
+    Sphere,
     Spline,
     Vertex,
     extrude,
@@ -159,6 +160,12 @@ def dumbbell() -> Any:
             {"skin": 1.0},
             OptionError,
             "the body has 2 solids; need one",
+        ),
+        (
+            lambda: Box(9, 9, 9) - Sphere(2),
+            {"skin": 1.0},
+            BrepError,
+            r"the body has 1 void, as at \[.*\] mm; need one without",
         ),
         (dumbbell, {"skin": 1.2}, BrepError, r"OCCT cannot move the faces .* by 1.2 mm"),
         (
