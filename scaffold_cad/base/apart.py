@@ -1,4 +1,4 @@
-"""Functions run in a process of their own: libraries in C++ may end theirs on damaged files."""
+"""Functions run in a process of their own, which C++ libraries may end on damaged files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""BezierMesh: one tensor-product Bézier patch a quad, joined along shared boundary curves."""
+"""BezierMesh: one tensor-product Bézier patch per quad, joined along shared boundary curves."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`scaffold-cad build`: a file with a skeleton becomes a scaffold, a solid or a frame."""
+"""`scaffold-cad build`: a file with a skeleton becomes a solid, a frame or hexahedra."""
 
 from __future__ import annotations
 

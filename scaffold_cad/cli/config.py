@@ -1,4 +1,4 @@
-"""Options of a command from a TOML file, which flags on the command line go before.
+"""Options of a command from a TOML file, which flags on the command line override.
 
 A table is named as a command, and its keys as the flags of this:
 

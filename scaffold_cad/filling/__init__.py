@@ -1,4 +1,4 @@
-"""Parts of other people filled with struts."""
+"""Bodies filled with struts: cells, foams, or any skeleton."""
 
 from scaffold_cad.filling.cutting import cut, snapped
 from scaffold_cad.filling.densities import graded_radius, solve_radius

@@ -1,4 +1,4 @@
-"""Parts filled with a lattice, with or without a closed skin around it."""
+"""Parts filled with a lattice or with other struts, with or without a closed skin."""
 
 from __future__ import annotations
 

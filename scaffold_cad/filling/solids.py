@@ -1,4 +1,4 @@
-"""Parts filled with a lattice as B-reps: one solid of a skin and struts, with exact faces."""
+"""Parts filled with struts as B-reps: one solid of a skin and struts, with exact faces."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""GEL graphs: a line `n x y z` a node, a line `c i j` an edge."""
+"""GEL graphs: a line `n x y z` per node, a line `c i j` per edge."""
 
 from __future__ import annotations
 

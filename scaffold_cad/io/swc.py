@@ -1,4 +1,4 @@
-"""SWC: reconstructed neurons, one sample a line, each with a radius and its parent."""
+"""SWC: reconstructed neurons, one sample per line, each with a radius and its parent."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Radii changed together so that the mass falls: a linear program a step, solved by HiGHS."""
+"""Radii changed together so that the mass falls: a linear program per step, solved by HiGHS."""
 
 from __future__ import annotations
 

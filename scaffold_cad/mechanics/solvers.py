@@ -1,4 +1,4 @@
-"""Sparse systems of six equations a node: factored, or solved by conjugate gradients.
+"""Sparse systems of six equations per node: factored, or solved by conjugate gradients.
 
 Factoring is exact and fast for trees, chains and small lattices, but its memory grows with the
 4/3rd power of a lattice's nodes and more. Beyond a size conjugate gradients take over, helped by

@@ -1,4 +1,4 @@
-"""Closed meshes of other people as bodies: what is amiss is mended or named with its place."""
+"""Closed meshes of any origin as bodies: faults are mended, or named with their place."""
 
 from __future__ import annotations
 

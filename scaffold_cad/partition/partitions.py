@@ -1,4 +1,4 @@
-"""Partition and Partitions: spheres cut into one quad a direction."""
+"""Partition and Partitions: spheres cut into one quad per direction."""
 
 from __future__ import annotations
 

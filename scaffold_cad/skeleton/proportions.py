@@ -1,4 +1,4 @@
-"""How thick struts are beside their length."""
+"""How thick struts are, compared with their length."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Skeleton: a graph in space with a radius at each node, and its checks."""
+"""Skeleton: a graph in space with radii of its nodes and edges, and its checks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The solid of a scaffold: its mesh where it is embedded, a union of pieces where it is not.
+"""The solid of a scaffold or of round struts: the mesh where proved, unions or fields elsewhere.
 
 The union is the fallback: where struts overlap, manifold3d unites convex pieces of them.
 """

@@ -1,4 +1,4 @@
-"""Smooth surfaces of quad meshes: one Bézier patch a quad, all joins with one tangent plane."""
+"""Smooth surfaces of quad meshes: one Bézier patch per quad, all joins with one tangent plane."""
 
 from scaffold_cad.brep.g1.patches import Patches, smooth_patches
 

@@ -24,7 +24,7 @@ def smooth_valence(connectivity: Connectivity) -> Ints:
 
 
 def bicubic_patches(connectivity: Connectivity, points: Points, is_flat: Bools) -> Floats:
-    """Return the control points of one bicubic patch a quad, (f, 4, 4, 3), mm.
+    """Return the control points of one bicubic patch per quad, (f, 4, 4, 3), mm.
 
     Parameters
     ----------

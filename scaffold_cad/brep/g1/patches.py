@@ -45,7 +45,7 @@ class Patches(Frozen):
     """The patches; their quads are those of `control`."""
     control: Subdivision
     """The mesh whose Catmull-Clark limit they follow, and the creases across which they do not
-    join smoothly; one patch a quad."""
+    join smoothly; one patch per quad."""
     is_flat: Bools
     """Whether each patch is in a plane within creases, shape (f,)."""
 
@@ -98,9 +98,9 @@ class Patches(Frozen):
 def smooth_patches(surface: QuadMesh, degree: int = 5, split: int | None = None) -> Patches:
     """Return a quad mesh as smooth Bézier patches: one per quad, all joins G1.
 
-    They follow the mesh's Catmull-Clark limit. Where one patch a quad would fold, the quads are cut
-    in four; where that does not help a warning is logged. Whether patches far from each other cross
-    is not checked here.
+    They follow the mesh's Catmull-Clark limit. Where one patch per quad would fold, the quads are
+    cut in four; where that does not help a warning is logged. Whether patches far from each other
+    cross is not checked here.
 
     Parameters
     ----------

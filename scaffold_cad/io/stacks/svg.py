@@ -1,4 +1,4 @@
-"""SVG drawings of layers: a group a layer, and in it one path with all polygons, in mm.
+"""SVG drawings of layers: a group per layer, and in it one path with all polygons, in mm.
 
 Groups carry their height as Slic3r's drawings do, and are layers in Inkscape.
 """

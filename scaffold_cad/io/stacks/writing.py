@@ -3,7 +3,7 @@
 ======  ===========================================================================================
 .cli    Common Layer Interface 2.0, binary or as text, mm
 .3mf    a slice stack (3MF Slice Extension 1.0), mm
-.svg    one drawing, a group a layer, mm
+.svg    one drawing, a group per layer, mm
 .zip    black-and-white PNG images, one per layer, and `layers.json`, which says how large they are
 ======  ===========================================================================================
 """

@@ -1,4 +1,4 @@
-"""Faces of curves: four splines a curve, from the circle of one straight strut to that of another.
+"""Faces of curves: four splines per curve, from the circle of one straight strut to the next one's.
 
 A closed curve is two parts, joined in circles of its own. Knots are where the joints are.
 """
