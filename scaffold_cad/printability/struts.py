@@ -56,21 +56,21 @@ def _diameter(
     thin = np.flatnonzero(thinnest < needed * (1 - 1e-9))
     first = int(np.argmin(thinnest))
     text = f"{thinnest[first]:.4g} mm at least, strut {first}"
-    advice = ""
+    advice = []
+    if len(thin):
+        advice.append(
+            f"{counted(len(thin), 'strut')} too thin: strut {first} is {thinnest[first]:.4g} mm, "
+            f"{process.name.upper()} needs {needed:g}: raise the radius to "
+            f"{radius_for(process, apothem):g} or more"
+        )
     asked = 2 * skeleton.edge_radii.min(axis=1)
     thinned = thickness.thinned
     if len(thinned):
         worst = int(thinned[np.argmin((thinnest / asked)[thinned])])
         place = place_text(thickness.places[worst])
-        advice = (
+        advice.append(
             f"{counted(len(thinned), 'strut')} thinner than asked for: strut {worst} measures "
             f"{thinnest[worst]:.4g} mm near {place}, not {asked[worst]:.4g}"
-        )
-    elif len(thin):
-        advice = (
-            f"{counted(len(thin), 'strut')} too thin: strut {first} is {thinnest[first]:.4g} mm, "
-            f"{process.name.upper()} needs {needed:g}: raise the radius to "
-            f"{radius_for(process, apothem):g} or more"
         )
     return Finding(
         "strut_diameter",
@@ -84,7 +84,7 @@ def _diameter(
             "thinned": len(thinned),
         },
         text,
-        advice,
+        "; ".join(advice),
         thickness.places[np.union1d(thin, thinned)[:MOST_PLACES]],
     )
 

@@ -687,6 +687,11 @@ def test_struts_are_measured_where_they_are_thinner_than_asked_for() -> None:
     assert found.value["strut"] == 0
     assert "strut 0 measures 1.6" in found.advice
     assert "near [13, 0, 0] mm, not 4" in found.advice
+    needed = replace(SLS, least_diameter=2.0)
+    failed = check_printability(mesh, needed, skeleton=tripod)["strut_diameter"]
+    assert failed.verdict == "failure"
+    assert "1 strut too thin: strut 0 is 1.6" in failed.advice
+    assert "raise the radius to 1 or more; 1 strut thinner than asked for" in failed.advice
 
 
 def test_the_bore_and_the_facets_of_struts_are_not_thin() -> None:
