@@ -1,15 +1,15 @@
-"""Solid lattice frames and organic solids from skeletons, for build123d.
+"""Solid lattice frames from skeletons, for build123d: round struts, lattices, scaffolds.
 
 >>> from scaffold_cad import Skeleton, build_scaffold
 >>> tripod = Skeleton([[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]], [[0, 1], [0, 2], [0, 3]], 1.0)
 >>> len(build_scaffold(tripod).mesh.quads)
 15
 
-`from scaffold_cad import *` takes the names of `__all__`, none of which is one of build123d's.
-Further names can be imported one by one: `project` and `thicken`, whose names build123d has too;
-the part classes, which load build123d when they are first asked for; `ScaffoldCadError`, the base
-of all in `scaffold_cad.errors`; and the names of the parts of the method, documented in their own
-packages (`scaffold_cad.partition`, `scaffold_cad.struts`, ...).
+`from scaffold_cad import *` takes the names of `__all__`, none of which is one of build123d's, and
+loads build123d for the part classes. Further names can be imported one by one: `project` and
+`thicken`, whose names build123d has too; `ScaffoldCadError`, the base of all in
+`scaffold_cad.errors`; and the names of the parts of the method, documented in their own packages
+(`scaffold_cad.partition`, `scaffold_cad.struts`, ...).
 """
 
 from typing import TYPE_CHECKING, Any

@@ -68,7 +68,7 @@ def parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParse
     """Return the parser of the command line, and those of its commands by name."""
     parser = Parser(
         prog="scaffold-cad",
-        description="Solid lattice frames and organic solids from skeletons.",
+        description="Solid lattice frames from skeletons: round struts, lattices, scaffolds.",
         epilog="`scaffold-cad help COMMAND` tells the options of a command.",
     )
     parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
