@@ -6,6 +6,7 @@ import argparse
 import re
 import shlex
 from pathlib import Path
+from shutil import copytree
 
 import pytest
 from build123d import Box, export_step
@@ -48,12 +49,20 @@ CHOICES = [
 ]
 
 
+@pytest.fixture(scope="module")
+def inputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with the files that lines name."""
+    inputs = tmp_path_factory.mktemp("inputs")
+    write(TRIPOD, inputs / "tripod.json")
+    (inputs / "bare.obj").write_text(BARE)
+    export_step(Box(16, 16, 16), inputs / "box.step")
+    return inputs
+
+
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(inputs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
-    write(TRIPOD, "tripod.json")
-    Path("bare.obj").write_text(BARE)
-    export_step(Box(16, 16, 16), "box.step")
+    copytree(inputs, tmp_path, dirs_exist_ok=True)
     return tmp_path
 
 

@@ -67,12 +67,10 @@ def test_a_strut_has_the_volume_of_its_cylinder(layers: int) -> None:
         assert len(on_end) == 9 + 8 * layers
 
 
-@pytest.mark.parametrize(("collars", "layers"), [(False, 1), (True, 0)])
-@pytest.mark.parametrize("name", list(cells()))
-def test_no_hexahedron_of_a_named_cell_is_below_a_fifth(
-    name: str, collars: bool, layers: int
-) -> None:
-    scaffold = build_scaffold(lattice(name), collars=collars)
+@pytest.mark.parametrize(("number", "name"), list(enumerate(cells())))
+def test_no_hexahedron_of_a_named_cell_is_below_a_fifth(number: int, name: str) -> None:
+    layers = number % 2
+    scaffold = build_scaffold(lattice(name), collars=layers == 0)
     mesh = hexahedra(scaffold, layers=layers)
     assert mesh.quality.min() > 0.2
     assert len(mesh.hexahedra) == (4 + 8 * layers) * len(scaffold.refined.edges)
