@@ -14,7 +14,12 @@ from OCP.BRep import BRep_Builder, BRep_Tool
 from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
 from OCP.BRepClass3d import BRepClass3d
 from OCP.BRepTools import BRepTools
-from OCP.Geom import Geom_OffsetSurface, Geom_Surface, Geom_ToroidalSurface
+from OCP.Geom import (
+    Geom_OffsetSurface,
+    Geom_RectangularTrimmedSurface,
+    Geom_Surface,
+    Geom_ToroidalSurface,
+)
 from OCP.ShapeAnalysis import ShapeAnalysis_ShapeTolerance
 from OCP.ShapeUpgrade import ShapeUpgrade_ShapeDivideAngle
 from OCP.TopAbs import TopAbs_Orientation
@@ -52,54 +57,8 @@ def moved_inwards(solid: Solid, distance: float) -> list[Solid]:
             continue
         loosest = ShapeAnalysis_ShapeTolerance().Tolerance(inner.wrapped, 1)
         if len(inner.solids()) == 1 and inner.is_valid and loosest <= LOOSEST:
-            _make_tori(inner)
             found.append(_in_sectors(inner.solids()[0]))
     return found
-
-
-def _make_tori(shape: Shape) -> None:
-    """Put faces of a shape that lie on offset surfaces of tori on the tori that these are.
-
-    OCCT offsets a fillet that is wider than the corner it goes around as a surface of its own, and
-    takes it for another one when it reads it from a STEP file.
-    """
-    for face in shape.faces():
-        place = TopLoc_Location()
-        surface = BRep_Tool.Surface_s(face.wrapped, place)
-        if not isinstance(surface, Geom_OffsetSurface):
-            continue
-        torus = surface.BasisSurface()
-        if not isinstance(torus, Geom_ToroidalSurface):
-            continue
-        bounds = BRepTools.UVBounds_s(face.wrapped)
-        for radius in torus.MinorRadius() + surface.Offset() * np.array([1.0, -1.0]):
-            if radius > 0:
-                other = Geom_ToroidalSurface(torus.Position(), torus.MajorRadius(), radius)
-                if _gap(surface, other, bounds) < SAME:
-                    _put_on(face, surface, other, place)
-
-
-def _gap(one: Geom_Surface, other: Geom_Surface, bounds: tuple[float, ...]) -> float:
-    """Return the greatest distance of two surfaces at equal parameters within `bounds`, mm."""
-    lowest_u, highest_u, lowest_v, highest_v = bounds
-    grid = product(np.linspace(lowest_u, highest_u, 5), np.linspace(lowest_v, highest_v, 5))
-    return float(max(one.Value(u, v).Distance(other.Value(u, v)) for u, v in grid))
-
-
-def _put_on(face: Face, surface: Geom_Surface, other: Geom_Surface, place: TopLoc_Location) -> None:
-    """Put a face and its edges from a surface on another one that is equal at all parameters."""
-    builder = BRep_Builder()
-    builder.UpdateFace(face.wrapped, other, place, BRep_Tool.Tolerance_s(face.wrapped))
-    for edge in face.edges():
-        forward, backward = (
-            Shape.cast(edge.wrapped.Oriented(way)).wrapped
-            for way in (TopAbs_Orientation.TopAbs_FORWARD, TopAbs_Orientation.TopAbs_REVERSED)
-        )
-        tolerance = BRep_Tool.Tolerance_s(forward)
-        is_seam = BRep_Tool.IsClosed_s(forward, surface, place)
-        sides = (forward, backward) if is_seam else (forward,)
-        curves = [BRep_Tool.CurveOnSurface_s(side, surface, place, 0.0, 0.0) for side in sides]
-        builder.UpdateEdge(forward, *curves, other, place, tolerance)
 
 
 def _in_sectors(solid: Solid) -> Solid:
@@ -145,4 +104,54 @@ def with_voids(solid: Solid, voids: Iterable[Solid]) -> tuple[Solid, int]:
         outer = BRepClass3d.OuterShell_s(void.wrapped)
         builder.Add(made, outer.Reversed())
         loose += len(void.shells()) - 1
-    return Solid(made), loose
+    part = Solid(made)
+    _make_tori(part)
+    return part, loose
+
+
+def _make_tori(shape: Shape) -> None:
+    """Put faces of a shape that lie on offset surfaces of tori on the tori that these are.
+
+    OCCT offsets a fillet that is wider than the corner it goes around as a surface of its own, and
+    takes it for another one when it reads it from a STEP file. Its booleans come before: they lose
+    pieces of tori that cross themselves.
+    """
+    for face in shape.faces():
+        place = TopLoc_Location()
+        surface = BRep_Tool.Surface_s(face.wrapped, place)
+        if not isinstance(surface, Geom_OffsetSurface):
+            continue
+        torus = surface.BasisSurface()
+        if isinstance(torus, Geom_RectangularTrimmedSurface):  # a sector
+            torus = torus.BasisSurface()
+        if not isinstance(torus, Geom_ToroidalSurface):
+            continue
+        bounds = BRepTools.UVBounds_s(face.wrapped)
+        for radius in torus.MinorRadius() + surface.Offset() * np.array([1.0, -1.0]):
+            if radius > 0:
+                other = Geom_ToroidalSurface(torus.Position(), torus.MajorRadius(), radius)
+                if _gap(surface, other, bounds) < SAME:
+                    _put_on(face, surface, other, place)
+
+
+def _gap(one: Geom_Surface, other: Geom_Surface, bounds: tuple[float, ...]) -> float:
+    """Return the greatest distance of two surfaces at equal parameters within `bounds`, mm."""
+    lowest_u, highest_u, lowest_v, highest_v = bounds
+    grid = product(np.linspace(lowest_u, highest_u, 5), np.linspace(lowest_v, highest_v, 5))
+    return float(max(one.Value(u, v).Distance(other.Value(u, v)) for u, v in grid))
+
+
+def _put_on(face: Face, surface: Geom_Surface, other: Geom_Surface, place: TopLoc_Location) -> None:
+    """Put a face and its edges from a surface on another one that is equal at all parameters."""
+    builder = BRep_Builder()
+    builder.UpdateFace(face.wrapped, other, place, BRep_Tool.Tolerance_s(face.wrapped))
+    for edge in face.edges():
+        forward, backward = (
+            Shape.cast(edge.wrapped.Oriented(way)).wrapped
+            for way in (TopAbs_Orientation.TopAbs_FORWARD, TopAbs_Orientation.TopAbs_REVERSED)
+        )
+        tolerance = BRep_Tool.Tolerance_s(forward)
+        is_seam = BRep_Tool.IsClosed_s(forward, surface, place)
+        sides = (forward, backward) if is_seam else (forward,)
+        curves = [BRep_Tool.CurveOnSurface_s(side, surface, place, 0.0, 0.0) for side in sides]
+        builder.UpdateEdge(forward, *curves, other, place, tolerance)
