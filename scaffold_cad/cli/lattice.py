@@ -250,8 +250,11 @@ def _check_combination(options: argparse.Namespace) -> None:
             "--skin, --trim or --beams, and parts of STEP and BREP files with --skin; need one of "
             "these, or a mesh format"
         )
-    if options.beams or options.trim or options.skin is not None:
-        why = "is for struts alone; need it without --beams, --trim and --skin"
+    if _is_filled_solid(options):
+        if options.overlaps == "allow":
+            raise OptionError("--overlaps is allow with --skin; need refuse or unite")
+    elif options.beams or options.trim or options.skin is not None:
+        why = "is for struts alone, and under a skin in STEP files; need no --beams, --trim or mesh"
         source.refuse(options, ["overlaps"], why)
     if not options.beams:
         return
@@ -343,7 +346,7 @@ def _bodied(
         struts = lattice_reaching(as_region(body.surface), *lattice, options.skin, on=on)
     if isinstance(body, HollowSolid):
         make = maker(section="round" if options.round else "square", **given)
-        return filled_solid(body, struts, make).solid
+        return filled_solid(body, struts, make, options.overlaps or "refuse").solid
     return filled_part(body, struts, sided_maker(sides, **given), sides=sides)
 
 

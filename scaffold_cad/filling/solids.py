@@ -29,7 +29,7 @@ from scaffold_cad.mesh.remeshing import evened
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.products.breps import to_brep
 from scaffold_cad.products.models import Make, Model
-from scaffold_cad.products.overlaps import described
+from scaffold_cad.products.overlaps import Overlaps, described
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import manifolds, solidified
 from scaffold_cad.struts import RoundStruts, round_struts
@@ -65,6 +65,12 @@ did not end in 400 s."""
 
 STRUT_TIME = 0.033
 """What OCCT takes to cut a strut, s: 0.021 to 0.035 in blocks of 60 to 4 100, and in tubes."""
+
+MOST_FACETS = 60_000
+"""Most faces of a union of struts that OCCT is given."""
+
+FACET_TIME = 0.0015
+"""What OCCT takes to cut a face of such a union, s: 0.0012 to 0.0019 for 21 000 to 46 000."""
 
 _MESH = "lattice_part makes it of triangles"
 
@@ -107,6 +113,7 @@ def lattice_solid(
     origin: ArrayLike | None = None,
     axes: ArrayLike | None = None,
     on: CellMap | None = None,
+    overlaps: Overlaps = "refuse",
     **options: Unpack[RoundOptions],
 ) -> Solid:
     """Return `body` with a skin, and a lattice for its inside, as one build123d solid.
@@ -123,6 +130,8 @@ def lattice_solid(
     skin : thickness of the closed wall at the body's surface, mm
     section : of the struts, "round" or "square"
     origin, axes, on : as for `fill`
+    overlaps : what becomes of struts that overlap, "refuse" or "unite" as for `to_brep`: round ones
+        get plane facets where they overlap, each of which takes OCCT 1 to 2 ms
     **options : those of `round_struts`, for round ones
 
     Raises
@@ -132,8 +141,9 @@ def lattice_solid(
     SkeletonError
         If no strut is in the body.
     BrepError
-        If OCCT cannot move the faces inwards, there are more than 5 000 struts, struts overlap, or
-        OCCT cannot unite struts and skin wherever the lattice is put.
+        If `body` has voids, OCCT cannot move its faces inwards, there are more than 5 000 struts or
+        60 000 facets, struts overlap and are refused, or OCCT cannot unite struts and skin wherever
+        the lattice is put.
     MissingBackendError
         If build123d or manifold3d is not installed.
 
@@ -149,7 +159,7 @@ def lattice_solid(
     hollow = hollow_solid(body, skin)
     region = as_region(hollow.surface)
     reaching = lattice_reaching(region, cell, size, radius, skin, origin=origin, axes=axes, on=on)
-    return filled_solid(hollow, reaching, make).solid
+    return filled_solid(hollow, reaching, make, overlaps).solid
 
 
 @checks_keywords(round_struts)
@@ -159,6 +169,7 @@ def strut_solid(
     *,
     skin: float,
     section: Section = "round",
+    overlaps: Overlaps = "refuse",
     **options: Unpack[RoundOptions],
 ) -> Solid:
     """Return `body` with a skin, and struts for its inside, as one build123d solid.
@@ -169,7 +180,7 @@ def strut_solid(
     Parameters
     ----------
     struts : such as a foam or your own, where the body is
-    body, skin, section, **options : as for `lattice_solid`
+    body, skin, section, overlaps, **options : as for `lattice_solid`
 
     Raises
     ------
@@ -190,7 +201,7 @@ def strut_solid(
     make = maker(section=section, **options)
     hollow = hollow_solid(body, skin)
     reaching = skeleton_reaching(as_region(hollow.surface), struts, skin)
-    return filled_solid(hollow, reaching, make).solid
+    return filled_solid(hollow, reaching, make, overlaps).solid
 
 
 def hollow_solid(body: Shape, skin: float) -> HollowSolid:
@@ -211,14 +222,18 @@ def hollow_solid(body: Shape, skin: float) -> HollowSolid:
     return HollowSolid(solid, outer, *_hollow(solid, outer, thickness))
 
 
-def filled_solid(hollow: HollowSolid, struts: Reaching, make: Make) -> FilledSolid:
+def filled_solid(
+    hollow: HollowSolid, struts: Reaching, make: Make, overlaps: Overlaps = "refuse"
+) -> FilledSolid:
     """Return a body with struts for its inside, whose skin is made already; see `lattice_solid`."""
+    if overlaps == "allow":
+        raise OptionError("overlaps is 'allow' with a skin; need 'refuse' or 'unite'")
     fault = ""
     for nudge in NUDGES:
         skeleton = struts(nudge)
         _check_count(len(skeleton.edges))
         model = make(skeleton)
-        fault, made = _united(hollow, model)
+        fault, made = _united(hollow, model, overlaps)
         if made is not None:
             return FilledSolid(made, model)
         _log.info("with the lattice moved by %g cells %s", nudge, fault)
@@ -234,6 +249,17 @@ def _check_count(count: int) -> None:
             f"it ends at all; need {MOST_STRUTS} or fewer, such as larger cells ({_MESH})"
         )
     _log.info("OCCT takes some %.0f s for %s", seconds, counted(count, "strut"))
+
+
+def _check_facets(count: int) -> None:
+    """Raise if OCCT cannot cut so many facets in minutes; log what it takes otherwise."""
+    if count > MOST_FACETS:
+        raise BrepError(
+            f"the union of struts that overlap has {counted(count, 'face')}, for which OCCT takes "
+            f"some {FACET_TIME * count / 60:.0f} minutes; need {MOST_FACETS} or fewer, such as "
+            f"fewer struts that overlap ({_MESH})"
+        )
+    _log.info("OCCT takes some %.0f s for %s", FACET_TIME * count, counted(count, "face"))
 
 
 def _one_solid(body: Shape) -> Solid:
@@ -283,19 +309,22 @@ def _hollow(solid: Solid, outer: TriangleMesh, skin: float) -> tuple[Solid, Mani
     )
 
 
-def _united(hollow: HollowSolid, model: Model) -> tuple[str, Solid | None]:
+def _united(hollow: HollowSolid, model: Model, overlaps: Overlaps) -> tuple[str, Solid | None]:
     """Return what is wrong, and the part if nothing is."""
     inner, inside = hollow.inner, hollow.inside
     edges = model.overlapping if isinstance(model, RoundStruts) else model.embedding().left_out
-    if len(edges):
+    if len(edges) and overlaps == "refuse":
         raise BrepError(
             f"{described(edges, model.skeleton)}: faces would cross; need struts apart (smaller "
-            f"radii, larger cells, fewer joints; {_MESH})"
+            "radii, larger cells, fewer joints), or overlaps='unite' for their union, with plane "
+            f"facets where they overlap ({_MESH})"
         )
     try:
-        frame = to_brep(model)
+        frame = to_brep(model, overlaps=overlaps)
     except BrepError as error:
         raise BrepError(f"{error} ({_MESH})") from None
+    if len(edges):
+        _check_facets(len(frame.faces()))
     voids = brep.without(inner, frame.solids())
     if not voids:
         return "nothing is left of the void between them", None

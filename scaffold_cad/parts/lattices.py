@@ -174,7 +174,7 @@ class LatticeFill(SkeletonPart):
         drop_stubs : whether struts that end free and overlap others, as cut ones do, are left out,
             unless they are united
         skin : thickness of a closed wall at the part's surface, mm; none by default. The struts are
-            then whole up to it: `keep`, `dangling`, `drop_stubs` and `overlaps` are for none
+            then whole up to it: `keep`, `dangling` and `drop_stubs` are for none
         **options : overlaps, with_joints (False by default), label, color, rotation, align and
             mode, see `PartOptions`; `section="round"` for round struts, and then those of
             `round_struts`
@@ -192,10 +192,8 @@ class LatticeFill(SkeletonPart):
         """
         make, own = maker(**strut_options(options)), part_options(options)
         if skin is not None:
-            if (keep, dangling, _overlaps(own)) != ("clip", True, "refuse"):
-                raise OptionError(
-                    "keep, dangling or overlaps is given with a skin; need none of them"
-                )
+            if (keep, dangling) != ("clip", True):
+                raise OptionError("keep or dangling is given with a skin; need neither")
             hollow = hollow_solid(part, skin)
             reaching = lattice_reaching(
                 as_region(hollow.surface),
@@ -207,7 +205,7 @@ class LatticeFill(SkeletonPart):
                 axes=axes,
                 on=on,
             )
-            filled = filled_solid(hollow, reaching, make)
+            filled = filled_solid(hollow, reaching, make, _overlaps(own))
             body: Shape | Model = filled.solid
             lattice: Model = filled.struts
         else:

@@ -309,11 +309,11 @@ def test_numbers_out_of_range_are_told_by_their_flag(
         ("convert tripod.json --to-units parsec -o a.csv", "--to-units is 'parsec'; need one of"),
         (
             "lattice --cell bcc --size 8 --radius 1 --box 8 --beams --overlaps unite -o a.3mf",
-            "--overlaps is for struts alone; need it without --beams, --trim and --skin",
+            "--overlaps is for struts alone, and under a skin in STEP files; need no --beams",
         ),
         (
             "lattice --cell bcc --size 8 --radius 1 --box 8 --trim --overlaps refuse -o a.stl",
-            "--overlaps is for struts alone; need it without --beams, --trim and --skin",
+            "--overlaps is for struts alone, and under a skin in STEP files; need no --beams",
         ),
         ("convert tripod.json --jobs 0 -o a.csv", "--jobs is 0; need 1 or more"),
         ("build tripod.json --scale 0 -o a.stl", "--scale is 0; need > 0"),

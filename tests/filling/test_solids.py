@@ -26,10 +26,10 @@ from build123d import (
     make_face,
 )
 
-from scaffold_cad import write
+from scaffold_cad import Skeleton, write
 from scaffold_cad.brep import read_brep
 from scaffold_cad.errors import BrepError, OptionError
-from scaffold_cad.filling import lattice_part, lattice_solid
+from scaffold_cad.filling import lattice_part, lattice_solid, strut_part, strut_solid
 from scaffold_cad.parts import LatticeFill
 
 RADIUS = 0.6
@@ -102,6 +102,20 @@ def test_a_part_with_a_skin_is_one_valid_solid_with_true_cylinders(
     assert np.isclose(radii, radius, atol=1e-6).sum() == len(struts)
 
 
+def test_struts_that_overlap_are_united_under_a_skin() -> None:
+    nodes = [[-9, 0, -1], [9, 0, -1], [0, -9, 0], [0, 9, 0], [5, 0, -9], [5, 0, 9]]
+    crossing = Skeleton(nodes, [[0, 1], [2, 3], [4, 5]], 1.0)
+    solid = strut_solid(Box(16, 16, 16), crossing, skin=1.5, overlaps="unite")
+    assert solid.is_valid
+    assert len(solid.shells()) == 2
+    of_triangles = strut_part(Box(16, 16, 16), crossing, skin=1.5, sides=32)
+    assert solid.volume == pytest.approx(of_triangles.volume(), rel=1e-3)
+    kinds = {face.geom_type for face in solid.faces()}
+    assert kinds == {GeomType.PLANE, GeomType.CYLINDER}
+    with pytest.raises(OptionError, match="overlaps is 'allow' with a skin; need 'refuse' or"):
+        strut_solid(Box(16, 16, 16), crossing, skin=1.5, overlaps="allow")
+
+
 def test_the_skin_is_as_thick_as_asked() -> None:
     solid = lattice_solid(Box(20, 20, 20), "bcc", 10.0, RADIUS, skin=1.5)
     planes = solid.faces().filter_by(GeomType.PLANE)
@@ -172,7 +186,7 @@ def dumbbell() -> Any:
             lambda: Box(9, 9, 9),
             {"skin": 1.0, "radius": 2.5},
             BrepError,
-            "joints; lattice_part makes it",
+            "joints.*, or overlaps='unite' .*lattice_part makes it",
         ),
         (lambda: Box(80, 80, 80), {"skin": 1.0}, BrepError, r"has \d+ struts, .* need 5000"),
         (lambda: Box(9, 9, 9), {"skin": 1.0, "section": "oval"}, OptionError, "section is 'oval'"),
