@@ -145,7 +145,7 @@ def test_lattice_fill_takes_a_skin() -> None:
         lattice_solid(Box(16, 16, 16), "bcc", 8.0, RADIUS, skin=1.5).volume
     )
     assert (part.skeleton.radii == RADIUS).all()
-    with pytest.raises(OptionError, match="keep, dangling or overlaps is given with a skin"):
+    with pytest.raises(OptionError, match="keep or dangling is given with a skin"):
         LatticeFill(Box(16, 16, 16), "bcc", 8.0, RADIUS, skin=1.5, keep="whole")
 
 
