@@ -14,10 +14,17 @@ from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
+from scaffold_cad.base.arrays import LARGEST_COORDINATE, LARGEST_WHOLE
 from scaffold_cad.errors import KeywordError, OptionError
 
 LIKE = 0.65
 """Ratio of `difflib` from which words are like each other: quiet is not like units."""
+
+LONGEST_TEXT = 80
+"""Letters of a text that a message repeats at most."""
+
+MM = " mm"
+"""Unit of lengths, after a number in a message."""
 
 _Given = ParamSpec("_Given")
 _Result = TypeVar("_Result")
@@ -59,7 +66,7 @@ def check_kind(what: object, *kinds: type | str, name: str = "") -> None:
     ways = [WAYS[found, kind] for kind in names if (found, kind) in WAYS]
     hint = f": {' or '.join(ways[:2])}" if ways else ""
     given = f"{name} is" if name else "got"
-    raise OptionError(f"{given} {_described(what)}; need a {' or a '.join(names)}{hint}")
+    raise OptionError(f"{given} {described(what)}; need a {' or a '.join(names)}{hint}")
 
 
 def check_choice(value: object, name: str, known: Iterable[str], *, or_else: str = "") -> None:
@@ -77,7 +84,7 @@ def check_choice(value: object, name: str, known: Iterable[str], *, or_else: str
     known = list(known)
     if not isinstance(value, str) or value not in known:
         end = (f", or {or_else}" if or_else else "") + did_you_mean(value, known)
-        raise OptionError(f"{name} is {value!r}; need one of {', '.join(known)}{end}")
+        raise OptionError(f"{name} is {described(value)}; need one of {', '.join(known)}{end}")
 
 
 def did_you_mean(value: object, known: Iterable[str]) -> str:
@@ -172,7 +179,7 @@ def as_path(value: Any, name: str = "path") -> Path:
         If it is neither a str nor a Path.
     """
     if not isinstance(value, str | PathLike):
-        raise OptionError(f"{name} is {_described(value)}; need a str or a Path")
+        raise OptionError(f"{name} is {described(value)}; need a str or a Path")
     return Path(value)
 
 
@@ -185,18 +192,19 @@ def as_flag(value: Any, name: str) -> bool:
         If it is not True or False.
     """
     if not isinstance(value, bool | np.bool_):
-        raise OptionError(f"{name} is {_described(value)}; need True or False")
+        raise OptionError(f"{name} is {described(value)}; need True or False")
     return bool(value)
 
 
 def as_number(
-    value: Any, name: str, *, unit: str = " mm", or_zero: bool = False, hint: str = ""
+    value: Any, name: str, *, unit: str = MM, or_zero: bool = False, hint: str = ""
 ) -> float:
     """Return `value` as a finite float > 0, or ≥ 0 with `or_zero`.
 
     Parameters
     ----------
-    name, unit : of the value, for the message
+    name, unit : of the value, for the message; in mm, or without one, it is at most
+        `LARGEST_COORDINATE`
     hint : what else is accepted in place of a number, such as ", or a function of positions"
 
     Raises
@@ -205,6 +213,8 @@ def as_number(
         If it is not such a number.
     """
     number = as_real(value, name, hint=hint)
+    if unit in (MM, "") and LARGEST_COORDINATE < number < np.inf:
+        raise OptionError(f"{name} is {number:g}{unit}; need at most {LARGEST_COORDINATE:g}")
     if 0 < number < np.inf or (or_zero and number == 0):
         return number
     finite = " and finite" if number == np.inf else ""
@@ -216,7 +226,7 @@ def as_real(value: Any, name: str, *, hint: str = "") -> float:
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value.item()
     if isinstance(value, bool) or not isinstance(value, Real):
-        raise OptionError(f"{name} is {_described(value)}; need a number{hint}")
+        raise OptionError(f"{name} is {described(value)}; need a number{hint}")
     try:
         return float(value)
     except OverflowError:
@@ -232,16 +242,25 @@ def as_count(value: Any, name: str, least: int = 0) -> int:
         If it is not a whole number, or less than `least`.
     """
     if isinstance(value, bool) or not isinstance(value, Integral):
-        raise OptionError(f"{name} is {_described(value)}; need a whole number")
+        raise OptionError(f"{name} is {described(value)}; need a whole number")
     if value < least:
-        raise OptionError(f"{name} is {value}; need {least} or more")
+        raise OptionError(f"{name} is {described(value)}; need {least} or more")
     return int(value)
 
 
-def _described(value: object) -> str:
-    """Return a number, a text or None as it is written, of any other value its type."""
-    if value is None or isinstance(value, bool | Real | str):
-        return repr(value) if isinstance(value, str) else str(value)
+def described(value: object) -> str:
+    """Return a number, a text or None as it is written, of any other value its type.
+
+    >>> described("flat"), described(2.5), described([1, 2])
+    ("'flat'", '2.5', 'a list')
+    """
+    if isinstance(value, str | bytes):
+        short = value[:LONGEST_TEXT]
+        return repr(short) + ("" if len(short) == len(value) else " ...")
+    if isinstance(value, int) and abs(value) >= LARGEST_WHOLE:
+        return f"a whole number of {value.bit_length()} bits"
+    if value is None or isinstance(value, bool | Real):
+        return str(value)
     if isinstance(value, np.ndarray):
         return f"an array of shape {value.shape}"
     article = "an" if type(value).__name__[0] in "AEIOUaeiou" else "a"

@@ -41,6 +41,9 @@ Radii: TypeAlias = NDArray[np.float64]
 LARGEST_COORDINATE = 1e12
 """Largest coordinate or radius of a node that is believed, mm: a million km."""
 
+WRITTEN = str | bytes | bool | int | float | complex | None
+"""What messages repeat as it is written; of all else they name the type."""
+
 LARGEST_WHOLE = 2.0**53
 """Whole numbers below it are all float64."""
 
@@ -342,7 +345,10 @@ def as_indices(values: ArrayLike, name: str, error: type[ScaffoldCadError]) -> I
         items = raw.reshape(-1).tolist()
         odd = next((item for item in items if not _is_index(item)), items[0])
         below = f" below {LARGEST_WHOLE:.2g}" if type(odd) is int else ""
-        raise error(f"{name} holds {odd!r:.40}; need whole numbers{below}")
+        shown = (
+            repr(odd)[:40] if isinstance(odd, WRITTEN) else f"items of type {type(odd).__name__}"
+        )
+        raise error(f"{name} holds {shown}; need whole numbers{below}")
     return np.array(raw, dtype=np.intp, order="C")
 
 

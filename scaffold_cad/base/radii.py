@@ -16,6 +16,21 @@ Radius: TypeAlias = float | Callable[[Points], ArrayLike]
 """One radius for all nodes, mm, or a function of positions (n, 3) that returns radii (n,)."""
 
 
+def check_radius(radius: Radius) -> Radius:
+    """Return `radius` as a float, or as it is where it is a function.
+
+    Raises
+    ------
+    OptionError
+        If it is neither a number > 0 nor a function.
+    """
+    hint = (
+        ", or a function of positions (n, 3) that returns radii (n,); with_radii and "
+        "with_edge_radii of a skeleton give nodes or struts each their own"
+    )
+    return radius if callable(radius) else as_number(radius, "radius", hint=hint)
+
+
 def radii_at(nodes: Points, radius: Radius) -> Floats:
     """Return the radius of each node, shape (n,), or () for one of all, mm.
 
@@ -25,11 +40,7 @@ def radii_at(nodes: Points, radius: Radius) -> Floats:
         If it is neither a number > 0 nor a function that returns an array of shape (n,).
     """
     if not callable(radius):
-        hint = (
-            ", or a function of positions (n, 3) that returns radii (n,); with_radii and "
-            "with_edge_radii of a skeleton give nodes or struts each their own"
-        )
-        return np.asarray(as_number(radius, "radius", hint=hint))
+        return np.asarray(check_radius(radius))
     radii = as_floats(radius(nodes), "what the function radius returned", OptionError)
     if radii.shape not in {(), (len(nodes),)}:
         raise OptionError(

@@ -8,7 +8,16 @@ from typing import Literal, Protocol, TypeAlias, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, as_floats, read_only
+from scaffold_cad.base.arrays import (
+    LARGEST_COORDINATE,
+    Bools,
+    Edges,
+    Floats,
+    Ints,
+    Points,
+    as_floats,
+    read_only,
+)
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import OptionError
 
@@ -166,6 +175,8 @@ def as_box(box: ArrayLike) -> Floats:
     if not np.isfinite(corners).all() or not (corners[0] < corners[1]).all():
         low, high = corners.tolist()
         raise OptionError(f"box is from {low} to {high} mm; need the first below the second")
+    if (np.abs(corners) > LARGEST_COORDINATE).any():
+        raise OptionError(f"box reaches {np.abs(corners).max():g} mm; need {LARGEST_COORDINATE:g}")
     read_only(corners)
     return corners
 

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import check_choice, checks_keywords
-from scaffold_cad.base.arrays import Floats, Points, as_floats
-from scaffold_cad.base.radii import Radius
+from scaffold_cad.base.arguments import as_flag, check_choice, checks_keywords
+from scaffold_cad.base.arrays import Floats, Points
+from scaffold_cad.base.radii import Radius, check_radius
 from scaffold_cad.base.regions import BoxRegion, ImplicitRegion, Keep, Region
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.filling.innercell import is_full
@@ -21,7 +21,7 @@ from scaffold_cad.lattice.crumbs import report_small, without_crumbs
 from scaffold_cad.lattice.maps import CellMap
 from scaffold_cad.lattice.maps.grading import CellSize
 from scaffold_cad.lattice.maps.placing import chords_on
-from scaffold_cad.lattice.maps.solids import as_axes
+from scaffold_cad.lattice.maps.solids import as_axes, as_place
 from scaffold_cad.lattice.meshregion import MeshRegion
 from scaffold_cad.lattice.periodic import PeriodicLattice
 from scaffold_cad.lattice.registry import as_cell
@@ -119,8 +119,9 @@ def fill(
     64
     """
     check_choice(keep, "keep", get_args(Keep))
-    cell = as_cell(cell)
-    space = as_region(region, bounds)
+    dangling, crumbs = as_flag(dangling, "dangling"), as_flag(crumbs, "crumbs")
+    cell, space = as_cell(cell), as_region(region, bounds)
+    check_radius(radius)
     if on is None:
         struts, sizes = _endless(space, cell, size, origin, axes)
         if is_full(cell, sizes, radius):
@@ -290,9 +291,7 @@ def _cells_around(
     bounds: Floats, cell: UnitCell, size: Floats, origin: ArrayLike | None, axes: Floats | None
 ) -> tuple[Floats, Points]:
     """Return how many cells along their sides a box meets (3,), and the corner of the first."""
-    corner = bounds[0] if origin is None else as_floats(origin, "origin", OptionError)
-    if corner.shape != (3,) or not np.isfinite(corner).all():
-        raise OptionError(f"origin is {corner.tolist()}; need three numbers, mm")
+    corner = bounds[0] if origin is None else as_place(origin, "origin")
     frame = cell.axes if axes is None else axes
     corners = np.array(list(product(*bounds.T))) - corner  # (8, 3)
     if not np.array_equal(frame, np.eye(3)):

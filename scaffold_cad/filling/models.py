@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Literal, TypeAlias, TypedDict, get_args
 
-from scaffold_cad.base.arguments import check_choice
+from scaffold_cad.base.arguments import as_count, check_choice
 from scaffold_cad.errors import OptionError
 from scaffold_cad.products.models import Make
 from scaffold_cad.scaffold import build_scaffold
@@ -68,6 +68,8 @@ def sides_of(section: Section | None, sides: int | None) -> int:
     if section is None:
         return 4 if sides is None else sides
     check_choice(section, "section", get_args(Section))
+    if sides is not None:
+        sides = as_count(sides, "sides", 4)
     found = (4 if section == "square" else SIDES) if sides is None else sides
     if (found == 4) != (section == "square"):
         raise OptionError(

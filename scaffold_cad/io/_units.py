@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from scaffold_cad.base.arguments import as_number, did_you_mean
+from scaffold_cad.base.arguments import as_number, described, did_you_mean
 from scaffold_cad.errors import OptionError
 
 MILLIMETERS = {
@@ -73,6 +73,6 @@ def factor_of(units: str | None, scale: float | None) -> float:
         if known is None:
             near = did_you_mean(units, [*MILLIMETERS, *_NAMES])
             short = ", ".join(MILLIMETERS)
-            raise OptionError(f"units is {units!r}; need one of {short}{near}")
+            raise OptionError(f"units is {described(units)}; need one of {short}{near}")
         factor = known
     return factor if scale is None else factor * as_number(scale, "scale", unit="")

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from scaffold_cad.base.arguments import as_count, as_path, checks_keywords
+from scaffold_cad.base.arguments import as_count, as_flag, as_path, checks_keywords
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.base.files import reading
 from scaffold_cad.base.radii import Radius, radii_at
@@ -80,6 +80,7 @@ def read_skeleton(
     ...     len(read_skeleton(path, radius=1.0).edges)
     1
     """
+    strict = as_flag(strict, "strict")
     if strict and (weld_distance is not None or split_contacts):
         raise OptionError("strict reading repairs nothing; need no weld_distance, split_contacts")
     raw = read_raw(path, max_nodes)

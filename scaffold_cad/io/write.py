@@ -18,9 +18,9 @@ from __future__ import annotations
 import logging
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
-from scaffold_cad.base.arguments import as_path, checks_keywords
+from scaffold_cad.base.arguments import as_flag, as_path, check_choice, checks_keywords
 from scaffold_cad.base.builders import built
 from scaffold_cad.base.files import check_target, replacing
 from scaffold_cad.errors import FormatError, OptionError
@@ -97,6 +97,7 @@ def write(
     684
     """
     path, what = _target(path, what), built(what)
+    write_pcurves = as_flag(write_pcurves, "write_pcurves")
     known = written_format_of(path)
     content = Content(
         what,
@@ -114,6 +115,8 @@ def write(
     if sides is not None and not isinstance(what, RoundStruts):
         kind = type(what).__name__
         raise OptionError(f"sides is for RoundStruts only; {path.name} gets a {kind}")
+    if overlaps is not None:
+        check_choice(overlaps, "overlaps", get_args(Overlaps))
     if sides is not None:
         check_sides(sides)
     with replacing(path) as fresh:
@@ -163,6 +166,6 @@ def _target(path: str | PathLike[str], what: Any) -> Path:
     if isinstance(what, str | PathLike) and not isinstance(path, str | PathLike):
         raise OptionError(
             f"path is of type {type(path).__name__}: the object comes first, "
-            f"as in write(what, {what!r})"
+            f"as in write(what, {str(what)!r})"
         )
     return as_path(path)

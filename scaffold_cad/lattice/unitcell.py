@@ -8,8 +8,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import checks_keywords
+from scaffold_cad.base.arguments import checks_keywords, described
 from scaffold_cad.base.arrays import (
+    LARGEST_COORDINATE,
     Edges,
     Floats,
     Frames,
@@ -83,7 +84,9 @@ class UnitCell(Frozen):
         angles : between b and c, c and a, a and b (α, β, γ as in crystallography), rad
         """
         if not isinstance(name, str) or not name.strip():
-            raise OptionError(f"a unit cell's name is {name!r}; need a text that is not blank")
+            raise OptionError(
+                f"a unit cell's name is {described(name)}; need a text that is not blank"
+            )
         try:
             struts = Skeleton(_snapped(as_points(nodes, "nodes")), edges, 1.0)
             check_skeleton(struts)
@@ -328,6 +331,8 @@ def as_three(values: ArrayLike, name: str) -> Floats:
     three = as_floats(values, name, OptionError)
     if three.shape != (3,) or not (np.isfinite(three) & (three > 0)).all():
         raise OptionError(f"{name} = {three.tolist()}; need three numbers > 0")
+    if (three > LARGEST_COORDINATE).any():
+        raise OptionError(f"{name} = {three.tolist()}; need at most {LARGEST_COORDINATE:g}")
     return read_only(three)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from build123d import Align, Shape, tuplify
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_real, checks_keywords
+from scaffold_cad.base.arguments import as_number, checks_keywords
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import Keep
 from scaffold_cad.errors import OptionError
@@ -22,6 +22,7 @@ from scaffold_cad.filling.models import maker
 from scaffold_cad.filling.reaching import lattice_reaching
 from scaffold_cad.filling.solids import filled_solid, hollow_solid
 from scaffold_cad.lattice import CellMap, UnitCell
+from scaffold_cad.parts.placing import as_align
 from scaffold_cad.parts.skeletonpart import (
     BoxOptions,
     FrameOptions,
@@ -111,10 +112,9 @@ class LatticeBox(SkeletonPart):
         """
         struts, part = strut_options(options), part_options(options)
         make = maker(**struts)
-        sides = np.array([as_real(side, "a side of the box") for side in (length, width, height)])
-        if not (np.isfinite(sides) & (sides > 0)).all():
-            raise OptionError(f"the box is {length:g} x {width:g} x {height:g} mm; need > 0")
-        low = -sides * [ALIGNED[one] for one in tuplify(align, 3) or [Align.NONE] * 3]
+        named = {"length": length, "width": width, "height": height}
+        sides = np.array([as_number(side, name) for name, side in named.items()])
+        low = -sides * [ALIGNED[one] for one in tuplify(as_align(align), 3) or [Align.NONE] * 3]
         bounds = np.stack([low, low + sides])
         skeleton = fill(bounds, cell, size, radius, keep=keep, dangling=dangling, axes=axes, on=on)
         if trim:

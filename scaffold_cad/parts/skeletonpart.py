@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, TypedDict, cast
 
 import numpy as np
 from build123d import BasePartObject, Mode, Plane, RigidJoint, Shape
 
+from scaffold_cad.base.arguments import as_flag, check_kind
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.filling.models import SectionOptions
 from scaffold_cad.parts.booleans import Operation, check_boolean
+from scaffold_cad.parts.placing import as_align, as_rotation
 from scaffold_cad.products.breps import to_brep
 from scaffold_cad.products.models import Model
 from scaffold_cad.products.overlaps import Overlaps
@@ -59,8 +61,31 @@ class FrameOptions(PartOptions, SectionOptions, total=False):
 
 
 def part_options(options: Any) -> PartOptions:
-    """Take those of every part out of `options`, and return them."""
-    return cast("PartOptions", _taken(options, PartOptions))
+    """Take those of every part out of `options`, and return them.
+
+    Raises
+    ------
+    OptionError
+        If one is of another kind than build123d takes.
+    """
+    taken = _taken(options, PartOptions)
+    checks: dict[str, Callable[[Any], Any]] = {
+        "rotation": as_rotation,
+        "align": as_align,
+        "mode": lambda mode: _of_kind(mode, Mode, "mode"),
+        "label": lambda label: _of_kind(label, str, "label"),
+        "with_joints": lambda flag: as_flag(flag, "with_joints"),
+    }
+    return cast("PartOptions", {name: checks.get(name, _as_is)(taken[name]) for name in taken})
+
+
+def _of_kind(value: Any, kind: type, name: str) -> Any:
+    check_kind(value, kind, name=name)
+    return value
+
+
+def _as_is(value: Any) -> Any:
+    return value
 
 
 def strut_options(options: Any) -> SectionOptions:

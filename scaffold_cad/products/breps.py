@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from scaffold_cad import brep
-from scaffold_cad.base.arguments import check_kind, checks_keywords
+from scaffold_cad.base.arguments import as_flag, check_kind, checks_keywords
 from scaffold_cad.brep import Kind
 from scaffold_cad.brep.analytic import AnalyticBrep
 from scaffold_cad.brep.beziermesh import BezierMesh
@@ -74,7 +74,7 @@ def to_brep(
     [3.142, 3.142, 56.549]
     """
     check_kind(what, Scaffold, RoundStruts, QuadMesh, BezierMesh, Patches)
-    if smooth and not isinstance(what, QuadMesh):
+    if as_flag(smooth, "smooth") and not isinstance(what, QuadMesh):
         raise OptionError(
             "smooth=True is for a QuadMesh; need round_struts(skeleton) for round struts"
         )

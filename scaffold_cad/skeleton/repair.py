@@ -14,7 +14,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
-from scaffold_cad.base.arguments import as_number
+from scaffold_cad.base.arguments import as_flag, as_number
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, Radii, place_text
 from scaffold_cad.base.positions import equal_positions
 from scaffold_cad.base.summaries import counted
@@ -146,7 +146,7 @@ def repaired(
         raise SkeletonError(
             f"the skeleton has no edge longer than {weld_distance:.3g} mm; need at least one"
         )
-    if split_contacts:
+    if as_flag(split_contacts, "split_contacts"):
         edges, sizes, counts["contacts_split"], repeated = split_at_contacts(
             nodes, edges, sizes, weld_distance
         )

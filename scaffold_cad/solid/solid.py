@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scaffold_cad.base.arguments import check_kind, checks_keywords
+from scaffold_cad.base.arguments import as_number, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
 from scaffold_cad.base.notebook import Shown
 from scaffold_cad.base.positions import in_single_precision
@@ -144,6 +144,7 @@ def solidified(
     28.274
     """
     check_kind(what, Scaffold, RoundStruts)
+    factor = as_number(factor, "factor", unit="")
     if isinstance(what, RoundStruts):
         mesh = round_mesh(what, SIDES if sides is None else sides, factor)
         return Solidified(manifolds.to_manifold(mesh), what.overlapping, [])

@@ -9,7 +9,7 @@ from typing import Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_number, check_choice
+from scaffold_cad.base.arguments import as_number, check_choice, described
 from scaffold_cad.base.arrays import Floats, Ints, Points, as_floats, place_text, read_only
 from scaffold_cad.errors import OptionError
 
@@ -125,12 +125,12 @@ def _check_sockets(sockets: object) -> None:
         return
     need = "need a radius and a depth, mm, by the node, as in {3: (14.375, 25)}"
     if not isinstance(sockets, Mapping):
-        raise OptionError(f"sockets is {sockets!r}; {need}")
+        raise OptionError(f"sockets is {described(sockets)}; {need}")
     for node, size in sockets.items():
         if isinstance(node, bool) or not isinstance(node, int | np.integer):
-            raise OptionError(f"sockets has {node!r} for a node; {need}")
+            raise OptionError(f"sockets has {described(node)} for a node; {need}")
         if np.shape(size) != (2,):
-            raise OptionError(f"the socket at node {node} is {size!r}; {need}")
+            raise OptionError(f"the socket at node {node} is {described(size)}; {need}")
         for value, what in zip(size, ("radius", "depth"), strict=True):
             as_number(value, f"the {what} of the socket at node {node}")
 

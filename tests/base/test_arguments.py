@@ -11,7 +11,7 @@ import pytest
 import scaffold_cad as sc
 from scaffold_cad import io, mechanics, tiles
 from scaffold_cad.base.arguments import as_count, as_number, check_kind
-from scaffold_cad.errors import FormatError, OptionError, SkeletonError
+from scaffold_cad.errors import FormatError, OptionError, ScaffoldCadError, SkeletonError
 from scaffold_cad.lattice import measured_density, unit_cell
 from scaffold_cad.parts import LatticeBox, LatticeFill, RoundStrutsSolid, ScaffoldSolid, StrutFrame
 from tests.meshes import CUBE
@@ -20,6 +20,7 @@ from tests.skeletons import STRUT, TRIPOD
 FEET = mechanics.Support([1, 2, 3])
 BOX = [[0, 0, 0], [10, 10, 10]]
 SCAFFOLD = sc.build_scaffold(TRIPOD)
+STRUTS = sc.round_struts(TRIPOD)
 MAKES_ONE = r"like is a Skeleton; need a Scaffold: build_scaffold\(skeleton\) makes one"
 
 
@@ -42,7 +43,7 @@ MAKES_ONE = r"like is a Skeleton; need a Scaffold: build_scaffold\(skeleton\) ma
         (lambda: sc.build_scaffold(None), "got None; need a Skeleton"),
         (lambda: sc.build_scaffold(SCAFFOLD), "got a Scaffold; need a Skeleton: scaffold.skele"),
         (lambda: sc.build_scaffold(TRIPOD, like=TRIPOD), MAKES_ONE),
-        (lambda: sc.build_scaffold(TRIPOD, method=[]), r"method is \[\]; need one of dual"),
+        (lambda: sc.build_scaffold(TRIPOD, method=[]), r"method is a list; need one of dual"),
         (lambda: sc.check_skeleton(TRIPOD.cleaned()), "got a Cleaning; .*: cleaning.skeleton is"),
         (lambda: ScaffoldSolid(None), "got None; need a Skeleton or a Scaffold"),
         (lambda: ScaffoldSolid(CUBE), "got a QuadMesh; need a Skeleton or a Scaffold"),
@@ -105,7 +106,7 @@ def test_a_wrong_kind_of_object_is_refused(call: Callable[[], object], message: 
 def test_a_misspelled_value_gets_the_right_one(
     call: Callable[[], object], name: str, meant: str
 ) -> None:
-    with pytest.raises(OptionError, match=f"^{name} is .*; need .*; did you mean '{meant}'\\?$"):
+    with pytest.raises(OptionError, match=rf"^{name} is .*; need .*; did you mean '{meant}'\?$"):
         call()
 
 
@@ -151,7 +152,7 @@ ONE_NUMBER = r"need a number, or a function of positions \(n, 3\) that returns r
         (lambda: sc.voronoi_foam(9, BOX, 1.0, seed=None), "seed is None; need a whole number"),
         (lambda: sc.voronoi_foam(9, BOX, 1.0, regularity="x"), "regularity is 'x'; need a number"),
         (lambda: sc.delaunay_foam(9, "abc", 1.0), "the region is a str; need a box"),
-        (lambda: LatticeBox("bcc", 5.0, 9, "x", 9, 0.5), "a side of the box is 'x'; need a number"),
+        (lambda: LatticeBox("bcc", 5.0, 9, "x", 9, 0.5), "length is 'x'; need a number"),
         (lambda: sc.lattice_part(CUBE, "bcc", "x", 0.1), "cell size in mm is not an array of num"),
         (lambda: sc.lattice_part(CUBE, "bcc", 1, 0.1, skin="1"), "skin is '1'; need a number"),
         (lambda: sc.relative_density("sc", 5.0, "1"), "radius is '1'; need a number"),
@@ -255,3 +256,62 @@ def test_a_wrong_keyword_gets_the_nearest_one(call: Callable[[], object], messag
 def test_a_wrong_value_gets_the_nearest_one() -> None:
     with pytest.raises(OptionError, match=r"fit is 'Papers'; .*; did you mean 'paper'"):
         sc.build_scaffold(TRIPOD, fit="Papers")
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: sc.round_struts(TRIPOD, ends=STRUTS), "ends is a RoundStruts; need one of flat"),
+        (lambda: sc.round_struts(TRIPOD, nodes=10**5000), "nodes is a whole number of 16610 bits"),
+        (lambda: sc.round_struts(TRIPOD, ends="x" * 999), "ends is 'x{80}' ...; need one of flat"),
+        (lambda: sc.round_struts(TRIPOD, blend=1e300), r"blend is 1e\+300 mm; need at most 1e\+12"),
+        (lambda: sc.round_struts(TRIPOD, sockets=SCAFFOLD), "sockets is a Scaffold; need a radius"),
+        (
+            lambda: sc.Skeleton(BOX, len, 1.0),
+            "edges holds items of type builtin_f.*; need whole numbers",
+        ),
+        (lambda: sc.fill(BOX, "bcc", 8, None), "radius is None; need a number, or a function of"),
+        (
+            lambda: sc.fill(BOX, "bcc", 1e300, 1),
+            r"cell size in mm = \[1e\+300.*need at most 1e\+12",
+        ),
+        (lambda: sc.fill(BOX, "bcc", 8, 1, crumbs=[]), "crumbs is a list; need True or False"),
+        (
+            lambda: sc.fill(BOX, "bcc", 8, 1, origin=[[]]),
+            "origin is .*; need three numbers",
+        ),
+        (lambda: sc.solidified(STRUTS, factor="x"), "factor is 'x'; need a number"),
+        (
+            lambda: sc.to_brep(CUBE, smooth=np.ones(2)),
+            r"smooth is an array of shape \(2,\); need True",
+        ),
+        (lambda: sc.write(STRUTS, "x.stl", scale=1e300), r"scale is 1e\+300; need at most 1e\+12"),
+        (lambda: sc.write(STRUTS, "x.stl", overlaps=[]), "overlaps is a list; need one of unite"),
+        (
+            lambda: sc.write(STRUTS, "x.step", write_pcurves="no"),
+            "write_pcurves is 'no'; need True",
+        ),
+        (lambda: sc.read_skeleton("x.json", strict=[]), "strict is a list; need True or False"),
+        (lambda: TRIPOD.cleaned(split_contacts=3), "split_contacts is 3; need True or False"),
+        (lambda: RoundStrutsSolid(TRIPOD, rotation=90), "rotation is 90; need three angles in deg"),
+        (lambda: RoundStrutsSolid(TRIPOD, align="min"), "align is 'min'; need Align.MIN, CENTER"),
+        (lambda: ScaffoldSolid(TRIPOD, mode="add"), "mode is 'add'; need a Mode"),
+        (lambda: LatticeBox("bcc", 8, 8, -8, 8, 1), "width is -8 mm; need > 0"),
+        (
+            lambda: LatticeBox("bcc", 8, 8, 8, 8, 1, align=(1, 2, 3)),
+            "align holds 1; need Align.MIN",
+        ),
+    ],
+)
+def test_a_wrong_value_is_named_in_a_line(call: Callable[[], object], message: str) -> None:
+    with pytest.raises(ScaffoldCadError, match=message) as raised:
+        call()
+    assert len(str(raised.value).splitlines()) == 1
+    assert len(str(raised.value)) < 400
+
+
+def test_angles_of_a_part_may_be_a_list() -> None:
+    turned = RoundStrutsSolid(TRIPOD, rotation=[0, 90, 0])
+    assert turned.is_valid
+    same = RoundStrutsSolid(TRIPOD, rotation=(0, 90, 0))
+    assert tuple(turned.center()) == tuple(same.center())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts import round_struts
 from tests.crossings import check_as_written
 from tests.skeletons import CUBE, K4, NAMED, STICK_FIGURE, STRUT, TAPER, TRIPOD
-from tests.solids import check_solid_of
+from tests.solids import check_solid_of, contains
 
 CLOSE = Skeleton([[0, 0, 0], [20, 0, 0], [10, -8, 0.5], [10, 8, 0.5]], [[0, 1], [2, 3]], 1.0)
 
@@ -110,3 +111,28 @@ def test_what_does_not_fit_into_memory_is_refused(monkeypatch: pytest.MonkeyPatc
         round_mesh(struts, 48)
     with pytest.raises(OptionError, match="need fewer struts, or tiles"):
         round_mesh(round_struts(tile("bcc", 10.0, 3, radius=0.8)), 8)
+
+
+@pytest.mark.parametrize("ends", [[[0, 1], [2, 3]], [[0, 1], [2, 3], [0, 2]]])
+@pytest.mark.parametrize("wall", [None, 0.2])
+def test_the_gap_between_struts_stays_where_polygons_of_few_sides_would_cross(
+    ends: list[list[int]], wall: float | None
+) -> None:
+    nodes = [[0, 0, 0], [200, 0, 0], [0, 2.03, 0], [200, 2.03, 0]]
+    apart = round_struts(Skeleton(nodes, ends, 1.0), wall=wall)
+    assert len(apart.overlapping) == 0
+    mesh = round_mesh(apart, 16)
+    check_as_written(mesh)
+    assert not contains(mesh, np.array([[x, 1.015, 0.1] for x in (50, 100, 150)])).any()
+    area = np.pi * (1 - (0 if wall is None else (1 - wall) ** 2))
+    assert mesh.signed_volume == pytest.approx(2 * 200 * area, rel=0.02)
+
+
+def test_struts_that_hardly_keep_apart_are_united_and_named(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    nodes = [[0, 0, 0], [9, 0, 0], [0, 2.0001, 0], [9, 2.0001, 0]]
+    near = round_struts(Skeleton(nodes, [[0, 1], [2, 3]], 1.0))
+    assert len(near.overlapping) == 0
+    check_as_written(round_mesh(near, 8))
+    assert re.search(r"1 pair of struts .* edges 0 and 1, near \[4.5, 0, 0\] mm", caplog.text)

@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from scaffold_cad.base.arguments import check_kind, checks_keywords
+from scaffold_cad.base.arguments import check_kind, checks_keywords, described
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, as_floats
 from scaffold_cad.base.radii import Radius, radii_at
 from scaffold_cad.base.regions import BoxRegion
@@ -254,7 +254,7 @@ def three_counts(counts: Counts | None) -> Ints:
     """
     values = np.asarray(counts)
     if values.shape not in {(), (3,)} or values.dtype.kind not in "iu" or (values < 1).any():
-        raise OptionError(f"counts are {counts}; need three whole numbers >= 1")
+        raise OptionError(f"counts are {described(counts)}; need three whole numbers >= 1")
     return np.broadcast_to(values, 3)
 
 

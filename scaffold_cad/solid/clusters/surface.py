@@ -20,6 +20,7 @@ from scaffold_cad.base.vectors import length
 from scaffold_cad.mesh.pieces import without_voids
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.solid.clusters.ends import with_flat_ends
+from scaffold_cad.solid.clusters.fewest import fewest_sides
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
 from scaffold_cad.solid.clusters.growth import Clusters, Core, bodies_of, clusters_of, unproved
 from scaffold_cad.solid.clusters.hollow import hollow
@@ -104,6 +105,7 @@ class _Surface:
 def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> TriangleMesh:
     """Return the surface of round struts, closed and without crossings in 32-bit coordinates.
 
+    Struts that pass each other closely may have more sides, see `fewest_sides`.
     What is crowded is made as fields, and everything where the struts of these have more than
     `MOST_FIELD` of the area. The inside of hollow struts is a surface like that outside; open ends
     that come to lie in a field are closed.
@@ -113,6 +115,7 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
     factor : what lengths are multiplied with in a file, in whose 32-bit numbers triangles are
         looked at
     """
+    sides = fewest_sides(struts, sides)
     if struts.inner is None:
         fillets, core = wanted_fillets(struts), _unmade(struts, sides)
         return _surface(struts, sides, fillets, core, factor).mesh
