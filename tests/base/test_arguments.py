@@ -152,7 +152,7 @@ ONE_NUMBER = r"need a number, or a function of positions \(n, 3\) that returns r
         (lambda: sc.voronoi_foam(9, BOX, 1.0, seed=None), "seed is None; need a whole number"),
         (lambda: sc.voronoi_foam(9, BOX, 1.0, regularity="x"), "regularity is 'x'; need a number"),
         (lambda: sc.delaunay_foam(9, "abc", 1.0), "the region is a str; need a box"),
-        (lambda: LatticeBox("bcc", 5.0, 9, "x", 9, 0.5), "length is 'x'; need a number"),
+        (lambda: LatticeBox("bcc", 5.0, 9, "x", 9, 0.5), "width is 'x'; need a number"),
         (lambda: sc.lattice_part(CUBE, "bcc", "x", 0.1), "cell size in mm is not an array of num"),
         (lambda: sc.lattice_part(CUBE, "bcc", 1, 0.1, skin="1"), "skin is '1'; need a number"),
         (lambda: sc.relative_density("sc", 5.0, "1"), "radius is '1'; need a number"),
