@@ -1,24 +1,27 @@
-"""Booleans of parts whose result OCCT gets wrong, noticed by their volumes.
+"""Booleans of parts whose result OCCT gets wrong, noticed by their volumes and by its own check.
 
 Where faces nearly coincide, as of round struts that meet in one plane, OCCT returns nothing, or the
-parts as they were, without an error. Imports build123d, as the part objects do.
+parts as they were, without an error; where a seam of theirs meets an edge, faces that it finds
+invalid itself. Imports build123d, as the part objects do.
 """
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 from build123d import Shape
+from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepClass3d import BRepClass3d_SolidClassifier
 from OCP.BRepGProp import BRepGProp
 from OCP.gp import gp_Pnt
 from OCP.GProp import GProp_GProps
 from OCP.TopAbs import TopAbs_State
 
-from scaffold_cad.base.arrays import Floats
+from scaffold_cad.base.arrays import Floats, place_text
 from scaffold_cad.brep import tessellated
 from scaffold_cad.errors import BrepError, MeshError
 from scaffold_cad.lattice.meshregion import MeshRegion
@@ -43,12 +46,14 @@ longer than the boolean. Where they overlap, points are tried on the operands th
 NEAR = 1e-4
 """Distance from a face at which a point counts as on it, mm: parts may touch."""
 
+_log = logging.getLogger(__name__)
+
 SAMPLES, TRIED = 20_000, 10
 """Random points in the box of an overlap, and how many of those in it are tried."""
 
 
 def check_boolean(operation: Operation, operands: Sequence[Shape], result: Shape | None) -> None:
-    """Raise if the volume of a boolean's result cannot be right.
+    """Raise if the volume of a boolean's result cannot be right; warn if it is not valid.
 
     A union has at least the volume of its largest operand and at most that of all of them, and so
     on. Where the result has what it would have if the operands were apart, or nothing, and their
@@ -82,25 +87,40 @@ def check_boolean(operation: Operation, operands: Sequence[Shape], result: Shape
     if not (volumes > 0).all():
         return
     slack = UNNOTICED * volumes.min() + PRECISION * total
+    volume = f"OCCT gives the {operation} a volume of {max(found, 0.0):.6g} mm³, which"
     if not max(least, 0.0) - slack <= found <= most + slack:
-        raise _wrong(operation, found, f"should be {max(least, 0.0):.6g} to {most:.6g}")
+        raise _wrong(f"{volume} should be {max(least, 0.0):.6g} to {most:.6g}")
     meshed = cache(_meshed)
     if abs(found - apart) <= slack:
         for a, b in _pairs_that_meet(operation, boxes):
             place = _place_in(operands[a], operands[b], meshed, also=True)
             if place is not None:
-                raise _wrong(operation, found, f"cannot be: both parts are at {place} mm")
+                raise _wrong(f"{volume} cannot be: both parts are at {place} mm")
     elif found <= slack and operation == "difference" and len(operands) == 2:
         place = _place_in(operands[0], operands[1], meshed, also=False)
         if place is not None:
-            raise _wrong(operation, found, f"cannot be: the first part alone is at {place} mm")
+            raise _wrong(f"{volume} cannot be: the first part alone is at {place} mm")
+    if result is not None and not result.is_valid and all(each.is_valid for each in operands):
+        _tell_invalid(operation, result)
 
 
-def _wrong(operation: Operation, found: float, why: str) -> BrepError:
+def _wrong(what: str) -> BrepError:
     return BrepError(
-        f"OCCT gives the {operation} a volume of {max(found, 0.0):.6g} mm³, which {why}; it fails "
-        "where faces nearly coincide: need one part of one skeleton that holds all struts, or a "
-        "boolean of meshes: to_solid(scaffold) of parts that Mode.PRIVATE keeps out of the builder"
+        f"{what}; it fails where faces nearly coincide: need one part of one skeleton that holds "
+        "all struts, or a boolean of meshes: to_solid(scaffold) of parts that Mode.PRIVATE keeps "
+        "out of the builder"
+    )
+
+
+def _tell_invalid(operation: Operation, result: Shape) -> None:
+    check = BRepCheck_Analyzer(result.wrapped)
+    faces = (face for face in result.faces() if not check.IsValid(face.wrapped))
+    place = next((tuple(face.center()) for face in faces), None)
+    _log.warning(
+        "OCCT finds the %s that it made not valid%s: its volume may be right, other programs may "
+        "refuse it; need one part moved by 0.01 mm",
+        operation,
+        "" if place is None else f", a face at {place_text(np.array(place))}",
     )
 
 

@@ -174,3 +174,17 @@ def test_parts_in_a_builder_are_checked(checks: list[tuple[str, list[float], flo
         ("difference", [136, 40]),
     ]
     assert [call[0] for call in checks] == ["union", "difference", "intersection"]
+
+
+def test_a_union_that_occt_finds_invalid_is_told(caplog: pytest.LogCaptureFixture) -> None:
+    lattice = LatticeBox("bcc", 10, 10, 10, 10, radius=0.8, section="round", align=None)
+    plate = bd.Box(10, 10, 2, align=(bd.Align.MIN, bd.Align.MIN, bd.Align.MAX))
+    both = lattice + plate
+    told = "OCCT finds the union that it made not valid, a face at" in caplog.text
+    assert told == (not both.is_valid)  # which depends on its version
+
+
+def test_a_union_that_is_valid_is_not_told(caplog: pytest.LogCaptureFixture) -> None:
+    bar = RoundStrutsSolid(STRUT)
+    assert (bar + bd.Box(4, 4, 4)).is_valid
+    assert caplog.text == ""

@@ -421,7 +421,7 @@ def test_lattices_may_be_turned_and_put_on_maps() -> None:
 
 @pytest.mark.parametrize("side", [0.0, -1.0, np.nan])
 def test_lattice_box_without_a_size_is_refused(side: float) -> None:
-    with pytest.raises(OptionError, match=r"the box is 10 x .* x 10 mm; need > 0"):
+    with pytest.raises(OptionError, match=r"width is .* mm; need > 0"):
         LatticeBox("bcc", 5.0, 10, side, 10, 0.5)
 
 
