@@ -25,7 +25,7 @@ from scaffold_cad.mesh.pieces import Pieces, pieces_of
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.facets import SIDES, Faceted, faceted
 from scaffold_cad.solid.clusters.growth import Core, unproved
-from scaffold_cad.solid.clusters.hollow import hollow
+from scaffold_cad.solid.clusters.hollow import hollow, tell_closed
 from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.spans import Spans, no_spans, whole_runs
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
@@ -97,6 +97,7 @@ def mixed_brep(struts: RoundStruts) -> AnalyticBrep:
         part = _part(struts, wanted_fillets(struts), unproved(struts))
         return _told(_solids(_faces(part).faces))
     outside, inside = hollow(struts, unproved, _part, _together)
+    tell_closed(struts, outside)
     wall = float(struts.options.wall or 0.0)
     outside = _moved_out(outside, inside, wall)
     if inside.made is not None:

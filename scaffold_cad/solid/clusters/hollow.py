@@ -120,6 +120,21 @@ def hollow(
     )
 
 
+def tell_closed(struts: RoundStruts, outside: _Made) -> None:
+    """Warn of open ends that came to be closed, as they are in fields."""
+    count = len(struts.runs.nodes)
+    is_end = (struts.runs.valency == 1) & ~ball_ends(struts.skeleton, struts.runs)
+    closed = np.flatnonzero(outside.nodes[:count] & is_end)
+    if struts.options.ends == "open" and len(closed):
+        _log.warning(
+            "%s other struts, or nearly so, and closed: node %d at %s%s; need more room around",
+            counted(len(closed), "open end overlaps", "open ends overlap"),
+            closed[0],
+            place_text(struts.runs.nodes[closed[0]]),
+            " first" if len(closed) > 1 else "",
+        )
+
+
 def _nodes_of(triangles: Ints, outside: _Made, inside: _Made) -> Ints:
     """Return the nodes that triangles of walls are around, -1 where they are around none."""
     node = np.full(len(triangles), -1)
@@ -222,7 +237,4 @@ def _both(
         more = (outside.nodes | inside.nodes) & is_end & ~core.nodes & is_open
         if not more.any() and np.array_equal(inside.pieces, outside.pieces):
             return outside, inside
-        if more.any():
-            closed = counted(int(more.sum()), "open end overlaps", "open ends overlap")
-            _log.info("%s other struts: closed", closed)
         core = core.with_nodes(more).with_zone(inside.pieces)

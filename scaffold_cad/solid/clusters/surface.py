@@ -23,7 +23,7 @@ from scaffold_cad.solid.clusters.ends import with_flat_ends
 from scaffold_cad.solid.clusters.fewest import fewest_sides
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
 from scaffold_cad.solid.clusters.growth import Clusters, Core, bodies_of, clusters_of, unproved
-from scaffold_cad.solid.clusters.hollow import hollow
+from scaffold_cad.solid.clusters.hollow import hollow, tell_closed
 from scaffold_cad.solid.clusters.remade import Remade
 from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.seams import seamed
@@ -120,18 +120,22 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
         fillets, core = wanted_fillets(struts), _unmade(struts, sides)
         return _surface(struts, sides, fillets, core, factor).mesh
 
+    # Ends that come to lie in a field are closed: open ones stay out of it as long as they can.
+    most = 1.0 if struts.options.ends == "open" else MOST_FIELD
+
     def unmade(own: RoundStruts) -> Core:
         return _unmade(own, sides)
 
     def make(
         own: RoundStruts, fillets: Floats, core: Core, sags: Sags, _: _Surface | None = None
     ) -> _Surface:
-        return _surface(own, sides, fillets, core, factor, sags)
+        return _surface(own, sides, fillets, core, factor, sags, most)
 
     def joined(outside: _Surface, inside: _Surface) -> TriangleMesh:
         return _walls(struts, outside, inside)
 
     outside, inside = hollow(struts, unmade, make, joined, factor)
+    tell_closed(struts, outside)
     mesh, wall = joined(outside, inside), float(struts.options.wall or 0.0)
     count, first = len(outside.mesh.triangles), len(outside.mesh.vertices)
     outer, inner = np.split(np.arange(count + len(inside.mesh.triangles)), [count])
@@ -191,6 +195,7 @@ def _surface(
     core: Core,
     factor: float,
     sags: Sags | None = None,
+    most: float = MOST_FIELD,
 ) -> _Surface:
     """Return the surface of solid struts with what is in `core` in clusters.
 
@@ -198,13 +203,14 @@ def _surface(
     ----------
     fillets : (n,) fillet radius wanted at each node, mm
     sags : how far the sides of triangles of fields may be inside of round surfaces
+    most : part of the area in clusters from which on all becomes one field
     """
     count = len(core.nodes)
     slack = Slack(polygon_slack(sides), np.zeros(count))
     seeds, bodies = core.spans, cache(partial(bodies_of, struts))
     remade = Remade(lambda some: field_of(some, sides, sags, factor))
     for _ in range(TRIES):
-        clusters = clusters_of(struts, bodies, fillets, slack, core, seeds, MOST_FIELD)
+        clusters = clusters_of(struts, bodies, fillets, slack, core, seeds, most)
         if clusters is None:
             break
         core, seeds, rest = clusters.core, clusters.seeds, clusters.rest

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -20,7 +22,7 @@ from scaffold_cad.struts.meshes.surface import triangulated
 from tests.crossings import check_as_written
 from tests.skeletons import TRIPOD
 from tests.solid.field.judges import thicknesses
-from tests.solids import distance_to_axes
+from tests.solids import contains, distance_to_axes
 
 TIPS = [[20, 0, 0], [19, 3.4, 0], [-15, 8, 0], [-9, -10, 17]]
 NARROW = Skeleton([[0, 0, 0], *TIPS], [[0, i] for i in range(1, 5)], 1.0)
@@ -101,9 +103,12 @@ def test_hollow_struts_stay_hollow_in_clusters(ends: str, wall: float) -> None:
     assert 0.9 * tube < mesh.signed_volume < 1.05 * tube
 
 
-def test_open_ends_that_overlap_other_struts_are_closed() -> None:
+def test_open_ends_that_overlap_other_struts_are_closed(caplog: pytest.LogCaptureFixture) -> None:
     skeleton = Skeleton([[0, 0, 0], [20, 0, 0], [20, 0.3, 0], [20, 20, 0]], [[0, 1], [2, 3]], 1.0)
     mesh = round_mesh(round_struts(skeleton, wall=0.3, ends="open"), 16)
+    assert re.search(
+        r"\d open ends? overlaps? other struts, or nearly so, and closed: node", caplog.text
+    )
     check_as_written(mesh)
 
 
@@ -218,3 +223,13 @@ def test_a_node_is_seen_in_the_numbers_of_a_file() -> None:
     made = triangulated(struts, 8)
     assert not unseen(struts, made).any()
     assert unseen(struts, made, 1e-60).any()  # all numbers become 0
+
+
+def test_an_open_end_far_from_a_large_cluster_stays_open(caplog: pytest.LogCaptureFixture) -> None:
+    fan = [[20 * np.cos(a), 20 * np.sin(a), 0] for a in np.radians([-12, -6, 0, 6, 12])]
+    nodes, edges = [[0, 0, 0], [-12, 0, 0], *fan], [[0, k] for k in range(1, 7)]
+    struts = round_struts(Skeleton(nodes, edges, 1.6), wall=0.5, ends="open")
+    mesh = round_mesh(struts, 16)
+    check_as_written(mesh)
+    assert not contains(mesh, np.array([[-11.9, 0, 0.1], [-9, 0, 0.1]])).any()
+    assert "node 1 " not in caplog.text
