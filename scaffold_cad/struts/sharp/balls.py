@@ -6,7 +6,8 @@ import logging
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, UnitVectors, place_text
+from scaffold_cad.base.arrays import Floats, Ints, UnitVectors, place_text
+from scaffold_cad.errors import SkeletonError
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.skeleton.repair import largest_at_nodes
 from scaffold_cad.struts.runs import straight_runs
@@ -17,6 +18,8 @@ SPARE = 1.05
 """Radius of a ball over that of the one on which two circles touch."""
 LARGE = 3.0
 """Radius of a ball, over that of its thickest strut, from which on it is reported."""
+GROWING = 1.1
+"""Growth of a ball in the last of these rounds from which on it has no end."""
 TAPER_STEPS = 8
 """Rounds in which the circles of cones and their ball are found: each depends on the other."""
 
@@ -25,6 +28,11 @@ def with_balls(skeleton: Skeleton) -> Skeleton:
     """Return `skeleton` with its radii at bends and branch points raised to those of balls.
 
     On such a ball the circles of its struts keep apart. A node whose radius is larger keeps it.
+
+    Raises
+    ------
+    SkeletonError
+        If the cones of a node widen as fast as they part.
 
     Examples
     --------
@@ -42,10 +50,24 @@ def with_balls(skeleton: Skeleton) -> Skeleton:
         across, slopes = runs.radii.reshape(-1)[half_runs], runs.slopes[half_runs]
         ball = SPARE * _least_balls(directions, across)
         for _ in range(TAPER_STEPS if slopes.any() else 0):
+            smaller = ball
             ball = SPARE * _least_balls(directions, across + np.maximum(slopes, 0) * ball[:, None])
+        if slopes.any():
+            endless = (ball > GROWING * smaller) & (ball > runs.lengths[half_runs >> 1].max(axis=1))
+            _check_bounded(skeleton, nodes[endless])
         radii[nodes] = np.maximum(radii[nodes], ball)
     _tell_large(skeleton, radii)
     return Skeleton(skeleton.nodes, skeleton.edges, radii, skeleton.edge_radii)
+
+
+def _check_bounded(skeleton: Skeleton, nodes: Ints) -> None:
+    """Raise if cones at one of some nodes widen as fast as they part: no ball is large enough."""
+    if len(nodes):
+        raise SkeletonError(
+            f"node {nodes[0]} at {place_text(skeleton.nodes[nodes[0]])} has no ball: its struts "
+            "widen away from it as fast as they part; need wider angles or less taper there, or "
+            "nodes='blend'"
+        )
 
 
 def _tell_large(skeleton: Skeleton, radii: Floats) -> None:

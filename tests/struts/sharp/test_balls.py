@@ -9,7 +9,7 @@ import pytest
 from build123d import GeomType, import_step
 
 from scaffold_cad import Skeleton, round_struts, to_brep, to_solid, write
-from scaffold_cad.errors import OptionError
+from scaffold_cad.errors import OptionError, SkeletonError
 from tests.skeletons import BCC_STAR, ELBOW, JACK, TETRAPOD
 from tests.struts.stars import random_stars
 
@@ -88,3 +88,12 @@ def test_balls_that_narrow_angles_make_large_are_told(caplog: pytest.LogCaptureF
     assert "1 ball is larger than 3 radii" in caplog.text
     wide = 1.05 * 1.5 / np.sin(np.arctan(4 / 11) / 2)  # circles of two struts touch
     assert f"that of node 0 at [1, 2, 3] mm has a radius of {wide:.3g} mm" in caplog.text
+
+
+def test_cones_that_widen_as_fast_as_they_part_have_no_ball() -> None:
+    tips = [[20, 0, 0], [20, 2, 0]]
+    fork = Skeleton([[0, 0, 0], *tips], [[0, 1], [0, 2]], 1.0).with_edge_radii([[0.5, 4], [0.5, 4]])
+    with pytest.raises(
+        SkeletonError, match=r"node 0 at \[0, 0, 0\] mm has no ball: its struts wid"
+    ):
+        round_struts(fork, nodes="ball")
