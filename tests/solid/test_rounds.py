@@ -128,6 +128,15 @@ def test_the_gap_between_struts_stays_where_polygons_of_few_sides_would_cross(
     assert mesh.signed_volume == pytest.approx(2 * 200 * area, rel=0.02)
 
 
+def test_the_gap_between_components_stays_where_others_overlap() -> None:
+    near = Skeleton([[0, 0, 9], [20, 0, 9], [0, 2.05, 9], [20, 2.05, 9]], [[0, 1], [2, 3]], 1.0)
+    struts = round_struts(CLOSE + near)
+    assert struts.overlapping.tolist() == [0, 1]
+    mesh = round_mesh(struts, 16)
+    check_as_written(mesh)
+    assert not contains(mesh, np.array([[x, 1.025, 9.1] for x in (5, 10, 15)])).any()
+
+
 def test_struts_that_hardly_keep_apart_are_united_and_named(
     caplog: pytest.LogCaptureFixture,
 ) -> None:

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import logging
 
-from scaffold_cad.base.arrays import Edges, place_text
+from scaffold_cad.base.arrays import Bools, Edges, place_text
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.struts.apart import Slack, crossings
 from scaffold_cad.struts.meshes.bands import polygon_slack
 from scaffold_cad.struts.model import RoundStruts
 
-MOST = 256
-"""Sides up to which they are doubled: these reach beyond their circles by 0.0002 of the radius."""
+MOST = 128
+"""Sides up to which they are doubled: these reach beyond their circles by 0.0007 of the radius."""
 
 _log = logging.getLogger(__name__)
 
@@ -23,8 +23,9 @@ _log = logging.getLogger(__name__)
 def fewest_sides(struts: RoundStruts, sides: int) -> int:
     """Return `sides`, or as many times 2 of them as keep struts apart that are proved to be so.
 
-    Where some overlap in any case, or even `MOST` are not enough, they are `sides`; the latter is
-    logged, as these struts come to be united.
+    Struts that overlap others in any case do not count, and where there are some, neither do other
+    pairs of one component, such as a foam: all of it would get more triangles. Where even `MOST`
+    are not enough they are `sides`, which is logged, as these struts come to be united.
 
     Examples
     --------
@@ -33,10 +34,9 @@ def fewest_sides(struts: RoundStruts, sides: int) -> int:
     >>> fewest_sides(round_struts(Skeleton(ends, [[0, 1], [2, 3]], 1.0)), 16)
     32
     """
-    if len(struts.overlapping):
-        return sides
+    crossing = struts.crowded_runs | struts.crowded[struts.runs.edges].any(axis=1)
     enough = sides
-    while len(near := _near(struts, enough)):
+    while len(near := _near(struts, enough, crossing)):
         if 2 * enough > MOST:
             _report(struts, near)
             return sides
@@ -46,9 +46,16 @@ def fewest_sides(struts: RoundStruts, sides: int) -> int:
     return enough
 
 
-def _near(struts: RoundStruts, sides: int) -> Edges:
-    """Return the pairs of runs whose polygons are not known to keep apart, (p, 2)."""
-    return crossings(
+def _near(struts: RoundStruts, sides: int, crossing: Bools) -> Edges:
+    """Return the pairs of runs that are apart and whose polygons may not be, (p, 2).
+
+    Where some overlap, those of one component of the skeleton do not count: they are one body.
+
+    Parameters
+    ----------
+    crossing : (k,) runs that overlap others in any case
+    """
+    runs = crossings(
         struts.runs,
         struts.blended,
         struts.curves,
@@ -58,6 +65,12 @@ def _near(struts: RoundStruts, sides: int) -> Edges:
         Slack(polygon_slack(sides)),
         sharp=struts.sharp,
     ).runs
+    pairs: Edges = runs[~crossing[runs].any(axis=1)]
+    if not crossing.any():
+        return pairs
+    part: Edges = struts.skeleton.component_of_node[struts.runs.edges[pairs][:, :, 0]]  # (p, 2)
+    apart: Bools = part[:, 0] != part[:, 1]
+    return pairs[apart]
 
 
 def _report(struts: RoundStruts, near: Edges) -> None:
