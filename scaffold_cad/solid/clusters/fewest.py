@@ -15,7 +15,7 @@ from scaffold_cad.struts.meshes.bands import polygon_slack
 from scaffold_cad.struts.model import RoundStruts
 
 MOST = 128
-"""Sides up to which they are doubled: these reach beyond their circles by 0.0007 of the radius."""
+"""Sides up to which they are doubled: these reach beyond their circles by 0.0005 of the radius."""
 
 _log = logging.getLogger(__name__)
 
