@@ -301,10 +301,8 @@ class Skeleton(Frozen, Shown, Editing):
     def scaled(self, factor: float) -> Skeleton:
         """Return the skeleton with positions and radii multiplied by `factor` > 0."""
         factor = as_number(factor, "scale factor", unit="")
-        with np.errstate(over="ignore"):  # what overflows is refused by name
-            nodes, radii = self.nodes * factor, self.radii * factor
-            struts = self.edge_radii * factor
-        return Skeleton(nodes, self.edges, radii, struts)
+        nodes, radii = self.nodes * factor, self.radii * factor
+        return Skeleton(nodes, self.edges, radii, self.edge_radii * factor)
 
     def cleaned(
         self, *, weld_distance: float | None = None, split_contacts: bool = False

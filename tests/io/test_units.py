@@ -110,7 +110,9 @@ def test_options_out_of_range_are_refused(tmp_path: Path) -> None:
         read_skeleton(path, 1.0, units="inhc")
     with pytest.raises(OptionError, match="scale is 0; need > 0"):
         read_skeleton(path, 1.0, scale=0)
-    with pytest.raises(FormatError, match=r"x\.obj, in units of 1e\+300 mm: .* need "):
+    with pytest.raises(FormatError, match=r"x\.obj, in units of 1e\+12 mm: .* need "):
+        read_skeleton(path, 1.0, scale=1e12)
+    with pytest.raises(OptionError, match=r"scale is 1e\+300; need at most 1e\+12"):
         read_skeleton(path, 1.0, scale=1e300)
     with pytest.raises(OptionError, match="units is 'parsec'; need"):
         write(STRUT, tmp_path / "x.csv", units="parsec")
