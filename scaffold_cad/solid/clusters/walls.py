@@ -82,14 +82,16 @@ class Walls(Frozen):
         return Walls(mesh, outer, inner, first, every, fixed + first)
 
     def turned(self, mesh: TriangleMesh, fixed: Ints) -> Walls:
-        """Return the walls at triangles inside that stay, where the outside is to move.
+        """Return the walls at triangles inside whose corners stay, where the outside is to move.
+
+        One corner that stays is enough.
 
         Parameters
         ----------
         mesh : after the inside has moved
         fixed : vertices outside that stay where they are
         """
-        stays = self.inner[~self.moves[self.mesh.triangles[self.inner]].any(axis=1)]
+        stays = self.inner[~self.moves[self.mesh.triangles[self.inner]].all(axis=1)]
         count = len(mesh.vertices)
         return Walls(mesh, stays, self.outer, count, np.arange(count), fixed)
 
@@ -266,8 +268,13 @@ def _moved(vertices: Points, faces: Triangles, moves: Bools, aim: Aim, thinning:
 
 
 def _keep_larger(away: Points, corner: Ints, way: Points) -> None:
-    """Put ways of corners (q, 3) in place of those (v, 3) that are shorter."""
-    larger = length(way) > length(away[corner])
+    """Put ways of corners (q, 3) in place of those (v, 3) that are shorter.
+
+    Of several ways of a corner the longest one stays.
+    """
+    size = length(way)
+    larger = np.flatnonzero(size > length(away[corner]))
+    larger = larger[np.argsort(size[larger], kind="stable")]
     away[corner[larger]] = way[larger]
 
 

@@ -35,6 +35,18 @@ def test_walls_below_reentrant_edges_are_as_thick_as_asked() -> None:
     assert 0.97 * WALL < depth_at_edge(made) < 1.1 * WALL
 
 
+@pytest.mark.parametrize("tilt", [-0.03, 0.03])
+def test_a_corner_moves_for_the_thinnest_of_the_walls_that_it_is_a_part_of(tilt: float) -> None:
+    below = TriangleMesh(BELOW.vertices + tilt * BELOW.vertices[:, [2, 2, 1]], BELOW.triangles)
+    made = thickened(Walls.between(VALLEY, below, NONE), WALL, 1.0, 1.0)
+    a, b, c = made.vertices[-3:]
+    normal = np.cross(b - a, c - a)
+    height = np.linspace(-8.0, 1.5, 20)  # along the edge, above the triangle
+    places = np.stack([0 * height, height, 0 * height + 1.0], axis=1)
+    depths = np.abs((places - a) @ normal) / np.linalg.norm(normal)
+    assert 0.97 * WALL < depths.min() < 1.1 * WALL
+
+
 @pytest.mark.parametrize(("fixed", "told"), [(np.array([0, 1]), True), (NONE, False)])
 def test_walls_that_stay_thin_are_told(
     fixed: Ints, told: bool, caplog: pytest.LogCaptureFixture
@@ -46,9 +58,10 @@ def test_walls_that_stay_thin_are_told(
     assert ("a wall is as thin as 1 mm near [0, " in caplog.text) == told
 
 
-def test_the_outside_moves_where_the_inside_stays() -> None:
+@pytest.mark.parametrize("fixed", [np.arange(3), np.arange(2)])
+def test_the_outside_moves_where_corners_inside_stay(fixed: Ints) -> None:
     small = TriangleMesh(VALLEY.vertices * [0.1, 0.1, 1], VALLEY.triangles)
-    walls = Walls.between(small, BELOW, np.arange(3))
+    walls = Walls.between(small, BELOW, fixed)
     made = thickened(walls.turned(walls.mesh, NONE), WALL, 1.0, 1.0)
     assert np.array_equal(made.vertices[-3:], BELOW.vertices)
     assert 0.97 * WALL < made.vertices[2:4, 2].min() < 1.1 * WALL
