@@ -45,6 +45,13 @@ mean square: of parts of few facets. Others may be off four times as far."""
 PART_OF_SAG = 0.0625
 """How far facets are off at most where walls have sides with less room, in this room."""
 
+BESIDE = 1.0
+"""How far from polygons facets of walls are off less, in radii of the struts there: what is beside
+a polygon, which stays, cannot move to where walls are as asked."""
+
+LESS = 0.3
+"""By how much less that is."""
+
 FEW, MANY = 1000, 50_000
 """Facets of a part from which on they become coarser, up to four times, and that again."""
 
@@ -125,6 +132,9 @@ def _coarser(
     tolerance = FLAT * radii[near]
     if sags is not None:
         tolerance = np.minimum(tolerance, PART_OF_SAG * sags.of(fields)[which][near])
+        if len(rings):
+            far = cKDTree(mesh.vertices[rings.reshape(-1)]).query(mesh.vertices)[0]
+            tolerance[far < BESIDE * radii[near]] *= LESS
     return decimated(mesh, tolerance, rings.reshape(-1), (FEW, FEW, MANY, MANY))
 
 
