@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import trimesh
-from build123d import import_step
+from build123d import Shell as Faces
+from build123d import Vertex, import_step
+from OCP.BRepExtrema import BRepExtrema_DistShapeShape
 from scipy.spatial import cKDTree
 
 from scaffold_cad import Skeleton
@@ -21,22 +24,84 @@ PLACES = 20_000
 """Random points."""
 
 OFF = 0.005
-"""How far triangles of exact faces are off at most, in walls: on both sides it makes walls thin."""
+"""How far triangles of exact faces are to be off at most, in walls; those of splines are more."""
+
+THIN = 0.97
+"""Walls between triangles of exact faces that are thinner than this are measured again."""
+
+MEASURED = 100
+"""Most places where they are, the thinnest ones that are `APART`: until others seem thicker."""
+
+APART = 3.0
+"""Least distance of such places, in walls."""
 
 
-def of_solids(path: Path, wall: float) -> tuple[str, list[Shell], list[Shell], float]:
+@dataclass(frozen=True)
+class Side:
+    """What is outside of hollow solids, or inside."""
+
+    meshes: list[Shell]
+    faces: list[Faces]
+    """The same without triangles; none of files of meshes."""
+
+    @property
+    def whole(self) -> Shell:
+        """All triangles."""
+        return trimesh.util.concatenate(self.meshes)
+
+
+def of_solids(path: Path, wall: float) -> tuple[str, Side, Side, float]:
     """Return what is wrong with a STEP file, its shells outside and inside, and the volume."""
     shape = import_step(path)
-    outer, inner = [], []
+    outer, inner = Side([], []), Side([], [])
     for solid in shape.solids():
-        meshes = []
+        made = []
         for shell in solid.shells():
             points, corners = shell.tessellate(OFF * wall, 0.1)
-            meshes.append(trimesh.Trimesh([tuple(point) for point in points], corners))
-        meshes.sort(key=lambda mesh: -float(mesh.scale))  # the one around all others comes first
-        outer.append(meshes[0])
-        inner += meshes[1:]
+            made.append((trimesh.Trimesh([tuple(point) for point in points], corners), shell))
+        made.sort(key=lambda each: -float(each[0].scale))  # the one around all others comes first
+        for (mesh, shell), side in zip(made, (outer, *[inner] * len(made)), strict=False):
+            side.meshes.append(mesh)
+            side.faces.append(shell)
     return "" if shape.is_valid else "invalid", outer, inner, float(shape.volume)
+
+
+def walls_between(outer: Side, inner: Side, wall: float, random: Random) -> Floats:
+    """Return the walls at places of both sides, mm; the thinnest ones of faces without triangles.
+
+    Triangles of splines are further off than asked for, which makes walls thin.
+    """
+    found, least = [], THIN * wall
+    for one, other in ((inner, outer), (outer, inner)):
+        points, _ = places_on(one.whole, 0.5 * wall, random)
+        far = far_from(points, other.whole, wall, random)
+        for _ in range(MEASURED if one.faces else 0):
+            if far.min(initial=np.inf) > least:
+                break
+            place = points[far.argmin()]
+            found.append(np.array([_exact_wall(place, one.faces, other.faces)]))
+            least = min(least, float(found[-1].min()))
+            apart = np.linalg.norm(points - place, axis=1) > APART * wall
+            points, far = points[apart], far[apart]
+        found.append(far)
+    return np.concatenate(found)
+
+
+def _exact_wall(place: Points, one: list[Faces], other: list[Faces]) -> float:
+    """Return how far the place of some faces that is nearest to a place is from others, mm."""
+    start, _ = _nearest(place, one)
+    return _nearest(start, other)[1]
+
+
+def _nearest(place: Points, faces: list[Faces]) -> tuple[Points, float]:
+    """Return the place of some faces that is nearest to a place, and how far it is, mm."""
+    found = []
+    for each in faces:
+        nearest = BRepExtrema_DistShapeShape(Vertex(*place).wrapped, each.wrapped)
+        point = nearest.PointOnShape2(1)
+        found.append((float(nearest.Value()), (point.X(), point.Y(), point.Z())))
+    far, point = min(found)
+    return np.array(point), far
 
 
 def places_on(surface: trimesh.Trimesh, step: float, random: Random) -> tuple[Points, Floats]:
@@ -48,12 +113,6 @@ def places_on(surface: trimesh.Trimesh, step: float, random: Random) -> tuple[Po
         np.concatenate([points, *np.moveaxis(surface.triangles, 1, 0), surface.triangles_center]),
         np.concatenate([faces, *[every] * 4]),
     )
-
-
-def gaps(one: trimesh.Trimesh, other: trimesh.Trimesh, wall: float, random: Random) -> Floats:
-    """Return the distance of places of a surface from another one, of near triangles, mm."""
-    points, _ = places_on(one, 0.5 * wall, random)
-    return far_from(points, other, wall, random)
 
 
 def far_from(points: Points, other: trimesh.Trimesh, wall: float, random: Random) -> Floats:

@@ -37,7 +37,7 @@ from tests.crossings import faults_by_cgal
 from tests.skeletons import polyline
 from tests.validation import attacks
 from tests.validation.attacks import Random, chain, directions, star
-from tests.walls import eroded_volume, filled_volume, gaps, of_solids
+from tests.walls import Side, eroded_volume, filled_volume, of_solids, walls_between
 
 LEAST_WALL = 0.9
 """Least wall over what was asked for."""
@@ -158,17 +158,15 @@ def outcome(
         if not read.is_watertight:
             fault = fault or "not watertight"
         shells = read.split(only_watertight=False)
-        outer = [shell for shell in shells if shell.volume > 0]
-        inner = [shell for shell in shells if shell.volume <= 0]
+        outer = Side([shell for shell in shells if shell.volume > 0], [])
+        inner = Side([shell for shell in shells if shell.volume <= 0], [])
     parts = skeleton.component_count
-    if len(outer) > parts:
-        fault = fault or f"{len(outer)} bodies for {parts}"
-    if not inner:
+    if len(outer.meshes) > parts:
+        fault = fault or f"{len(outer.meshes)} bodies for {parts}"
+    if not inner.meshes:
         return Outcome(fault or "not hollow", 0.0, 1.0, 0.0, 1.0)
-    outside, inside = trimesh.util.concatenate(outer), trimesh.util.concatenate(inner)
-    walls = np.concatenate(
-        [gaps(inside, outside, wall, random), gaps(outside, inside, wall, random)]
-    )
+    outside, inside = outer.whole, inner.whole
+    walls = walls_between(outer, inner, wall, random)
     expected, error = eroded_volume(outside, wall, random)
     ratio = volume / expected
     filled = filled_volume(skeleton, outside, inside, wall, random) / expected
