@@ -264,7 +264,8 @@ def by_edges(brep: AnalyticBrep) -> AnalyticBrep:
 def with_voids(brep: AnalyticBrep, void: Bools) -> AnalyticBrep:
     """Return the same with some of its shells (s,) as voids in the others, each a solid.
 
-    A void is in that of the solids whose box holds its own that has the nearest vertex.
+    A void is in that of the solids whose box holds its own that has the nearest vertex. Whole
+    circles reach beyond their vertex, and straight struts have no others.
     """
     order = np.argsort(void, kind="stable")
     rank = np.empty_like(order)
@@ -275,8 +276,9 @@ def with_voids(brep: AnalyticBrep, void: Bools) -> AnalyticBrep:
     of_use = shell[np.repeat(np.arange(len(shell)), np.diff(faces.loops))[loop]]
     low, high = np.full((2, len(void), 3), np.inf)
     ends = brep.vertices[brep.edges.ends[faces.edge]]  # (u, 2, 3)
-    np.minimum.at(low, of_use, ends.min(axis=1))
-    np.minimum.at(high, of_use, -ends.max(axis=1))
+    lows, highs = _boxes(brep)
+    np.minimum.at(low, of_use, lows[faces.edge])
+    np.minimum.at(high, of_use, -highs[faces.edge])
     solid = np.arange(len(void))
     for each in range(bodies, len(void)):
         holds = (low[:bodies] <= low[each]).all(axis=1) & (high[:bodies] <= high[each]).all(axis=1)
@@ -284,3 +286,17 @@ def with_voids(brep: AnalyticBrep, void: Bools) -> AnalyticBrep:
         distance, nearest = map(np.asarray, cKDTree(ends[around, 0]).query(ends[of_use == each, 0]))
         solid[each] = of_use[around][nearest[distance.argmin()]]
     return replace(brep, faces=replace(faces, shell=shell), solid=solid)
+
+
+def _boxes(brep: AnalyticBrep) -> tuple[Points, Points]:
+    """Return the boxes of the ends of edges and of whole circles, low and high, both (e, 3)."""
+    edges = brep.edges
+    ends = brep.vertices[edges.ends]
+    low, high = ends.min(axis=1), ends.max(axis=1)
+    lines, count, _ = edges.counts
+    start, end = edges.ends[lines : lines + count].T
+    whole = np.flatnonzero(start == end)
+    center, axis = edges.circles.origin[whole], edges.circles.z[whole]
+    reach = edges.radii[whole, None] * np.sqrt((1.0 - axis**2).clip(0.0))
+    low[lines + whole], high[lines + whole] = center - reach, center + reach
+    return low, high

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial.transform import Rotation
 
 from scaffold_cad import to_brep, to_solid
 from scaffold_cad.brep import brep_of_faces
@@ -18,6 +19,7 @@ from scaffold_cad.solid.mixed import mixed_brep
 from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts import RoundStruts, round_struts
 from scaffold_cad.struts.breps.faces import brep_of_struts
+from scaffold_cad.struts.options import Ends
 from tests.skeletons import K4
 from tests.solid.field.judges import distances
 
@@ -210,6 +212,20 @@ def test_hollow_struts_are_hollow_in_clusters_too(
     analytic = faces.faces.kinds[faces.faces.kinds < Surface.SPLINE]
     sizes = faces.faces.sizes[analytic == Surface.CYLINDER, 0]
     assert sorted(set(sizes.round(12).tolist())) == [0.6, 1.0]
+
+
+@pytest.mark.parametrize("ends", ["flat", "round"])
+def test_voids_are_in_their_own_strut_beside_a_larger_cluster(ends: Ends) -> None:
+    beside = np.array([[18.0, 2, 4], [22, 7, 5]])
+    nodes = np.concatenate([CROSSING.nodes, beside])
+    turned = Rotation.from_rotvec([0.6, 0.5, 0.4]).apply(nodes)
+    both = Skeleton(turned, np.concatenate([CROSSING.edges, [[4, 5]]]), 1.0)
+    shape = brep_of_faces(mixed_brep(round_struts(both, wall=0.3, ends=ends)))
+    assert sorted(len(solid.shells()) for solid in shape.solids()) == [2, 2]
+    small = min(shape.solids(), key=lambda solid: float(solid.volume))
+    length = float(np.linalg.norm(np.ptp(beside, axis=0)))
+    caps = 4 / 3 * (1 - 0.7**3) if ends == "round" else 0.6 * 0.7**2
+    assert small.volume == pytest.approx(np.pi * (length * (1 - 0.7**2) + caps), rel=1e-6)
 
 
 @pytest.mark.parametrize("wall", [0.15, 0.06])
