@@ -12,6 +12,7 @@ from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import tile
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import rounds, solidified, thicken, to_solid
+from scaffold_cad.solid.clusters import fewest
 from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts import round_struts
 from tests.crossings import check_as_written
@@ -137,11 +138,13 @@ def test_the_gap_between_components_stays_where_others_overlap() -> None:
     assert not contains(mesh, np.array([[x, 1.025, 9.1] for x in (5, 10, 15)])).any()
 
 
+@pytest.mark.parametrize(("gap", "corners"), [(1e-4, fewest.MOST_CORNERS), (0.05, 100)])
 def test_struts_that_hardly_keep_apart_are_united_and_named(
-    caplog: pytest.LogCaptureFixture,
+    gap: float, corners: int, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    nodes = [[0, 0, 0], [9, 0, 0], [0, 2.0001, 0], [9, 2.0001, 0]]
+    monkeypatch.setattr(fewest, "MOST_CORNERS", corners)
+    nodes = [[0, 0, 0], [9, 0, 0], [0, 2 + gap, 0], [9, 2 + gap, 0]]
     near = round_struts(Skeleton(nodes, [[0, 1], [2, 3]], 1.0))
     assert len(near.overlapping) == 0
-    check_as_written(round_mesh(near, 8))
+    check_as_written(round_mesh(near, 16))
     assert re.search(r"1 pair of struts .* edges 0 and 1, near \[4.5, 0, 0\] mm", caplog.text)

@@ -17,6 +17,9 @@ from scaffold_cad.struts.model import RoundStruts
 MOST = 128
 """Sides up to which they are doubled: these reach beyond their circles by 0.0005 of the radius."""
 
+MOST_CORNERS = 2_000_000
+"""Polygons' corners up to which they are doubled, over two polygons a strut: some 1 GB of mesh."""
+
 _log = logging.getLogger(__name__)
 
 
@@ -25,7 +28,8 @@ def fewest_sides(struts: RoundStruts, sides: int) -> int:
 
     Struts that overlap others in any case do not count, and where there are some, neither do other
     pairs of one component, such as a foam: all of it would get more triangles. Where even `MOST`
-    are not enough they are `sides`, which is logged, as these struts come to be united.
+    are not enough, or the mesh would be too large, they are `sides`, and a warning tells that these
+    struts come to be united.
 
     Examples
     --------
@@ -35,10 +39,10 @@ def fewest_sides(struts: RoundStruts, sides: int) -> int:
     32
     """
     crossing = struts.crowded_runs | struts.crowded[struts.runs.edges].any(axis=1)
-    enough = sides
+    enough, count = sides, 2 * len(crossing)
     while len(near := _near(struts, enough, crossing)):
-        if 2 * enough > MOST:
-            _report(struts, near)
+        if 2 * enough > MOST or 2 * enough * count > MOST_CORNERS:
+            _report(struts, near, enough)
             return sides
         enough *= 2
     if enough > sides:
@@ -73,13 +77,13 @@ def _near(struts: RoundStruts, sides: int, crossing: Bools) -> Edges:
     return pairs[apart]
 
 
-def _report(struts: RoundStruts, near: Edges) -> None:
+def _report(struts: RoundStruts, near: Edges, sides: int) -> None:
     edges = [int((struts.runs.run_of_edge == run).argmax()) for run in near[0]]
     _log.warning(
         "%s each other by less than %.2g radii, and are united: edges %d and %d, near %s, first; "
         "need more room between them, or a STEP file",
         counted(len(near), "pair of struts passes", "pairs of struts pass"),
-        2 * polygon_slack(MOST),
+        2 * polygon_slack(sides),
         *edges,
         place_text(struts.skeleton.nodes[struts.skeleton.edges[edges[0]]].mean(axis=0)),
     )
