@@ -5,11 +5,14 @@ from __future__ import annotations
 import argparse
 import logging
 import os
+import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 from functools import partial
 from multiprocessing import get_context
+from threading import current_thread, main_thread
 from typing import TextIO
 
 from scaffold_cad.base.arguments import as_count
@@ -20,6 +23,9 @@ from scaffold_cad.errors import FormatError, ScaffoldCadError
 
 BAD_INPUT = 2
 INTERRUPTED = 130
+
+TERMINATED = (signal.SIGTERM, signal.default_int_handler)
+"""SIGTERM ends work as Ctrl-C does."""
 
 RED, YELLOW, PLAIN = "\x1b[31m", "\x1b[33m", "\x1b[0m"
 
@@ -38,7 +44,25 @@ def run(options: argparse.Namespace) -> int:
             return _run_all(files, getattr(options, "jobs", None), folder)
 
     log_to_stderr(options)
-    return _guarded(work)
+    try:
+        with _interrupted_by_sigterm():
+            return _guarded(work)
+    except KeyboardInterrupt:
+        print(_prefix(sys.stderr, RED) + "interrupted", file=sys.stderr)
+        return INTERRUPTED
+
+
+@contextmanager
+def _interrupted_by_sigterm() -> Iterator[None]:
+    """Let SIGTERM end work as Ctrl-C does, so that no hidden file stays."""
+    if current_thread() is not main_thread():
+        yield
+        return
+    before = signal.signal(*TERMINATED)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before if before is not None else signal.SIG_DFL)
 
 
 def _run_all(files: list[argparse.Namespace], jobs: int | None, folder: str) -> int:
@@ -47,7 +71,7 @@ def _run_all(files: list[argparse.Namespace], jobs: int | None, folder: str) -> 
     count = as_count(1 if jobs is None else jobs, "--jobs", 1)
     if count == 1:
         return max(map(one, files))
-    with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
+    with ProcessPoolExecutor(count, get_context("spawn"), signal.signal, TERMINATED) as pool:
         return max(pool.map(one, files))
 
 
@@ -91,9 +115,6 @@ def _guarded(
         return BAD_INPUT
     except OSError as error:  # of standard output: files raise a FormatError
         return unprinted(error)
-    except KeyboardInterrupt:
-        tell("interrupted")
-        return INTERRUPTED
     return code
 
 

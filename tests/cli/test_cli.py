@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import re
+import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -342,12 +345,31 @@ def test_strict_refuses_what_needs_repair(
     assert "was repaired: 1 duplicate edge" in capsys.readouterr().err
 
 
-def test_interrupted_work_exits_with_130(figure: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    def interrupt(*_: object, **__: object) -> None:
-        raise KeyboardInterrupt
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("files", [1, 3])
+def test_interrupted_work_exits_with_130_and_leaves_no_file(
+    sent: signal.Signals,
+    files: int,
+    figure: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        begun.append(1)
+        assert list(folder.glob(".scaffold-cad-*"))
+        signal.raise_signal(sent)
 
-    monkeypatch.setattr("scaffold_cad.cli.source.read_raw", interrupt)
-    assert main(["build", figure, "-o", "x.stl"]) == 130
+    begun: list[int] = []
+    folder = tmp_path / "out"
+    before = signal.getsignal(signal.SIGTERM)
+    monkeypatch.setattr(os, "fsync", interrupted)
+    inputs = [shutil.copy(figure, tmp_path / f"figure{k}.json") for k in range(files)]
+    assert main(["build", *map(str, inputs), "-o", f"{folder}/", "--format", "stl"]) == 130
+    assert len(begun) == 1  # and no other file after it
+    assert capsys.readouterr().err.splitlines()[-1] == "scaffold-cad: interrupted"
+    assert list(folder.iterdir()) == []
+    assert signal.getsignal(signal.SIGTERM) is before
 
 
 @pytest.mark.parametrize("options", [[], ["--round"], ["--round", "--sides", "4000"]])
