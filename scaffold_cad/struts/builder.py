@@ -25,7 +25,7 @@ from scaffold_cad.struts.elbows import Elbows, elbow_curves, elbows_of
 from scaffold_cad.struts.groups import Group, reached_fillets, with_blends, with_walls
 from scaffold_cad.struts.hollow.insides import hollow_nodes, limits_beside
 from scaffold_cad.struts.hollow.sockets import sockets_of
-from scaffold_cad.struts.hollow.walls import end_walls, without_wall
+from scaffold_cad.struts.hollow.walls import check_wall, end_walls, without_wall
 from scaffold_cad.struts.likes import check_like
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.options import Bend, Blend, Ends, Joints, Nodes, StrutOptions, as_blend
@@ -111,11 +111,13 @@ def round_struts(
         skeleton = with_balls(skeleton)
     if like is not None:
         check_like(skeleton, options, like)
+    if wall is not None:
+        check_wall(skeleton, wall)
+        bored = sockets_of(sockets, skeleton, wall)
     outer = _built(skeleton, options, like)
     _tell_shrunk(outer)
     if wall is None:
         return outer
-    bored = sockets_of(sockets, skeleton, wall)
     at_ends = end_walls(skeleton, wall, ends)
     at_ends[ball_ends(skeleton, outer.runs)] = 0.0  # they are a wall smaller themselves
     at_ends[bored.nodes] = bored.depths

@@ -39,21 +39,9 @@ def end_walls(skeleton: Skeleton, wall: float, ends: Ends) -> Floats:
     return found
 
 
-def without_wall(skeleton: Skeleton, wall: float, at_ends: Floats) -> Skeleton:
-    """Return the skeleton of what is inside struts with walls.
-
-    Parameters
-    ----------
-    wall : thickness, mm
-    at_ends : (n,) by how much struts are shorter at extremities, mm
-
-    Raises
-    ------
-    OptionError
-        If a strut is not thicker than twice its wall, or not longer than its ends; it is named.
-    """
-    # A cone's wall is as thick as asked across the cone, not across its axis.
-    across = wall * np.hypot(1.0, np.diff(skeleton.edge_radii, axis=1)[:, 0] / skeleton.lengths)
+def check_wall(skeleton: Skeleton, wall: float) -> None:
+    """Raise if the radius of a strut is not larger than `wall`, mm; it is named."""
+    across = _across(skeleton, wall)
     thin = np.flatnonzero(skeleton.edge_radii.min(axis=1) <= across)
     if len(thin):
         radius = skeleton.edge_radii[thin[0]].min()
@@ -63,6 +51,26 @@ def without_wall(skeleton: Skeleton, wall: float, at_ends: Floats) -> Skeleton:
             f"wall is {wall:g} mm{steep}, and edge {thin[0]} near {place_text(near)} has radius "
             f"{radius:g} mm; need a wall that is thinner than each radius"
         )
+
+
+def _across(skeleton: Skeleton, wall: float) -> Floats:
+    """Return how thick walls are across the axis of each strut, (m,): more at cones."""
+    return wall * np.hypot(1.0, np.diff(skeleton.edge_radii, axis=1)[:, 0] / skeleton.lengths)
+
+
+def without_wall(skeleton: Skeleton, wall: float, at_ends: Floats) -> Skeleton:
+    """Return the skeleton of what is inside struts with walls, which `check_wall` lets pass.
+
+    Parameters
+    ----------
+    wall : thickness, mm
+    at_ends : (n,) by how much struts are shorter at extremities, mm
+
+    Raises
+    ------
+    OptionError
+        If a strut is not longer than its ends; it is named.
+    """
     skeleton, at_ends = with_long_ends(skeleton, at_ends)
     is_end = skeleton.valency[skeleton.edges] == 1  # (m, 2)
     cut = at_ends[skeleton.edges] * is_end
@@ -73,8 +81,7 @@ def without_wall(skeleton: Skeleton, wall: float, at_ends: Floats) -> Skeleton:
     nodes = skeleton.nodes.copy()
     ahead = skeleton.directions.reshape(-1, 2, 3)
     nodes[skeleton.edges[is_end]] += (cut[..., None] * ahead)[is_end]
-    across = wall * np.hypot(1.0, (far - near) / skeleton.lengths)
-    inside = np.stack([start, end], axis=1) - across[:, None]
+    inside = np.stack([start, end], axis=1) - _across(skeleton, wall)[:, None]
     return Skeleton(nodes, skeleton.edges, _balls_inside(skeleton, inside, wall), inside)
 
 
