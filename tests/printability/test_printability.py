@@ -544,11 +544,11 @@ def test_the_printed_volume_of_the_file_is_its_size(tmp_path: Path) -> None:
 def test_unknown_names_and_negative_limits_are_refused() -> None:
     with pytest.raises(OptionError, match="process is 'glue'; need one of fdm, sla, sls, lpbf"):
         check_printability(CUBE, "glue")
-    with pytest.raises(OptionError, match=r"process is \[\]; need one of .*, or a Process"):
+    with pytest.raises(OptionError, match="process is a list; need one of .*, or a Process"):
         check_printability(CUBE, [])  # type: ignore[arg-type]
     with pytest.raises(OptionError, match="material is 'cheese'"):
         check_printability(CUBE, material="cheese")
-    with pytest.raises(OptionError, match=r"material is \['pla'\]"):
+    with pytest.raises(OptionError, match="material is a list"):
         check_printability(CUBE, material=["pla"])  # type: ignore[arg-type]
     with pytest.raises(OptionError, match="layer of a process is 'thin'; need a number"):
         replace(SLS, layer="thin")  # type: ignore[arg-type]
