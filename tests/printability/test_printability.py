@@ -544,7 +544,7 @@ def test_the_printed_volume_of_the_file_is_its_size(tmp_path: Path) -> None:
 def test_unknown_names_and_negative_limits_are_refused() -> None:
     with pytest.raises(OptionError, match="process is 'glue'; need one of fdm, sla, sls, lpbf"):
         check_printability(CUBE, "glue")
-    with pytest.raises(OptionError, match="process is a list; need one of .*, or a Process"):
+    with pytest.raises(OptionError, match=r"process is a list; need one of .*, or a Process"):
         check_printability(CUBE, [])  # type: ignore[arg-type]
     with pytest.raises(OptionError, match="material is 'cheese'"):
         check_printability(CUBE, material="cheese")
