@@ -31,7 +31,7 @@ PHRASES = {
 }
 """What messages are about in other words than the flag's."""
 ADVICE = {
-    "lattice_part makes it of triangles": "-o part.stl makes it of triangles",
+    "lattice_part and strut_part make it of triangles": "-o part.stl makes it of triangles",
     "(to_solid unites these struts instead)": "(files of meshes have these struts united instead)",
     "(`to_solid` does for a scaffold)": "(scaffold-cad build does for skeletons)",
     "(`to_solid`)": "(scaffold-cad build does for skeletons)",
@@ -68,7 +68,7 @@ def with_flags(message: str) -> str:
     '--drain is 0 mm; need > 0'
     >>> with_flags("unit cell is 'x'; need one of sc, bcc")
     "--cell is 'x'; need one of sc, bcc"
-    >>> with_flags("unions stay wrong (lattice_part makes it of triangles)")
+    >>> with_flags("unions stay wrong (lattice_part and strut_part make it of triangles)")
     'unions stay wrong (-o part.stl makes it of triangles)'
     """
     message = with_ways(message)

@@ -72,7 +72,7 @@ MOST_FACETS = 60_000
 FACET_TIME = 0.0015
 """What OCCT takes to cut a face of such a union, s: 0.0012 to 0.0019 for 21 000 to 46 000."""
 
-_MESH = "lattice_part makes it of triangles"
+_MESH = "lattice_part and strut_part make it of triangles"
 
 _log = logging.getLogger(__name__)
 

@@ -186,7 +186,7 @@ def dumbbell() -> Any:
             lambda: Box(9, 9, 9),
             {"skin": 1.0, "radius": 2.5},
             BrepError,
-            "joints.*, or overlaps='unite' .*lattice_part makes it",
+            "joints.*, or overlaps='unite' .*lattice_part and strut_part make it",
         ),
         (lambda: Box(80, 80, 80), {"skin": 1.0}, BrepError, r"has \d+ struts, .* need 5000"),
         (lambda: Box(9, 9, 9), {"skin": 1.0, "section": "oval"}, OptionError, "section is 'oval'"),
