@@ -55,6 +55,10 @@ MISPLACED = 0.01
 OFF = 5e-3
 """How far the struts' volume in a void may be off that of a mesh of them, as a fraction."""
 
+WALL_DISTANCE, WALL_ANGLE = 0.01, 0.2
+"""Of the triangles that stand for hollow or square struts, mm and rad: 0.2 % less than their faces
+where a wall is a quarter of the radius."""
+
 FINE_DISTANCE, FINE_ANGLE = 1e-3, 0.1
 """Of the triangles that stand for the void, mm and rad: between thin walls struts are so short that
 it shows where they are cut."""
@@ -325,12 +329,15 @@ def _united(hollow: HollowSolid, model: Model, overlaps: Overlaps) -> tuple[str,
         raise BrepError(f"{error} ({_MESH})") from None
     if len(edges):
         _check_facets(len(frame.faces()))
+    # Both are what the struts take up inside the skin: of triangles, and of exact faces.
+    left = (inside - _meshed(model, frame, united=len(edges) > 0)).volume()
+    wanted = inside.volume() - left
+    if left < OFF * wanted:
+        raise BrepError(f"the struts fill the body; need thinner ones, or larger cells ({_MESH})")
     voids = brep.without(inner, frame.solids())
     if not voids:
         return "nothing is left of the void between them", None
-    # Both are what the struts take up inside the skin: of exact faces, and of triangles.
     found = inner.volume - sum(void.volume for void in voids)
-    wanted = inside.volume() - (inside - _meshed(model, frame)).volume()
     if abs(found - wanted) > OFF * wanted:
         return f"the struts inside the skin get {found:.6g} mm³ and not {wanted:.6g}", None
     part, loose = brep.with_voids(hollow.solid, voids)
@@ -341,12 +348,12 @@ def _united(hollow: HollowSolid, model: Model, overlaps: Overlaps) -> tuple[str,
     return "", part
 
 
-def _meshed(model: Model, frame: Shape) -> Manifold:
-    """Return struts as triangles that have the volume of their exact faces.
+def _meshed(model: Model, frame: Shape, *, united: bool) -> Manifold:
+    """Return struts as triangles that have the volume of their faces.
 
-    Polygons of round struts have their circles' volume; bilinear faces of square ones need more
-    than two triangles.
+    Polygons of round struts have their circles' volume; walls of few sides have more, and bilinear
+    faces of square struts need more than two triangles.
     """
-    if isinstance(model, RoundStruts):
+    if isinstance(model, RoundStruts) and model.inner is None and not united:
         return solidified(model).manifold
-    return manifolds.to_manifold(brep.tessellated(frame))
+    return manifolds.to_manifold(brep.tessellated(frame, WALL_DISTANCE, WALL_ANGLE))

@@ -102,13 +102,14 @@ def test_a_part_with_a_skin_is_one_valid_solid_with_true_cylinders(
     assert np.isclose(radii, radius, atol=1e-6).sum() == len(struts)
 
 
-def test_struts_that_overlap_are_united_under_a_skin() -> None:
+@pytest.mark.parametrize("wall", [None, 0.3])
+def test_struts_that_overlap_are_united_under_a_skin(wall: float | None) -> None:
     nodes = [[-9, 0, -1], [9, 0, -1], [0, -9, 0], [0, 9, 0], [5, 0, -9], [5, 0, 9]]
     crossing = Skeleton(nodes, [[0, 1], [2, 3], [4, 5]], 1.0)
-    solid = strut_solid(Box(16, 16, 16), crossing, skin=1.5, overlaps="unite")
+    solid = strut_solid(Box(16, 16, 16), crossing, skin=1.5, wall=wall, overlaps="unite")
     assert solid.is_valid
-    assert len(solid.shells()) == 2
-    of_triangles = strut_part(Box(16, 16, 16), crossing, skin=1.5, sides=32)
+    assert len(solid.shells()) == (2 if wall is None else 3)
+    of_triangles = strut_part(Box(16, 16, 16), crossing, skin=1.5, wall=wall, sides=32)
     assert solid.volume == pytest.approx(of_triangles.volume(), rel=1e-3)
     kinds = {face.geom_type for face in solid.faces()}
     assert kinds == {GeomType.PLANE, GeomType.CYLINDER}
@@ -145,6 +146,9 @@ def test_lattice_fill_takes_a_skin() -> None:
         lattice_solid(Box(16, 16, 16), "bcc", 8.0, RADIUS, skin=1.5).volume
     )
     assert (part.skeleton.radii == RADIUS).all()
+    hollow = LatticeFill(Box(10, 10, 10), "bcc", 8.0, 0.6, skin=1.5, section="round", wall=0.15)
+    assert hollow.is_valid
+    assert len(hollow.shells()) == 3
     with pytest.raises(OptionError, match="keep or dangling is given with a skin"):
         LatticeFill(Box(16, 16, 16), "bcc", 8.0, RADIUS, skin=1.5, keep="whole")
 
@@ -174,6 +178,12 @@ def dumbbell() -> Any:
             {"skin": 1.0},
             OptionError,
             "the body has 2 solids; need one",
+        ),
+        (
+            lambda: Box(9, 9, 9),
+            {"skin": 1.0, "radius": 4.0, "overlaps": "unite"},
+            BrepError,
+            "the struts fill the body; need thinner ones",
         ),
         (
             lambda: Box(9, 9, 9) - Sphere(2),
