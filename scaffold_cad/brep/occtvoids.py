@@ -114,7 +114,8 @@ def _make_tori(shape: Shape) -> None:
 
     OCCT offsets a fillet that is wider than the corner it goes around as a surface of its own, and
     takes it for another one when it reads it from a STEP file. Its booleans come before: they lose
-    pieces of tori that cross themselves.
+    pieces of tori that cross themselves. Faces are changed in place, those of the body too, whose
+    surfaces stay where they are.
     """
     for face in shape.faces():
         place = TopLoc_Location()
