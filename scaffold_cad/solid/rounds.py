@@ -70,7 +70,7 @@ def faulty_runs(struts: RoundStruts, made: Triangulated, sides: int) -> Bools:
     made : the triangles with this number of `sides`
     """
     faulty = struts.crowded | unseen(struts, made)
-    faulty |= without_triangles(struts.sharp, sides, len(faulty))
+    faulty |= without_triangles(struts, sides)
     found = crossings(
         struts.runs,
         struts.blended,

@@ -80,10 +80,10 @@ def round_struts(
         large as every strut's circle needs on it; or "sharp" edges in which the struts meet: the
         union of their cylinders, cones and balls, without a fillet. Bends of two equal struts of at
         most 90° meet in the plane between them, as mitred pipes do; behind the struts of other
-        nodes there is the ball that touches the thickest. `blend`, `joints`, `bend` and `like` are
-        for blends
+        nodes there is the ball that touches the thickest. `blend`, `joints` and `bend` are for
+        blends
     like : struts of the same skeleton with its nodes elsewhere: partitions and triangles stay, for
-        animation and optimization
+        animation and optimization; not with sharp nodes
 
     Raises
     ------
@@ -92,7 +92,7 @@ def round_struts(
     OptionError
         If an option has no such value, or `like` is of another graph, with other ends or walls.
     PartitionError
-        If nodes moved too far for the partitions of `like`.
+        If nodes moved too far for the partitions of `like`, or for its balls.
 
     Examples
     --------
@@ -165,7 +165,7 @@ def _built(
     else:
         runs = straight_runs(skeleton) if like is None else like.runs.moved(skeleton)
     if options.is_sharp:
-        return sharp_struts(skeleton, options, runs)
+        return sharp_struts(skeleton, options, runs, like)
     plan = _planned(skeleton, runs, options, like, outer, blended)
     wall = None if outer is None else outer.options.wall
     solved = [] if outer is None or wall is None else list(hollow_nodes(outer, runs, wall))

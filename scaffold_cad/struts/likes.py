@@ -18,16 +18,19 @@ def check_like(skeleton: Skeleton, options: StrutOptions, like: RoundStruts) -> 
     Raises
     ------
     OptionError
-        If the graph, the ends, the balls there or the walls are others, or nodes are sharp.
+        If the graph, the ends, the nodes' kind, the balls or the walls are others, or nodes are
+        sharp.
     """
     check_kind(like, RoundStruts, name="like")
-    if options.is_sharp or like.options.is_sharp:
-        edged = (options if options.is_sharp else like.options).nodes
+    kinds = options.nodes, like.options.nodes
+    if "sharp" in kinds:
         raise OptionError(
-            f"like with nodes={edged!r}, whose edges and triangles are others where nodes move; "
+            "like with nodes='sharp', whose edges and triangles are others where nodes move; "
             f"need nodes='blend' for both, with blend={SHARP} radii of the thinnest strut for "
-            "nearly sharp nodes"
+            "nearly sharp nodes, or nodes='ball'"
         )
+    if kinds[0] != kinds[1]:
+        raise OptionError(f"like has nodes={kinds[1]!r}, not {kinds[0]!r}; need the same")
     if not np.array_equal(skeleton.edges, like.skeleton.edges):
         raise OptionError(
             f"like has {len(like.skeleton.edges)} edges, which are not the skeleton's "

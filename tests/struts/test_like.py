@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from scaffold_cad import RoundStruts, Skeleton, read_skeleton, round_struts
-from scaffold_cad.errors import OptionError
+from scaffold_cad.errors import OptionError, PartitionError
+from scaffold_cad.solid.clusters.fewest import fewest_sides
 from scaffold_cad.struts.meshes.surface import triangulated
 from tests.test_examples import EXAMPLES
 
@@ -59,3 +60,61 @@ def test_other_ends_are_refused() -> None:
 def test_a_joint_that_was_straight_is_refused_where_it_bends() -> None:
     with pytest.raises(OptionError, match="node 1 was a straight joint in like, and bends now"):
         round_struts(bent(45), like=round_struts(bent(0)))
+
+
+def jib(degrees: float) -> Skeleton:
+    """Return a space frame of two nodes, of which one strut of six is turned."""
+    angle = np.radians(degrees)
+    tip = np.array([40 * np.cos(angle), 40 * np.sin(angle), 0])
+    ends = [[0, 20, 9], [0, -20, 9], [-20, 0, 0], [0, 0, -20]]
+    edges = [[0, 1], [0, 2], [0, 3], [0, 4], [0, 5], [1, 6], [1, 7]]
+    others = tip + np.array([[0, 0, 30], [9, -20, -20]])
+    return Skeleton([[0, 0, 0], tip, *ends, *others], edges, 1.0)
+
+
+def test_balls_keep_their_triangles_where_struts_turn() -> None:
+    first = round_struts(jib(0), nodes="ball")
+    frames = [round_struts(jib(turn), nodes="ball", like=first) for turn in (0, 10, 25)]
+    check_same(first, frames)
+    start = triangulated(first, 12).mesh
+    np.testing.assert_allclose(triangulated(frames[0], 12).mesh.vertices, start.vertices, atol=1e-9)
+    again = round_struts(jib(25), nodes="ball", like=frames[1])
+    check_same(first, [again])
+    free = triangulated(round_struts(jib(25), nodes="ball"), 12).mesh
+    assert triangulated(again, 12).mesh.signed_volume == pytest.approx(free.signed_volume, rel=3e-3)
+
+
+def test_hollow_balls_keep_their_triangles() -> None:
+    first = round_struts(jib(0), nodes="ball", wall=0.4)
+    check_same(first, [round_struts(jib(8), nodes="ball", wall=0.4, like=first)])
+
+
+def test_a_node_that_turns_as_a_whole_turns_its_triangles() -> None:
+    first = round_struts(jib(0), nodes="ball")
+    turned = round_struts(jib(0).turned(1.3), nodes="ball", like=first)
+    check_same(first, [turned])
+    start, mesh = (triangulated(each, 12).mesh for each in (first, turned))
+    assert mesh.signed_volume == pytest.approx(start.signed_volume, rel=1e-5)
+
+
+def test_balls_whose_struts_turn_too_far_are_named() -> None:
+    first = round_struts(jib(0), nodes="ball")
+    far = round_struts(jib(0).mirrored([0, 1, 0]), nodes="ball", like=first)
+    with pytest.raises(PartitionError, match=r"struts of node 1 at \[40, 0, 0\] mm turned too far"):
+        triangulated(far, 12)
+
+
+def test_other_nodes_are_refused() -> None:
+    with pytest.raises(OptionError, match="like has nodes='blend', not 'ball'; need the same"):
+        round_struts(bent(50), nodes="ball", like=round_struts(bent(45)))
+
+
+def test_struts_that_come_near_each_other_keep_the_sides_of_the_first() -> None:
+    def pair(gap: float) -> Skeleton:
+        ends = [[0, 0, 0], [20, 0, 0], [0, 2 + gap, 0], [20, 2 + gap, 0]]
+        return Skeleton(ends, [[0, 1], [2, 3]], 1.0)
+
+    near, far = round_struts(pair(0.05)), round_struts(pair(1.0))
+    assert (fewest_sides(near, 16), fewest_sides(far, 16)) == (32, 16)
+    assert fewest_sides(round_struts(pair(1.0), like=near), 16) == 32
+    assert fewest_sides(round_struts(pair(0.05), like=far), 16) == 16

@@ -29,7 +29,7 @@ def fewest_sides(struts: RoundStruts, sides: int) -> int:
     Struts that overlap others in any case do not count, and where there are some, neither do other
     pairs of one component, such as a foam: all of it would get more triangles. Where even `MOST`
     are not enough, or the mesh would be too large, they are `sides`, and a warning tells that these
-    struts come to be united.
+    struts come to be united. Struts made like others have as many sides as the first of these.
 
     Examples
     --------
@@ -39,13 +39,16 @@ def fewest_sides(struts: RoundStruts, sides: int) -> int:
     32
     """
     crossing = struts.crowded_runs | struts.crowded[struts.runs.edges].any(axis=1)
-    enough, count = sides, 2 * len(crossing)
+    given, most = sides, MOST
+    if struts.like is not None:
+        given = most = fewest_sides(struts.like, sides)
+    enough, count = given, 2 * len(crossing)
     while len(near := _near(struts, enough, crossing)):
-        if 2 * enough > MOST or 2 * enough * count > MOST_CORNERS:
+        if 2 * enough > most or 2 * enough * count > MOST_CORNERS:
             _report(struts, near, enough)
-            return sides
+            return given
         enough *= 2
-    if enough > sides:
+    if enough > given:
         _log.info("struts pass each other closely: circles have %d sides, not %d", enough, sides)
     return enough
 

@@ -169,7 +169,7 @@ def _on_balls(struts: RoundStruts, points: Points) -> Bools:
 def _unmade(struts: RoundStruts, sides: int) -> Core:
     """Return the nodes and pieces that have no triangles of their own."""
     core = unproved(struts)
-    nodes = core.nodes | without_triangles(struts.sharp, sides, len(core.nodes))
+    nodes = core.nodes | without_triangles(struts, sides)
     return replace(core, nodes=nodes)
 
 

@@ -1,21 +1,29 @@
-"""The triangles of sharp nodes in place: their shapes, as much larger as polygons are."""
+"""The triangles of sharp nodes in place: their shapes, as much larger as polygons are.
+
+Nodes of struts that are made like others have the triangles of these.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Triangles
+from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Triangles, place_text
+from scaffold_cad.errors import PartitionError
 from scaffold_cad.struts.meshes.bands import enlargement
 from scaffold_cad.struts.model import RoundStruts
-from scaffold_cad.struts.sharp.nodes import BESIDE, CLEAR, SharpNodes
+from scaffold_cad.struts.sharp.moved import moved
+from scaffold_cad.struts.sharp.nodes import BESIDE, CLEAR
 from scaffold_cad.struts.sharp.shapes import SharpShape
 from scaffold_cad.struts.sharp.triangles import ShapeTriangles, triangles_of
 
 _known: WeakKeyDictionary[SharpShape, dict[int, ShapeTriangles | None]] = WeakKeyDictionary()
+_moved: WeakKeyDictionary[SharpShape, dict[tuple[int, int], ShapeTriangles]] = WeakKeyDictionary()
+"""By number of sides and node, of struts that are made like others."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +41,16 @@ class NodeTriangles(Frozen):
 
 
 def node_triangles(struts: RoundStruts, sides: int) -> Iterator[NodeTriangles]:
-    """Yield the triangles of sharp nodes, those of one shape together."""
+    """Yield the triangles of sharp nodes, those of one shape together.
+
+    Raises
+    ------
+    PartitionError
+        If a node moved too far from where struts that these are made like have it.
+    """
+    if struts.like is not None:
+        yield from _like_others(struts, sides)
+        return
     for group in struts.sharp:
         for number, shape in enumerate(group.shapes):
             rows = np.flatnonzero(group.shape_of == number)
@@ -46,10 +63,72 @@ def node_triangles(struts: RoundStruts, sides: int) -> Iterator[NodeTriangles]:
             yield NodeTriangles(group.nodes[rows], group.half_runs[rows], points, made.triangles)
 
 
-def without_triangles(sharp: tuple[SharpNodes, ...], sides: int, count: int) -> Bools:
-    """Return which of `count` nodes have a shape, but no triangles, (n,)."""
-    found = np.zeros(count, dtype=np.bool_)
-    for group in sharp:
+def _like_others(struts: RoundStruts, sides: int) -> Iterator[NodeTriangles]:
+    """Yield the triangles of the first of struts that are made like others, with the points moved.
+
+    Raises
+    ------
+    PartitionError
+        If a node moved too far.
+    """
+    first, *later = _chain(struts)
+    shapes = [_at_nodes(each) for each in (first, *later)]
+    for model in node_triangles(first, sides):
+        points = np.empty_like(model.points)
+        for row, node in enumerate(model.nodes.tolist()):
+            steps, place = [own[node][1] for own in shapes], struts.runs.nodes[node]
+            made = _triangles(steps[0], sides)
+            assert made is not None
+            for before, after in pairwise(steps):
+                made = _followed(made, before, after, sides, node, place)
+            points[row] = place + shapes[-1][node][0] * _larger(steps[-1], sides) * made.points
+        yield replace(model, points=points)
+
+
+def _chain(struts: RoundStruts) -> list[RoundStruts]:
+    """Return the first of struts that are made like others, what is made like it, and so on."""
+    found = [struts]
+    while found[-1].like is not None:
+        found.append(found[-1].like)
+    return found[::-1]
+
+
+def _at_nodes(struts: RoundStruts) -> dict[int, tuple[float, SharpShape]]:
+    """Return the radius of the ball, mm, and the shape of each node that has one."""
+    return {
+        node: (size, group.shapes[which])
+        for group in struts.sharp
+        for node, size, which in zip(
+            group.nodes.tolist(), group.size.tolist(), group.shape_of.tolist(), strict=True
+        )
+    }
+
+
+def _followed(
+    made: ShapeTriangles,
+    before: SharpShape,
+    after: SharpShape,
+    sides: int,
+    node: int,
+    place: Points,
+) -> ShapeTriangles:
+    """Return the triangles of a shape moved to another one, which a node at a place has."""
+    known = _moved.setdefault(after, {})
+    if (sides, node) not in known:
+        found = moved(made, before.curves.stars, after.curves.stars, sides)
+        if found is None:
+            raise PartitionError(
+                f"the struts of node {node} at {place_text(place)} turned too far from like for "
+                "the triangles of its ball; need less turn, or a larger radius of the node"
+            )
+        known[sides, node] = found
+    return known[sides, node]
+
+
+def without_triangles(struts: RoundStruts, sides: int) -> Bools:
+    """Return which nodes have a shape, but no triangles, (n,)."""
+    found = np.zeros(len(struts.runs.nodes), dtype=np.bool_)
+    for group in _chain(struts)[0].sharp:
         bad = np.array([_triangles(shape, sides) is None for shape in group.shapes])
         found[group.nodes[bad[group.shape_of]]] = True
     return found

@@ -42,6 +42,10 @@ class ShapeTriangles(Frozen):
     """Relative to the node, in radii of the ball, shape (p, 3)."""
     triangles: Triangles
     """Corners; p + sides * i + k is point k of the ring of strut i, shape (t, 3)."""
+    on_edges: int
+    """How many points are on edges; they come first. All others are inside of the ball's faces."""
+    on_ball: int
+    """How many triangles are of the ball; they come last."""
 
 
 def triangles_of(shape: SharpShape, sides: int) -> ShapeTriangles | None:
@@ -77,18 +81,20 @@ def _made(shape: SharpShape, edges: SampledEdges, sides: int) -> ShapeTriangles 
     if ball is None:
         return None
     triangles = np.concatenate([np.array(found, dtype=np.intp).reshape(-1, 3), ball])
-    points = _swelled(points, ball, len(edges.points), float(enlargement(np.zeros(1), sides)[0]))
-    return _compacted(points, triangles) if _closes(triangles, len(points)) else None
+    if not _closes(triangles, len(points)):
+        return None
+    points = swelled(points, ball, len(edges.points), sides)
+    return _compacted(points, triangles, len(edges.points), len(ball))
 
 
-def _compacted(points: Points, triangles: Triangles) -> ShapeTriangles:
+def _compacted(points: Points, triangles: Triangles, on_edges: int, on_ball: int) -> ShapeTriangles:
     """Return triangles without the points that none of them has."""
     own = triangles < len(points)
     kept = np.zeros(len(points), dtype=np.bool_)
     kept[triangles[own]] = True
     number = np.append(np.cumsum(kept) - 1, kept.sum() - len(points))
     moved = np.where(own, number[np.minimum(triangles, len(points))], triangles + number[-1])
-    return ShapeTriangles(points[kept], moved)
+    return ShapeTriangles(points[kept], moved, int(kept[:on_edges].sum()), on_ball)
 
 
 def _closes(triangles: Triangles, count: int) -> bool:
@@ -164,16 +170,18 @@ def _ball(shape: SharpShape, edges: SampledEdges, points: Points) -> Triangles |
     return np.array(found, dtype=np.intp)
 
 
-def _swelled(points: Points, ball: Triangles, fixed: int, larger: float) -> Points:
+def swelled(points: Points, ball: Triangles, fixed: int, sides: int) -> Points:
     """Return points, those inside of the ball's faces moved for these to have its volume.
 
     Parameters
     ----------
+    ball : triangles of these faces
     fixed : how many of the first points stay
-    larger : by how much all lengths are larger in the end
+    sides : of polygons, whose enlargement all lengths get in the end
     """
     if len(ball) == 0 or len(points) == fixed:
         return points
+    larger = float(enlargement(np.zeros(1), sides)[0])
     a, b, c = np.moveaxis(points[ball], 1, 0)  # (t, 3) each
     volume = triple(a, b, c)
     angles = 1.0 + dot(a, b) + dot(b, c) + dot(c, a)

@@ -106,7 +106,10 @@ def test_what_is_for_blends_is_refused(option: str, value: object) -> None:
 
 
 def test_like_is_refused() -> None:
-    with pytest.raises(OptionError, match=r"like with nodes='sharp'.* need nodes='blend' for both"):
+    with pytest.raises(
+        OptionError,
+        match=r"like with nodes='sharp'.* need nodes='blend' for both.* or nodes='ball'",
+    ):
         round_struts(BEND, nodes="sharp", like=round_struts(BEND))
 
 
