@@ -13,8 +13,15 @@ from types import FunctionType
 from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arrays import LARGEST_COORDINATE, LARGEST_WHOLE
+from scaffold_cad.base.arrays import (
+    LARGEST_COORDINATE,
+    LARGEST_WHOLE,
+    Floats,
+    UnitVectors,
+    as_floats,
+)
 from scaffold_cad.errors import KeywordError, OptionError
 
 LIKE = 0.65
@@ -231,6 +238,50 @@ def as_real(value: Any, name: str, *, hint: str = "") -> float:
         return float(value)
     except OverflowError:
         raise OptionError(f"{name} is beyond 1e308; need a smaller number") from None
+
+
+def as_vector(values: ArrayLike, name: str, *, unit: str = MM, most: float = np.inf) -> Floats:
+    """Return `values` as three finite numbers (3,).
+
+    Parameters
+    ----------
+    name, unit : of the values, for the message
+    most : size that none of them may exceed
+
+    Raises
+    ------
+    OptionError
+        If they are not such numbers.
+    """
+    vector = as_floats(values, name, OptionError)
+    if vector.shape != (3,) or not np.isfinite(vector).all() or np.abs(vector).max() > most:
+        limit = "" if most == np.inf else f" of at most {most:g}{unit}"
+        raise OptionError(f"{name} is {vector.tolist()}{unit}; need three finite numbers{limit}")
+    return vector
+
+
+def as_direction(values: ArrayLike, name: str, *, hint: str = "") -> UnitVectors:
+    """Return `values`, of any length > 0, as a unit vector (3,).
+
+    Parameters
+    ----------
+    name : of the direction, for the message
+    hint : what else is accepted in place of it, for the message
+
+    Raises
+    ------
+    OptionError
+        If they are not three finite numbers, or all are 0.
+    """
+    needed = f"need a direction, three finite numbers that are not all 0{hint}"
+    if isinstance(values, str):
+        raise OptionError(f"{name} is {described(values)}; {needed}")
+    vector = as_floats(values, name, OptionError)
+    if vector.shape != (3,) or not np.isfinite(vector).all() or not vector.any():
+        raise OptionError(f"{name} is {vector.tolist()}; {needed}")
+    near = vector / np.abs(vector).max()  # squares of large ones would overflow
+    direction: UnitVectors = near / np.linalg.norm(near)
+    return direction
 
 
 def as_count(value: Any, name: str, least: int = 0) -> int:

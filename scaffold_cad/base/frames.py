@@ -16,8 +16,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scaffold_cad.base.arguments import checks_keywords
-from scaffold_cad.base.arrays import Floats, Frames, Ints, Points, UnitVectors, as_floats, as_points
+from scaffold_cad.base.arguments import as_direction, checks_keywords
+from scaffold_cad.base.arrays import Floats, Frames, Ints, Points, UnitVectors, as_points
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import any_perpendicular, dot, length, normalize
 from scaffold_cad.errors import OptionError
@@ -150,14 +150,11 @@ def rotation_minimizing_frames(points: ArrayLike, first_x: ArrayLike | None = No
 
 def _across(vector: ArrayLike, tangent: UnitVectors) -> UnitVectors:
     """Return the direction of the part of `vector` (3,) at right angles to `tangent` (3,)."""
-    given = as_floats(vector, "first_x", OptionError)
-    if given.shape != (3,) or not np.isfinite(given).all():
-        raise OptionError(f"first_x is {given.tolist()}; need three finite numbers")
-    direction = normalize(given)
+    direction = as_direction(vector, "first_x")
     across = direction - dot(direction, tangent) * tangent
     if length(across) < LEAST_ACROSS:
         raise OptionError(
-            f"first_x is {given.tolist()}, along the polyline's start; need one across it"
+            f"first_x is along {direction.tolist()}, as the polyline's start; need one across it"
         )
     return normalize(across)
 

@@ -176,7 +176,8 @@ def as_box(box: ArrayLike) -> Floats:
         low, high = corners.tolist()
         raise OptionError(f"box is from {low} to {high} mm; need the first below the second")
     if (np.abs(corners) > LARGEST_COORDINATE).any():
-        raise OptionError(f"box reaches {np.abs(corners).max():g} mm; need {LARGEST_COORDINATE:g}")
+        reach = np.abs(corners).max()
+        raise OptionError(f"box reaches {reach:g} mm; need at most {LARGEST_COORDINATE:g}")
     read_only(corners)
     return corners
 

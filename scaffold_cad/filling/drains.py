@@ -61,8 +61,8 @@ def drained(
     surface : of the body
     skin : its thickness, mm
     diameter : of the holes, mm
-    places : on the surface, or no farther from it than `diameter`, (k, 3), mm; by default two for
-        each void, low and high, where the struts leave most room
+    places : on the surface, or no farther from it than `diameter` and `skin`, (k, 3), mm; by
+        default two for each void, low and high, where the struts leave most room
 
     Raises
     ------
@@ -145,12 +145,13 @@ def _check_room(
 ) -> None:
     """Raise an `OptionError` for a place far from the surface, or where it has no room."""
     gaps = length(feet - points)
-    far = np.flatnonzero(gaps > diameter + skin)
+    reach = diameter + skin  # places that are chosen are inside the skin
+    far = np.flatnonzero(gaps > reach)
     if len(far):
         place, gap = place_text(points[far[0]]), gaps[far[0]]
         raise OptionError(
             f"the place {place} of a drain hole is {gap:.3g} mm from the surface; "
-            f"need {diameter:g} mm or less"
+            f"need {reach:g} mm or less"
         )
     off = _off_surface(feet, normals, outside, diameter / 2)
     past = np.flatnonzero(off > skin)  # through the wall beside it, from end to end

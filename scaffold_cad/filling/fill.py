@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_flag, check_choice, checks_keywords
+from scaffold_cad.base.arguments import as_flag, as_vector, check_choice, checks_keywords
 from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.base.radii import Radius, check_radius
 from scaffold_cad.base.regions import BoxRegion, ImplicitRegion, Keep, Region
@@ -21,7 +21,7 @@ from scaffold_cad.lattice.crumbs import report_small, without_crumbs
 from scaffold_cad.lattice.maps import CellMap
 from scaffold_cad.lattice.maps.grading import CellSize
 from scaffold_cad.lattice.maps.placing import chords_on
-from scaffold_cad.lattice.maps.solids import as_axes, as_place
+from scaffold_cad.lattice.maps.solids import as_axes
 from scaffold_cad.lattice.meshregion import MeshRegion
 from scaffold_cad.lattice.periodic import PeriodicLattice
 from scaffold_cad.lattice.registry import as_cell
@@ -291,7 +291,7 @@ def _cells_around(
     bounds: Floats, cell: UnitCell, size: Floats, origin: ArrayLike | None, axes: Floats | None
 ) -> tuple[Floats, Points]:
     """Return how many cells along their sides a box meets (3,), and the corner of the first."""
-    corner = bounds[0] if origin is None else as_place(origin, "origin")
+    corner = bounds[0] if origin is None else as_vector(origin, "origin")
     frame = cell.axes if axes is None else axes
     corners = np.array(list(product(*bounds.T))) - corner  # (8, 3)
     if not np.array_equal(frame, np.eye(3)):

@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import check_kind
+from scaffold_cad.base.arguments import as_vector, check_kind
 from scaffold_cad.base.arrays import Bools, Edges, Floats, place_text
 from scaffold_cad.base.radii import Radius, radii_at
 from scaffold_cad.base.regions import Region
@@ -18,7 +18,6 @@ from scaffold_cad.filling.cleaning import NUDGE_DIRECTION
 from scaffold_cad.filling.fill import struts_around
 from scaffold_cad.lattice import CellMap, UnitCell
 from scaffold_cad.lattice.maps.grading import CellSize
-from scaffold_cad.lattice.maps.solids import as_place
 from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.struts import Struts
 from scaffold_cad.lattice.tiling import cell_size
@@ -57,7 +56,7 @@ def lattice_reaching(
     """
     known = as_cell(cell)
     low = region.bounds[0]
-    corner = low if origin is None else as_place(origin, "origin")
+    corner = low if origin is None else as_vector(origin, "origin")
 
     def reaching(nudge: float) -> Skeleton:
         if on is not None or callable(size):

@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_number, check_choice, checks_keywords
+from scaffold_cad.base.arguments import as_number, as_vector, check_choice, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frames, Frozen, Ints, Points
 from scaffold_cad.base.radii import Radius, radii_at
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.lattice.maps.placing import Counts, three_counts
-from scaffold_cad.lattice.maps.solids import as_axes, as_place
+from scaffold_cad.lattice.maps.solids import as_axes
 from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.repetition import Window, all_layers, as_counts, placed, window_struts
 from scaffold_cad.lattice.tiling import cell_size
@@ -116,7 +116,7 @@ class PeriodicLattice(Frozen):
             size=cell_size(chosen, size),
             counts=(x, y, z),
             radius=radius,
-            origin=as_place(origin, "origin"),
+            origin=as_vector(origin, "origin"),
             axes=chosen.axes if axes is None else as_axes(axes),
             blend=blend,
             ends=ends,

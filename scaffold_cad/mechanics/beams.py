@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
 
-from scaffold_cad.base.arguments import as_number, as_real, check_kind, checks_keywords
+from scaffold_cad.base.arguments import as_number, as_real, as_vector, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Points, as_edge_radii, as_floats
 from scaffold_cad.base.summaries import counted, radii_text, size_text
 from scaffold_cad.base.vectors import sums_by_row
@@ -303,23 +303,17 @@ def beam_model(
         fixed=fastened.fixed,
         displacement=fastened.displacement,
         forces=nodal_forces(skeleton, loads),
-        gravity=_three(gravity),
+        gravity=as_vector(gravity, "gravity", unit=" m/s²"),
         effective_length=as_number(effective_length, "effective_length", unit=""),
     )
-
-
-def _three(gravity: ArrayLike) -> Floats:
-    three = as_floats(gravity, "gravity", OptionError)
-    if three.shape != (3,) or not np.isfinite(three).all():
-        raise OptionError(f"gravity is {three.tolist()}; need 3 finite numbers, m/s²")
-    return three
 
 
 def _rigid_ends(skeleton: Skeleton, values: ArrayLike) -> Floats:
     count = len(skeleton.edges)
     given = as_floats(values, "rigid_ends", OptionError)
     if given.shape not in {(), (count, 2)} or not (np.isfinite(given) & (given >= 0)).all():
-        raise OptionError(f"rigid_ends must be a number >= 0 or ({count}, 2) of them, mm")
+        shown = given.tolist() if given.ndim == 0 else f"an array of shape {given.shape}"
+        raise OptionError(f"rigid_ends is {shown}; need a number >= 0 or ({count}, 2) of them, mm")
     rigid: Floats = np.array(np.broadcast_to(given, (count, 2)))
     over = np.flatnonzero(rigid.sum(axis=1) > MOST_RIGID * skeleton.lengths)
     if len(over):

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import (
     as_flag,
+    as_vector,
     check_choice,
     check_kind,
     checks_keywords,
@@ -161,7 +162,10 @@ def nodal_forces(skeleton: Skeleton, loads: Load | Iterable[Load]) -> Floats:
 def load_of(load: Load, number: int, count: int) -> Floats:
     """Return the force and moment (6,) on each of the `count` nodes of load `number`."""
     both = np.concatenate(
-        [_three(load.force, "force", number), _three(load.moment, "moment", number)]
+        [
+            as_vector(value, f"{name} of load {number}", unit=unit, most=LARGEST_FORCE)
+            for name, value, unit in (("force", load.force, " N"), ("moment", load.moment, " N mm"))
+        ]
     )
     return both if as_flag(load.each, "each") else both / count
 
@@ -245,16 +249,6 @@ def _freedoms(fixed: str) -> list[int]:
             f"fixed is {fixed!r}; need all, pinned, or some of {' '.join(FREEDOMS)}{hint}"
         )
     return sorted({FREEDOMS.index(word) for word in words})
-
-
-def _three(values: ArrayLike, name: str, number: int) -> Floats:
-    three = as_floats(values, name, OptionError)
-    if three.shape != (3,) or not (np.abs(three) <= LARGEST_FORCE).all():
-        raise OptionError(
-            f"{name} of load {number} is {three.tolist()}; need 3 finite numbers, "
-            f"{LARGEST_FORCE:g} at most"
-        )
-    return three
 
 
 def _listed(items: object, kind: type[_Item]) -> list[_Item]:

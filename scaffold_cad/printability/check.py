@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import check_kind, checks_keywords
+from scaffold_cad.base.arguments import as_direction, check_kind, checks_keywords
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.mesh.welding import welded
 from scaffold_cad.printability.direction import direction_findings
@@ -15,12 +15,7 @@ from scaffold_cad.printability.match import match_finding
 from scaffold_cad.printability.part import part_findings
 from scaffold_cad.printability.processes import USUAL_MATERIAL, Process, process_named
 from scaffold_cad.printability.report import Finding, Report
-from scaffold_cad.printability.standing import (
-    Facets,
-    as_direction,
-    best_direction,
-    standing_size,
-)
+from scaffold_cad.printability.standing import Facets, best_direction, standing_size
 from scaffold_cad.printability.struts import as_wide, strut_findings
 from scaffold_cad.printability.surface import surface_findings
 from scaffold_cad.printability.thickness import thickness_of
@@ -98,7 +93,10 @@ def check_printability(
     if len(surface.triangles) == 0:
         raise MeshError(f"{name} has no triangle of three vertices; need at least one")
     facets = Facets.of(surface)
-    upwards = best_direction(facets, process) if _is_best(direction) else as_direction(direction)
+    if _is_best(direction):
+        upwards = best_direction(facets, process)
+    else:
+        upwards = as_direction(direction, "build direction", hint=', or "best"')
     findings: list[Finding] = []
     loops = None if skeleton is None else skeleton.loop_count
     findings += surface_findings(surface, process, loops)

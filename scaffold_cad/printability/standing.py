@@ -7,11 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, UnitVectors, as_floats
-from scaffold_cad.base.vectors import any_perpendicular, length, normalize, sums_by_row
-from scaffold_cad.errors import OptionError
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, UnitVectors
+from scaffold_cad.base.vectors import any_perpendicular, length, sums_by_row
 from scaffold_cad.printability.processes import Process
 from scaffold_cad.printability.triangletopology import TriangleTopology
 
@@ -27,23 +25,6 @@ ROUNDING = 1e-6
 """Room left for rounding at the limit of what hangs over, in the cosine."""
 UP: UnitVectors = np.array([0.0, 0.0, 1.0])
 """The direction that wins over its equals where none is given."""
-
-
-def as_direction(values: ArrayLike) -> UnitVectors:
-    """Return a direction as a unit vector (3,).
-
-    Raises
-    ------
-    OptionError
-        If it is not three finite numbers, or all are zero.
-    """
-    needed = '3 numbers, not all 0, or "best"'
-    if isinstance(values, str):
-        raise OptionError(f"build direction is {values!r}; need {needed}")
-    vector = as_floats(values, "build direction", OptionError)
-    if vector.shape != (3,) or not np.isfinite(vector).all() or not vector.any():
-        raise OptionError(f"build direction is {vector.tolist()}; need {needed}")
-    return normalize(vector / np.abs(vector).max())  # squares of large ones would overflow
 
 
 @dataclass(frozen=True, eq=False)

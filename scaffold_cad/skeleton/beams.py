@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import check_choice, check_kind, checks_keywords
-from scaffold_cad.base.arrays import Floats, Frozen, Ints, as_floats, check_believable
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, as_floats, as_indices, check_believable
 from scaffold_cad.base.summaries import counted, radii_text, size_text
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.skeleton.skeleton import Skeleton
@@ -103,13 +103,14 @@ def _caps(values: str | ArrayLike, count: int) -> Ints:
     if isinstance(values, str):
         check_choice(values, "caps", CAPS)
         return np.full((count, 2), CAPS.index(values))
-    caps = np.asarray(values)
-    if caps.shape != (count, 2) or not np.isin(caps, range(len(CAPS))).all():
-        raise OptionError(
-            f"caps has shape {caps.shape}; need one of {', '.join(CAPS)}, or shape ({count}, 2) "
-            "of numbers 0, 1 and 2 that stand for them"
-        )
-    return caps.astype(np.intp)
+    caps = as_indices(values, "caps", OptionError)
+    need = f"need one of {', '.join(CAPS)}, or shape ({count}, 2) of numbers 0, 1 and 2 for them"
+    if caps.shape != (count, 2):
+        raise OptionError(f"caps has shape {caps.shape}; {need}")
+    wrong = np.flatnonzero(((caps < 0) | (caps >= len(CAPS))).any(axis=1))
+    if len(wrong):
+        raise OptionError(f"beam {wrong[0]} has caps {caps[wrong[0]].tolist()}; {need}")
+    return caps
 
 
 def _ball_radii(values: ArrayLike, count: int) -> Floats:

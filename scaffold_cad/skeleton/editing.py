@@ -12,8 +12,15 @@ from typing import Any, Protocol, TypeAlias, TypeVar, get_args, runtime_checkabl
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_count, as_number, as_real, check_choice
-from scaffold_cad.base.arrays import Edges, Floats, Ints, Points, Radii, as_floats
+from scaffold_cad.base.arguments import (
+    as_count,
+    as_direction,
+    as_number,
+    as_real,
+    as_vector,
+    check_choice,
+)
+from scaffold_cad.base.arrays import Edges, Floats, Ints, Points, Radii
 from scaffold_cad.base.ranges import steps
 from scaffold_cad.base.regions import BoxRegion, ImplicitRegion, Keep, Region
 from scaffold_cad.base.vectors import mirror, rotate
@@ -86,7 +93,7 @@ class Editing(ABC):
         >>> (strut + strut.moved_by([9, 0, 0])).nodes[:, 0].tolist()
         [0.0, 9.0, 18.0]
         """
-        return self._at(self.nodes + _three(offset, "offset"))
+        return self._at(self.nodes + as_vector(offset, "offset"))
 
     def turned(
         self: _Edited,
@@ -98,21 +105,21 @@ class Editing(ABC):
 
         The turn is counter-clockwise seen from the axis's tip.
         """
-        place = _three(about, "about")
+        place = as_vector(about, "about")
         turn = np.asarray(_finite(angle, "angle"))
-        return self._at(place + rotate(self.nodes - place, _direction(axis, "axis"), turn))
+        return self._at(place + rotate(self.nodes - place, as_direction(axis, "axis"), turn))
 
     def mirrored(self: _Edited, normal: ArrayLike, about: ArrayLike = (0.0, 0.0, 0.0)) -> _Edited:
         """Return the mirror image in the plane with a normal through a point (mm)."""
-        place = _three(about, "about")
-        return self._at(place + mirror(self.nodes - place, _direction(normal, "normal")))
+        place = as_vector(about, "about")
+        return self._at(place + mirror(self.nodes - place, as_direction(normal, "normal")))
 
     def oriented(self: _Edited, up: ArrayLike) -> _Edited:
         """Return the skeleton turned so that `up` points along z, its lowest ball on z = 0.
 
         Take for `up` the best direction that `check_printability` reports.
         """
-        direction = _direction(up, "up")
+        direction = as_direction(up, "up")
         axis = np.cross(direction, [0.0, 0.0, 1.0])
         size = float(np.linalg.norm(axis))
         nodes = self.nodes
@@ -246,35 +253,6 @@ class Editing(ABC):
 
 def _columns(skeleton: Editing) -> tuple[Points, Edges, Radii, Floats]:
     return skeleton.nodes, skeleton.edges, skeleton.radii, skeleton.edge_radii
-
-
-def _three(values: ArrayLike, name: str) -> Floats:
-    """Return three finite numbers (3,).
-
-    Raises
-    ------
-    OptionError
-        If they are not.
-    """
-    three = as_floats(values, name, OptionError)
-    if three.shape != (3,) or not np.isfinite(three).all():
-        raise OptionError(f"{name} is {three.tolist()}; need three numbers")
-    return three
-
-
-def _direction(values: ArrayLike, name: str) -> Floats:
-    """Return a unit vector (3,).
-
-    Raises
-    ------
-    OptionError
-        If it is not a direction.
-    """
-    three = _three(values, name)
-    size = float(np.linalg.norm(three))
-    if size == 0:
-        raise OptionError(f"{name} is {three.tolist()}; need a direction")
-    return three / size
 
 
 def _finite(value: float, name: str) -> float:

@@ -18,7 +18,7 @@ def joined_graph(
     """Return the graph with nodes where edges cross, or end on others, within `tolerance`, mm.
 
     Nodes closer than that become one, edges are split at the nodes that lie on them, and then
-    where they cross, halfway between the two. What is counted as split are both kinds of places.
+    where they cross, halfway between the two.
 
     Raises
     ------

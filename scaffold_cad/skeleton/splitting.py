@@ -93,13 +93,11 @@ def _nodes_near_edges(nodes: Points, edges: Edges, distance: float) -> Iterator[
 def _contacts(
     nodes: Points, edges: Edges, edge: Ints, node: Ints, distance: float
 ) -> tuple[Ints, Ints]:
-    """Return those pairs of `edge` and `node` that touch between the ends, along each edge."""
+    """Return those pairs of `edge` and `node` that touch between the ends."""
     start, end = nodes[edges[edge, 0]], nodes[edges[edge, 1]]  # (k, 3)
     span = end - start
     along = dot(nodes[node] - start, span) / dot(span, span)
     foot = start + along[:, None] * span
     inside = (node != edges[edge, 0]) & (node != edges[edge, 1]) & (along > 0) & (along < 1)
     touches = inside & (length(nodes[node] - foot) <= distance)
-    edge, node, along = edge[touches], node[touches], along[touches]
-    order = np.lexsort([along, edge])
-    return edge[order], node[order]
+    return edge[touches], node[touches]

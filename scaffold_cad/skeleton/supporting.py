@@ -7,8 +7,14 @@ import logging
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_number, as_real, check_kind, checks_keywords
-from scaffold_cad.base.arrays import Bools, Floats, as_floats
+from scaffold_cad.base.arguments import (
+    as_direction,
+    as_number,
+    as_real,
+    check_kind,
+    checks_keywords,
+)
+from scaffold_cad.base.arrays import Bools, Floats
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.skeleton.skeleton import Skeleton
@@ -56,14 +62,11 @@ def self_supporting(
     True
     """
     check_kind(skeleton, Skeleton)
-    up = as_floats(direction, "direction", OptionError)
-    size = float(np.linalg.norm(up)) if up.shape == (3,) else 0.0
-    if not 0 < size < np.inf:
-        raise OptionError(f"direction is {up.tolist()}; need three numbers, not all 0")
+    up = as_direction(direction, "direction")
     if not 0 <= as_real(angle, "angle") <= np.pi / 2:
         raise OptionError(f"angle is {angle:g} rad; need 0 to pi/2")
     longest = as_number(bridge, "bridge", or_zero=True)
-    heights = skeleton.nodes @ (up / size)  # (n,)
+    heights = skeleton.nodes @ up  # (n,)
     rises = np.diff(heights[skeleton.edges], axis=1)[:, 0]  # (m,)
     steep = np.abs(rises) >= np.sin(angle) * skeleton.lengths * (1 - 1e-9)
     held = _held(skeleton, heights, rises, steep & (rises != 0))

@@ -10,7 +10,7 @@ import pytest
 
 import scaffold_cad as sc
 from scaffold_cad import io, mechanics, tiles
-from scaffold_cad.base.arguments import as_count, as_number, check_kind
+from scaffold_cad.base.arguments import as_count, as_direction, as_number, check_kind
 from scaffold_cad.errors import FormatError, OptionError, ScaffoldCadError, SkeletonError
 from scaffold_cad.lattice import measured_density, unit_cell
 from scaffold_cad.parts import LatticeBox, LatticeFill, RoundStrutsSolid, ScaffoldSolid, StrutFrame
@@ -278,7 +278,7 @@ def test_a_wrong_value_gets_the_nearest_one() -> None:
         (lambda: sc.fill(BOX, "bcc", 8, 1, crumbs=[]), "crumbs is a list; need True or False"),
         (
             lambda: sc.fill(BOX, "bcc", 8, 1, origin=[[]]),
-            "origin is .*; need three numbers",
+            "origin is .*; need three finite numbers",
         ),
         (lambda: sc.solidified(STRUTS, factor="x"), "factor is 'x'; need a number"),
         (
@@ -315,3 +315,8 @@ def test_angles_of_a_part_may_be_a_list() -> None:
     assert turned.is_valid
     same = RoundStrutsSolid(TRIPOD, rotation=(0, 90, 0))
     assert tuple(turned.center()) == tuple(same.center())
+
+
+@pytest.mark.parametrize("size", [1e-300, 1.0, 1e300])
+def test_a_direction_may_have_any_length(size: float) -> None:
+    np.testing.assert_allclose(as_direction([0, 3 * size, -4 * size], "axis"), [0, 0.6, -0.8])

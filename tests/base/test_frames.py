@@ -109,10 +109,10 @@ def test_frames_along_steps_of_a_grid_are_right_handed_and_along_it(steps: list[
         ("line", None, "points is not an array of numbers"),
         ([[0, 0, 0], [0, 0, np.nan]], None, r"points\[1\] is .*; need finite numbers"),
         ([[0, 0, 0], [1, 0, 0], [1, 0, 0]], None, r"points 1 and 2 are both at \[1.0, 0.0, 0.0\]"),
-        ([[0, 0, 0], [1, 0, 0]], [1, 2], r"first_x is \[1.0, 2.0\]; need three finite numbers"),
-        ([[0, 0, 0], [1, 0, 0]], "x", "first_x is not an array of numbers"),
-        ([[0, 0, 0], [1, 0, 0]], [2, 0, 0], "along the polyline's start; need one across it"),
-        ([[0, 0, 0], [1, 0, 0]], [0, 0, 0], "along the polyline's start; need one across it"),
+        ([[0, 0, 0], [1, 0, 0]], [1, 2], "first_x is .*; need a direction, three"),
+        ([[0, 0, 0], [1, 0, 0]], "x", "first_x is 'x'; need a direction"),
+        ([[0, 0, 0], [1, 0, 0]], [2, 0, 0], "as the polyline's start; need one across it"),
+        ([[0, 0, 0], [1, 0, 0]], [0, 0, 0], "first_x is .*; need a direction"),
     ],
 )
 def test_what_is_no_polyline_is_refused(points: Any, first_x: Any, message: str) -> None:

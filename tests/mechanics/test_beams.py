@@ -178,7 +178,7 @@ def test_freedoms_that_do_not_exist_are_refused_where_they_are_given() -> None:
     [
         ({"hollow": 1.0}, "hollow is 1; need 0 or more, less than 1"),
         ({"rigid_ends": 50.0}, "edge 0 of length 100 mm has rigid ends of 100 mm"),
-        ({"rigid_ends": -1.0}, "rigid_ends must be a number >= 0"),
+        ({"rigid_ends": -1.0}, "rigid_ends is -1.0; need a number >= 0"),
         ({"gravity": (0, 0)}, "gravity is"),
         ({"supports": Support([], "all")}, "support 0 is on no node"),
         ({"supports": Support([0], "x", (1, 2))}, "displacement of support 0"),

@@ -156,11 +156,11 @@ def test_short_rests_become_a_node_on_the_surface() -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda: PATH.moved_by([1, 2]), "offset is .*; need three numbers"),
+        (lambda: PATH.moved_by([1, 2]), "offset is .*; need three finite numbers"),
         (lambda: PATH.turned(np.nan), "angle is nan; need a finite number"),
         (lambda: PATH.turned(1.0, axis=[0, 0, 0]), "axis is .*; need a direction"),
         (lambda: PATH.mirrored([0, 0, 0]), "normal is .*; need a direction"),
-        (lambda: PATH.oriented([0, 0, np.inf]), "up is .*; need three numbers"),
+        (lambda: PATH.oriented([0, 0, np.inf]), "up is .*; need a direction, three finite"),
         (lambda: PATH.subdivided(), "either a count of pieces or their longest length"),
         (lambda: PATH.subdivided(0), "count of pieces is 0"),
         (lambda: PATH.subdivided(longest=0.0), "longest length is 0 mm"),

@@ -55,7 +55,7 @@ def test_struts_of_just_the_least_angle_stay() -> None:
     ("options", "message"),
     [
         ({"angle": 2.0}, "angle is 2 rad; need 0 to pi/2"),
-        ({"direction": [0, 0, 0]}, "direction is .* need three numbers, not all 0"),
+        ({"direction": [0, 0, 0]}, "direction is .* need a direction, three finite numbers"),
         ({"bridge": -1.0}, "bridge is -1 mm"),
     ],
 )

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_number, checks_keywords
+from scaffold_cad.base.arguments import as_direction, as_number, as_vector, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frames, Frozen, Ints, Points, UnitVectors, as_floats
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.errors import OptionError
@@ -57,7 +57,7 @@ class BoxMap(Frozen, CellMap):
         """
         self._keep(
             size=as_three(size, "size of the box in mm"),
-            origin=as_place(origin, "origin"),
+            origin=as_vector(origin, "origin"),
             axes=as_axes(axes),
         )
 
@@ -110,7 +110,7 @@ class CylinderMap(Frozen, CellMap):
             radius=as_number(radius, "radius of the cylinder"),
             height=as_number(height, "height of the cylinder"),
             thickness=as_number(thickness, "thickness of the wall"),
-            origin=as_place(origin, "origin"),
+            origin=as_vector(origin, "origin"),
             axes=frame_along(axis),
             angle=turn,
             wraps=(turn > 2 * np.pi - FULL_TURN, False, False),
@@ -173,7 +173,7 @@ class SphereMap(Frozen, CellMap):
         self._keep(
             radius=as_number(radius, "radius of the sphere"),
             thickness=as_number(thickness, "thickness of the wall"),
-            origin=as_place(origin, "origin"),
+            origin=as_vector(origin, "origin"),
             axes=frame_along(axis),
             latitudes=None if latitudes is None else _as_latitudes(latitudes),
             angle=turn,
@@ -260,20 +260,6 @@ class FunctionMap(Frozen, CellMap):
         return moved
 
 
-def as_place(values: ArrayLike, name: str) -> Floats:
-    """Return `values` as one position (3,).
-
-    Raises
-    ------
-    OptionError
-        If they are not three finite numbers.
-    """
-    place = as_floats(values, name, OptionError)
-    if place.shape != (3,) or not np.isfinite(place).all():
-        raise OptionError(f"{name} is {place.tolist()}; need three numbers, mm")
-    return place
-
-
 def as_axes(axes: ArrayLike | None) -> Floats:
     """Return unit directions (3, 3), rows; by default those of x, y and z.
 
@@ -301,10 +287,7 @@ def frame_along(axis: ArrayLike) -> Floats:
     OptionError
         If it is not a direction.
     """
-    along = as_place(axis, "axis")
-    if not along.any():
-        raise OptionError(f"axis is {along.tolist()}; need a direction")
-    z = along / np.linalg.norm(along)
+    z = as_direction(axis, "axis")
     aside = np.array([1.0, 0.0, 0.0]) if abs(z[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
     x = aside - z * (aside @ z)
     x /= np.linalg.norm(x)
