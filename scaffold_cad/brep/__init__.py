@@ -16,6 +16,7 @@ from scaffold_cad.brep.shapes import (
     read_brep,
     read_shape,
     tessellated,
+    tessellation_distance,
     tessellation_error,
 )
 from scaffold_cad.brep.voids import moved_inwards, with_voids, without
@@ -38,6 +39,7 @@ __all__ = [
     "read_shape",
     "read_wires",
     "tessellated",
+    "tessellation_distance",
     "tessellation_error",
     "with_plane_faces",
     "with_voids",

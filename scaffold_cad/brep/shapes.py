@@ -43,6 +43,10 @@ TESSELLATION_DISTANCE = 0.01
 """Largest distance between a face and its triangles, mm; OCCT lets a few triangles at the seam of a
 sphere be up to 2.2 times as far off."""
 
+TESSELLATION_SHARE = 2e-5
+"""The same of large shapes, in their diagonals: from 0.5 m on a shape has as many triangles in any
+size. Within 0.01 mm a ball of 1 m has 500 000, and one of 10 m takes gigabytes."""
+
 TESSELLATION_ANGLE = 0.3
 """Largest angle between neighboring triangles of a face, rad. It makes rounds smaller than the
 distance 21-gons, of 98.5 % of their area; a smaller angle takes up to 40 times as many triangles on
@@ -140,15 +144,16 @@ def check_sizes(patches: BezierMesh) -> None:
 
 
 def tessellated(
-    shape: Shape, distance: float = TESSELLATION_DISTANCE, angle: float = TESSELLATION_ANGLE
+    shape: Shape, angle: float = TESSELLATION_ANGLE, *, coarser: float = 1.0
 ) -> TriangleMesh:
-    """Return the triangles of a build123d shape, at most `distance` off its faces, mm.
+    """Return the triangles of a build123d shape, at most `tessellation_distance` off its faces.
 
     Faces share the vertices of their edges: the triangles of a solid are closed.
 
     Parameters
     ----------
     angle : largest angle between neighboring triangles of a face, rad
+    coarser : factor of the distance
 
     Raises
     ------
@@ -157,7 +162,7 @@ def tessellated(
     """
     from scaffold_cad.brep import occt
 
-    points, triangles = occt.tessellate(shape, distance, angle)
+    points, triangles = occt.tessellate(shape, coarser * tessellation_distance(shape), angle)
     same_place = cKDTree(points).query_pairs(LEAST_SIZE / 2, output_type="ndarray")
     vertex = component_labels(same_place, len(points))  # one for each point
     _, first = np.unique(vertex, return_index=True)
@@ -166,12 +171,18 @@ def tessellated(
     return TriangleMesh(points[first], welded[have_distinct_corners(welded)])
 
 
+def tessellation_distance(shape: Shape) -> float:
+    """Return how far triangles of a shape with curved faces may be off these, mm."""
+    diagonal = float(shape.bounding_box(optimal=False).diagonal)
+    return max(TESSELLATION_DISTANCE, TESSELLATION_SHARE * diagonal)
+
+
 def tessellation_error(shape: Shape) -> float:
     """Return how far the triangles of `tessellated` may be off a shape's faces, mm."""
     from build123d import GeomType
 
     is_plane = all(face.geom_type == GeomType.PLANE for face in shape.faces())
-    return 0.0 if is_plane else TESSELLATION_DISTANCE
+    return 0.0 if is_plane else tessellation_distance(shape)
 
 
 def read_brep(path: Path) -> Shape:

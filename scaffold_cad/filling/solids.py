@@ -55,13 +55,13 @@ MISPLACED = 0.01
 OFF = 5e-3
 """How far the struts' volume in a void may be off that of a mesh of them, as a fraction."""
 
-WALL_DISTANCE, WALL_ANGLE = 0.01, 0.2
-"""Of the triangles that stand for hollow or square struts, mm and rad: 0.2 % less than their faces
-where a wall is a quarter of the radius."""
+WALL_ANGLE = 0.2
+"""Of the triangles that stand for hollow or square struts, rad: 0.2 % less than their faces where a
+wall is a quarter of the radius."""
 
-FINE_DISTANCE, FINE_ANGLE = 1e-3, 0.1
-"""Of the triangles that stand for the void, mm and rad: between thin walls struts are so short that
-it shows where they are cut."""
+FINE, FINE_ANGLE = 0.1, 0.1
+"""Of the triangles that stand for the void, in usual distances and rad: between thin walls struts
+are so short that it shows where they are cut."""
 
 MOST_STRUTS = 5000
 """Most struts that OCCT is given: 4 100 in a block take 2 minutes and 9 GB, 10 600 in a thin tube
@@ -302,7 +302,7 @@ def _hollow(solid: Solid, outer: TriangleMesh, skin: float) -> tuple[Solid, Mani
     if not (depth > skin).any():
         raise OptionError(f"skin is {skin:g} mm, which fills the body; need less")
     for inner in brep.moved_inwards(solid, skin):
-        mesh = brep.tessellated(inner, FINE_DISTANCE, FINE_ANGLE)
+        mesh = brep.tessellated(inner, FINE_ANGLE, coarser=FINE)
         within = MeshRegion(mesh).contains(points)
         wrong = np.where(within, depth < THINNER * skin, depth > skin / THINNER)
         if wrong.mean() <= MISPLACED:
@@ -356,4 +356,4 @@ def _meshed(model: Model, frame: Shape, *, united: bool) -> Manifold:
     """
     if isinstance(model, RoundStruts) and model.inner is None and not united:
         return solidified(model).manifold
-    return manifolds.to_manifold(brep.tessellated(frame, WALL_DISTANCE, WALL_ANGLE))
+    return manifolds.to_manifold(brep.tessellated(frame, WALL_ANGLE))

@@ -21,7 +21,7 @@ def write_brep_content(content: Content, path: Path) -> None:
 
 @register_mesh_reader("OCCT B-rep", ".brep", names_unit=True)
 def read_brep_triangles(path: Path) -> TriangleMesh:
-    """Read the solids of a BREP file as triangles within 0.01 mm; none if it holds wires only."""
+    """Read the solids of a BREP file as triangles; none if it holds wires only."""
     return read_cad_triangles(path)
 
 

@@ -39,9 +39,10 @@ PRECISION = 1e-5
 UNNOTICED = 1e-3
 """Volume that a result may lack or have too much, as a fraction of the smallest operand's."""
 
-MESH_DISTANCE, MESH_ANGLE = 0.1, 0.8
-"""Of the meshes by which doubtful results are looked at, mm and rad: coarse ones, which take no
-longer than the boolean. Where they overlap, points are tried on the operands themselves."""
+COARSER, MESH_ANGLE = 10.0, 0.8
+"""Of the meshes by which doubtful results are looked at, usual distances and rad: coarse ones,
+which take no longer than the boolean. Where they overlap, points are tried on the operands
+themselves."""
 
 NEAR = 1e-4
 """Distance from a face at which a point counts as on it, mm: parts may touch."""
@@ -155,7 +156,7 @@ def _pairs_that_meet(operation: Operation, boxes: Floats) -> list[list[int]]:
 def _meshed(shape: Shape) -> Manifold | None:
     """Return a coarse mesh of a shape, None if it is not closed."""
     try:
-        return to_manifold(tessellated(shape, MESH_DISTANCE, MESH_ANGLE))
+        return to_manifold(tessellated(shape, MESH_ANGLE, coarser=COARSER))
     except (BrepError, MeshError):
         return None
 

@@ -263,6 +263,15 @@ def test_triangles_are_within_a_hundredth_of_a_millimeter(radius: float) -> None
     assert depths.max() < 2.2 * TESSELLATION_DISTANCE  # at the seam
 
 
+def test_large_bodies_have_no_more_triangles_than_smaller_ones() -> None:
+    smaller, larger = (tessellated(build123d.Cylinder(size, size)) for size in (500, 5000))
+    assert len(larger.triangles) <= len(smaller.triangles)
+    corners = larger.vertices[larger.triangles]
+    side = corners[np.ptp(corners[:, :, 2], axis=1) > 0]  # not the discs
+    middles = (side + np.roll(side, 1, axis=1)) / 2
+    assert 0.05 < (5000 - np.linalg.norm(middles[..., :2], axis=-1)).max() < 0.3  # 2e-5 of 15 m
+
+
 def gaps(points: Points, mesh: TriangleMesh) -> Floats:
     """Return the distance of each of `points` (n, 3) from the nearest triangle, shape (n,)."""
     corners = mesh.vertices[mesh.triangles]

@@ -408,7 +408,7 @@ def test_info_asks_for_no_units_where_it_knows_no_radii(
             "lattice --foam voronoi --count 9 --stretch 0,1,1 --radius 1 --box 8 -o a.stl",
             "--stretch is [0.0, 1.0, 1.0]; need",
         ),
-        ("check tripod.json --direction nan,0,1", "--direction is [nan, 0.0, 1.0]; need a direction"),
+        ("check tripod.json --direction nan,0,1", "--direction is [nan, 0.0, 1.0]; need a dir"),
         ("slice tripod.json --layer 1e9 -o a.cli", "--layer is 1e+09 mm for"),
         ("strength tripod.json --load xmax:nan,0,1", "--load is 'xmax:nan,0,1'; need WHERE"),
     ],

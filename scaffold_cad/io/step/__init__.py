@@ -54,7 +54,7 @@ def _write_plain(content: Content, path: Path) -> None:
 
 @register_mesh_reader("STEP", *STEP_SUFFIXES, names_unit=True)
 def read_step_triangles(path: Path) -> TriangleMesh:
-    """Read the solids of a STEP file as triangles within 0.01 mm; none if it holds wires only."""
+    """Read the solids of a STEP file as triangles; none if it holds wires only."""
     return read_cad_triangles(path)
 
 
