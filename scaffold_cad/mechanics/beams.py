@@ -82,11 +82,10 @@ class BeamModel(Beams):
         skeleton, matrix = self.skeleton, self.stiffness_matrix()
         load = self.forces - self.weight_at_nodes()
         given = self.displacement.reshape(-1)
-        moved = matrix @ given if given.any() else np.zeros(len(given))
-        right = load.reshape(-1) - moved
-        free = solve_sparse(matrix, skeleton.nodes, self.fixed, right)
+        right = load.reshape(-1) - self._forces_at_nodes(given)
+        free = solve_sparse(matrix, skeleton.nodes, self.fixed, right, self._forces_at_nodes)
         found = given + free
-        reactions = (matrix @ found).reshape(-1, 6) - load
+        reactions = self._forces_at_nodes(found).reshape(-1, 6) - load
         reactions[~self.fixed] = 0.0
         return self.solution(found.reshape(-1, 6), reactions)
 
@@ -152,6 +151,15 @@ class BeamModel(Beams):
 
     def end_forces(self, freedoms: Floats) -> Floats:
         """Return the forces on each strut's ends if nodes move by `freedoms` (n, 6), (m, 2, 6)."""
+        return self._forces_of(freedoms) + self._clamped_ends()
+
+    def _forces_at_nodes(self, freedoms: Floats) -> Floats:
+        """Return what moves nodes by `freedoms` (6 n,), weight apart, (6 n,)."""
+        forces = self._forces_of(freedoms.reshape(-1, 6))
+        return _summed_at_nodes(self.skeleton, forces).reshape(-1)
+
+    def _forces_of(self, freedoms: Floats) -> Floats:
+        """Return the forces on ends if nodes move by `freedoms` (n, 6), weight apart, (m, 2, 6)."""
         first, second = np.moveaxis(freedoms[self.skeleton.edges], 1, 0)  # (m, 6)
         # What the second end moves beyond the rigid motion of the first: small differences of
         # large numbers are taken before they are multiplied.
@@ -160,8 +168,7 @@ class BeamModel(Beams):
         far = second_end(self.skeleton.directions[::2], self.stiffnesses)
         at_second = np.einsum("mij,mj->mi", far, drift)
         at_first = np.einsum("mij,mj->mi", first_by_second(self.spans), at_second)
-        forces: Floats = np.stack([at_first, at_second], axis=1) + self._clamped_ends()
-        return forces
+        return np.stack([at_first, at_second], axis=1)
 
 
 @checks_keywords()

@@ -8,7 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_count, as_flag, as_number, check_kind, checks_keywords
+from scaffold_cad.base.arguments import (
+    as_count,
+    as_flag,
+    as_number,
+    as_real,
+    check_kind,
+    checks_keywords,
+)
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, as_indices
 from scaffold_cad.base.summaries import counted, radii_text
 from scaffold_cad.errors import OptionError
@@ -130,7 +137,7 @@ def sized(
             f"least_radius is {low:g} mm; need {THINNEST * longest:.3g} to "
             f"{RUNAWAY * longest:.3g} mm for struts of up to {longest:.4g} mm"
         )
-    high = float(largest_radius)
+    high = as_real(largest_radius, "largest_radius")
     if not high > low:
         raise OptionError(f"largest_radius is {high:g} mm; need more than {low:g} mm, the least")
     strength, density = model.material.strength, model.material.density

@@ -12,13 +12,14 @@ Vanek, Mandel, Brezina, Algebraic multigrid by smoothed aggregation, Computing 5
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, cg, splu
 
-from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, place_text
 from scaffold_cad.base.vectors import sums_by_row
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mechanics.loading import rigid_motions
@@ -47,10 +48,26 @@ SMOOTHING = 3
 SHIFT = 1e-10
 """What is added to a coarse matrix, in diagonals: groups whose nodes are held lose motions."""
 
+REFINEMENTS = 5
+"""Most steps that refine what factors give: struts of different radii spread the eigenvalues over
+many decades."""
+
+BALANCED = 1e-12
+"""Forces out of balance over the largest load at which refinement ends; no unit."""
+
+UNBALANCED = 1e-3
+"""The same from which displacements are refused: they are wrong by more than that."""
+
 _log = logging.getLogger(__name__)
 
 
-def solve_sparse(matrix: sparse.bsr_array, nodes: Points, fixed: Bools, load: Floats) -> Floats:
+def solve_sparse(
+    matrix: sparse.bsr_array,
+    nodes: Points,
+    fixed: Bools,
+    load: Floats,
+    forces: Callable[[Floats], Floats] | None = None,
+) -> Floats:
     """Return x of `matrix` x = `load` where x is 0 at the fixed freedoms.
 
     Parameters
@@ -59,19 +76,30 @@ def solve_sparse(matrix: sparse.bsr_array, nodes: Points, fixed: Bools, load: Fl
     nodes : (n, 3) float64, mm, positions
     fixed : (n, 6) bool
     load : (6 n,) float64
+    forces : returns `matrix` x, where thin struts do not drown in the sums with thick ones
 
     Raises
     ------
     OptionError
-        If memory does not suffice or the steps do not converge.
+        If memory does not suffice, the steps do not converge, or struts differ too much in
+        stiffness.
     """
+
+    def left(found: Floats) -> Floats:
+        """Return what is out of balance at the free freedoms, (6 n,)."""
+        balance = load - (matrix @ found if forces is None else forces(found))
+        return np.where(fixed.reshape(-1), 0.0, balance)
+
     try:
         held = with_identity(matrix, fixed)
         right = np.where(fixed.reshape(-1), 0.0, load)
         links = (len(matrix.indices) - len(nodes)) / 2
         if len(nodes) <= DIRECT_NODES or links <= SPARSE_LINKS * len(nodes):
-            return _factored(held, right)
-        return _iterated(held, nodes, fixed, right)
+            found = _factored(held, right, left)
+        else:
+            found = _iterated(held, nodes, fixed, right)
+        _check_balance(left(found), right, nodes)
+        return found
     except MemoryError:
         raise OptionError(
             f"the equations of {len(nodes)} nodes do not fit into memory; "
@@ -92,22 +120,58 @@ def with_identity(matrix: sparse.bsr_array, fixed: Bools) -> sparse.bsr_array:
     return sparse.bsr_array((data, column, matrix.indptr), shape=matrix.shape)
 
 
-def factor(matrix: sparse.sparray) -> sparse.linalg.SuperLU:
-    """Return the factors of a symmetric, positive definite matrix."""
-    return splu(
-        sparse.csc_array(matrix),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
+def factor(matrix: sparse.csc_array | sparse.bsr_array) -> sparse.linalg.SuperLU:
+    """Return the factors of a symmetric, positive definite matrix.
+
+    Raises
+    ------
+    OptionError
+        If it is singular in rounded numbers.
+    """
+    try:
+        return splu(
+            sparse.csc_array(matrix),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+    except RuntimeError as error:
+        raise OptionError(
+            f"the equations of {matrix.shape[0]} freedoms cannot be solved: {error}; need struts "
+            "that differ less in radius"
+        ) from None
 
 
-def _factored(matrix: sparse.bsr_array, load: Floats) -> Floats:
+def _factored(matrix: sparse.bsr_array, load: Floats, left: Callable[[Floats], Floats]) -> Floats:
     factors = factor(matrix)
     found: Floats = factors.solve(load)
-    # One step of refinement: slender struts spread the eigenvalues over many decades.
-    found += factors.solve(load - matrix @ found)
+    rest = left(found)
+    for _ in range(REFINEMENTS):
+        if np.abs(rest).max() <= BALANCED * np.abs(load).max():
+            break
+        better = found + factors.solve(rest)
+        following = left(better)
+        if not np.abs(following).max() < np.abs(rest).max():
+            break
+        found, rest = better, following
     return found
+
+
+def _check_balance(rest: Floats, load: Floats, nodes: Points) -> None:
+    """Raise if forces out of balance (6 n,) are not small beside the largest load."""
+    forces = np.abs(rest.reshape(-1, 6)[:, :3]).max(axis=1)
+    worst = int(forces.argmax())
+    lever = float(np.ptp(nodes, axis=0).max())  # of moments
+    over, most = (
+        float(forces[worst]),
+        float((np.abs(load.reshape(-1, 2, 3)) / [[1], [lever]]).max()),
+    )
+    if not over <= UNBALANCED * most:
+        raise OptionError(
+            f"node {worst} at {place_text(nodes[worst])} is {over:.3g} N out of balance, of loads "
+            f"of {most:.3g} N: rounding hides its thin struts; need struts that differ less in "
+            "radius"
+        )
 
 
 @dataclass(frozen=True, eq=False)

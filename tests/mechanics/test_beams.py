@@ -253,3 +253,36 @@ def test_pynite_finds_the_same_displacements(count: int) -> None:
     np.testing.assert_allclose(
         ours.displacements, theirs, atol=0.005 * ours.largest_displacement, rtol=0
     )
+
+
+def tip(thin: float) -> tuple[BeamSolution, float]:
+    """Return a thick strut on a thin one, and how far its tip moves in closed form, mm."""
+    arm = Skeleton([[0, 0, 0], [10, 0, 0], [20, 0, 0]], [[0, 1], [1, 2]], 1.0)
+    radii = np.array([thin, 100.0])
+    model = beam_model(arm, STEEL, Support([0]), Load([2], (0, 0, -1)), edge_radii=radii)
+    levers = np.array([20.0**3 - 10.0**3, 10.0**3]) / 3
+    bends = levers / (STEEL.young * np.pi / 4 * radii**4)
+    shears = 10.0 / (STEEL.shear_factor(0.0) * STEEL.shear_modulus * np.pi * radii**2)
+    return model.solved(), float((bends + shears).sum())
+
+
+@pytest.mark.parametrize(("thin", "error"), [(1.0, 1e-12), (0.1, 1e-6)])
+def test_thick_struts_do_not_hide_how_thin_ones_bend(thin: float, error: float) -> None:
+    solution, expected = tip(thin)
+    assert -solution.displacements[2, 2] == pytest.approx(expected, rel=error)
+    assert solution.reactions[0, 4] == pytest.approx(-20.0, rel=error)
+
+
+@pytest.mark.parametrize(
+    ("thin", "message"),
+    [
+        (
+            0.01,
+            r"node 2 at \[20, 0, 0\] mm is .* N out of balance, of loads of 1 N: .* differ less",
+        ),
+        (1e-6, "the equations of 18 freedoms cannot be solved: .* need struts that differ less"),
+    ],
+)
+def test_struts_that_rounding_hides_are_refused(thin: float, message: str) -> None:
+    with pytest.raises(OptionError, match=message):
+        tip(thin)
