@@ -185,12 +185,12 @@ def _round_instead(scaffold: Scaffold, factor: float) -> Solidified:
 
     It is closed and free of crossings wherever it is.
     """
-    skeleton = scaffold.skeleton
-    radii = EQUAL_AREA * scaffold.options.corner_distance * skeleton.radii
-    struts = skeleton_struts(skeleton.with_radii(radii), blend=0.0, flat_ends=True)
+    refined = scaffold.refined  # with collars, beyond which struts have their own radius
+    radii = EQUAL_AREA * scaffold.options.corner_distance * refined.radii
+    struts = skeleton_struts(refined.with_radii(radii), blend=0.0, flat_ends=True)
     report_thickened(struts, factor)
     mesh, voids = without_voids(field_of(struts, SIDES, factor=factor), struts.middles)
-    return Solidified(manifolds.to_manifold(mesh), np.arange(len(skeleton.edges)), voids)
+    return Solidified(manifolds.to_manifold(mesh), np.arange(len(scaffold.skeleton.edges)), voids)
 
 
 def _clean_union(

@@ -158,13 +158,15 @@ def test_a_union_that_comes_apart_is_made_anew(
 
 
 @pytest.mark.parametrize("factor", [1.0, 0.001])
+@pytest.mark.parametrize("own", [1.0, 0.5], ids=["radii of nodes", "radii of their own"])
 def test_where_no_union_is_clean_struts_are_round_of_the_same_section(
-    factor: float, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+    own: float, factor: float, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     def faulty(manifold: Manifold, factor: float) -> TriangleMesh:
         raise solid.FaultySurfaceError("has a fault", np.zeros((0, 3)))
 
-    scaffold = build_scaffold(CROSSING)
+    skeleton = CROSSING.with_edge_radii(own * CROSSING.edge_radii, CROSSING.radii)
+    scaffold = build_scaffold(skeleton, collars=own < 1)
     square = solid.solidified(scaffold)
     monkeypatch.setattr(solid, "clean_surface", faulty)
     result = solid.solidified(scaffold, factor=factor)

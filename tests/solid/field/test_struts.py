@@ -45,13 +45,8 @@ TRIPOD = Skeleton(
 )
 
 
-def test_struts_of_a_skeleton_have_the_radii_of_their_nodes_or_their_own() -> None:
+def test_struts_of_a_skeleton_have_the_radii_of_their_nodes() -> None:
     assert skeleton_struts(TRIPOD).radii.tolist() == [[2, 1]] * 3
-    own = skeleton_struts(TRIPOD, edge_radii=[0.5, 0.5, 1.0])
-    assert own.radii.tolist() == [[0.5, 0.5], [0.5, 0.5], [1, 1], [2, 2], [1, 1], [1, 1]]
-    # balls at nodes 0, 1 and 2
-    with pytest.raises(OptionError, match=r"edge_radii has shape \(2,\); need \(3, 2\)"):
-        skeleton_struts(TRIPOD, edge_radii=[1.0, 2.0])
 
 
 def test_only_extremities_end_flat() -> None:
