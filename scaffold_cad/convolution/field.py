@@ -75,8 +75,9 @@ class ConvolutionField:
     constant radius, far from its ends, that surface is exactly the edge's cylinder. Scaled, moved
     or turned skeletons have surfaces scaled, moved or turned, and an edge may be cut in two.
 
-    At extremities the edge goes on, with the node's radius, so far that the surface of a long
-    strut ends one radius beyond the node.
+    Radii are the struts' `edge_radii`; a node that is a ball has no part in it. At extremities the
+    edge goes on, with its radius there, so far that the surface of a long strut ends one radius
+    beyond the node.
 
     Where the radius changes by 0.1 mm per mm the surface is 1 % outside the radii, by 0.2 it is
     4 %, and where an edge grows so fast that its thick end's kernel reaches its thin end, it is the
@@ -143,14 +144,13 @@ class ConvolutionField:
         """The edges of the skeleton, and then what goes on from each extremity."""
         skeleton = self.skeleton
         ends, leaving = skeleton.extremities, skeleton.leaving_extremities
-        tips = skeleton.radii[ends] * (1 - tip_reach(self.integrand))
+        at_ends = skeleton.edge_radii.reshape(-1)[leaving]
+        tips = at_ends * (1 - tip_reach(self.integrand))
         return Axes(
             starts=skeleton.nodes[np.concatenate([skeleton.edges[:, 0], ends])],
             directions=np.concatenate([skeleton.directions[::2], -skeleton.directions[leaving]]),
             lengths=np.concatenate([skeleton.lengths, tips]),
-            radii=np.concatenate(
-                [skeleton.radii[skeleton.edges], np.stack(2 * [skeleton.radii[ends]], axis=1)]
-            ),
+            radii=np.concatenate([skeleton.edge_radii, np.stack([at_ends, at_ends], axis=1)]),
         )
 
     def value(self, points: ArrayLike) -> Floats:

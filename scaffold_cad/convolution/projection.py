@@ -330,5 +330,5 @@ def _feet(points: Points, skeleton: Skeleton) -> tuple[Points, Radii]:
         np.minimum.at(least, rows, gaps)
         nearest = gaps == least[rows]
         edge[rows[nearest]], share[rows[nearest]] = edges[nearest], shares[nearest]
-    low, high = skeleton.radii[skeleton.edges[edge]].T
+    low, high = skeleton.edge_radii[edge].T
     return starts[edge] + share[:, None] * spans[edge], low + share * (high - low)

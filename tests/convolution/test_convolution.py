@@ -501,6 +501,12 @@ def test_vertices_far_off_come_to_the_surface(kernel: KernelName, factor: float)
     assert length(moved.vertices - project(mesh, field).vertices).max() < 1.2
 
 
+def test_struts_have_their_own_radii_beside_a_thicker_node() -> None:
+    nodes, edges = [[-40, 0, 0], [0, 0, 0], [40, 0, 0]], [[0, 1], [1, 2]]
+    field = ConvolutionField(Skeleton(nodes, edges, edge_radii=[3.0, 0.5]))
+    assert field.value([[-20, 3, 0], [20, 0, 0.5], [40.5, 0, 0]]) == pytest.approx(1.0)
+
+
 def test_vertex_inside_a_blend_comes_out() -> None:
     # So deep between six struts that the field has hardly a slope.
     mesh = around(JACK)
