@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import check_kind, checks_keywords
+from scaffold_cad.base.arguments import check_kind, checks_keywords, described
 from scaffold_cad.base.arrays import Floats, Points, as_floats
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.errors import OptionError
@@ -64,9 +64,7 @@ def tile(
             on, cell, radius=radius, size=size, counts=counts, dangling=dangling
         ).skeleton
     if size is None or callable(size):
-        raise OptionError(
-            f"cell size in mm is not an array of numbers: it is {size}; need them where no map is"
-        )
+        raise OptionError(f"cell size in mm is {described(size)}; need numbers where no map is")
     cell = as_cell(cell)
     struts = repeated(cell, cell_size(cell, size), as_counts(cell, three_counts(counts)))
     return struts.skeleton(radius)
