@@ -106,9 +106,3 @@ def _boxes(mesh: TriangleMesh, pieces: Pieces) -> tuple[Floats, Floats]:
     np.minimum.at(low, pieces.piece_of, mesh.vertices)
     np.maximum.at(high, pieces.piece_of, mesh.vertices)
     return low, high
-
-
-def without_small_cavities(mesh: TriangleMesh, pieces: Pieces, volume: float) -> TriangleMesh:
-    """Return the mesh without the surfaces of voids smaller than a volume, mm³."""
-    small = (pieces.volumes < 0) & (pieces.volumes > -volume)
-    return without_pieces(mesh, pieces, small) if small.any() else mesh

@@ -6,7 +6,7 @@ strut between. Cones are bounded by their larger radius, piece by piece.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -60,18 +60,7 @@ class Pieces(Frozen):
 
     def thickened(self, factor: Floats) -> Pieces:
         """Return the pieces with radii multiplied by factors (c,) ≥ 1, and as much around hulls."""
-        return Pieces(
-            self.start,
-            self.end,
-            factor * self.radius,
-            self.nodes,
-            self.run,
-            self.hull,
-            self.points,
-            self.offset,
-            self.curve,
-            self.discs,
-        )
+        return replace(self, radius=factor * self.radius)
 
     def chosen(self, keep: Bools) -> Pieces:
         """Return some of the pieces."""
@@ -143,6 +132,12 @@ def with_domes(runs: Runs, collar: Floats, ends: Ends, count: int, slack: float)
     return np.where(domed, -(1.0 + slack) * runs.radii.reshape(-1), collar)
 
 
+def capsules(start: Points, end: Points, radius: Floats, nodes: Edges, run: Ints) -> Pieces:
+    """Return pieces that are the cylinders around their segments."""
+    none = np.full(len(radius), -1, dtype=np.intp)
+    return Pieces(start, end, radius, nodes, run, none, (), np.zeros_like(start), none, _NO_DISCS)
+
+
 def strut_pieces(runs: Runs, curved: Bools, collar: Floats) -> Pieces:
     """Return the struts between their collars, cones in pieces, but for curved ones."""
     cone = runs.slopes[0::2] != 0
@@ -154,19 +149,7 @@ def strut_pieces(runs: Runs, curved: Bools, collar: Floats) -> Pieces:
     ahead, tail = runs.directions[0::2][run], runs.nodes[runs.edges[run, 0]]
     start, end = (tail + bound[:, None] * ahead for bound in bounds)
     radius = np.maximum(*(runs.radii_at(2 * run, bound) for bound in bounds))
-    no_hull = np.full(len(run), -1, dtype=np.intp)
-    return Pieces(
-        start,
-        end,
-        radius,
-        runs.edges[run],
-        run,
-        no_hull,
-        (),
-        np.zeros_like(start),
-        no_hull,
-        _NO_DISCS,
-    )
+    return capsules(start, end, radius, runs.edges[run], run)
 
 
 def curve_pieces(curves: Curves) -> Pieces:
@@ -198,18 +181,7 @@ def curve_pieces(curves: Curves) -> Pieces:
 def node_pieces(runs: Runs, blended: tuple[BlendedNodes, ...]) -> Pieces:
     """Return what lies between nodes and collars."""
     empty, none = np.empty((0, 3)), np.empty(0, dtype=np.intp)
-    nothing = Pieces(
-        empty,
-        empty,
-        empty[:, 0],
-        none.reshape(0, 2),
-        none,
-        none,
-        (),
-        empty,
-        none,
-        _NO_DISCS,
-    )
+    nothing = capsules(empty, empty, empty[:, 0], none.reshape(0, 2), none)
     return joined([nothing, *(_node_parts(runs, group) for group in blended)])
 
 
@@ -272,19 +244,13 @@ def sharp_pieces(runs: Runs, sharp: tuple[SharpNodes, ...], collar: Floats) -> P
         reach = CORNER if radii.shape[1] == 2 else SLIVER
         back[rows] = np.minimum(back[rows], -reach * radii[rows])
         node, ahead = runs.nodes[runs.tails[half_runs]], runs.directions[half_runs]
-        none = np.full(len(node), -1, dtype=np.intp)
         parts.append(
-            Pieces(
+            capsules(
                 node + back.reshape(-1)[:, None] * ahead,
                 node + collar[half_runs, None] * ahead,
                 wide.reshape(-1),
                 np.repeat(runs.tails[half_runs][:, None], 2, axis=1),
                 half_runs >> 1,
-                none,
-                (),
-                np.zeros_like(node),
-                none,
-                _NO_DISCS,
             )
         )
     return joined(parts)
@@ -298,19 +264,9 @@ def ball_pieces(runs: Runs, collar: Floats) -> Pieces:
     collar : (2 k,) distance of each half-run's collar from its node, mm
     """
     ends = np.flatnonzero(at_balls(runs, collar))
-    node, none = runs.nodes[runs.tails[ends]], np.full(len(ends), -1, dtype=np.intp)
-    return Pieces(
-        node,
-        node,
-        np.hypot(collar[ends], runs.radii_at(ends, collar[ends])),
-        np.repeat(runs.tails[ends][:, None], 2, axis=1),
-        ends >> 1,
-        none,
-        (),
-        np.zeros_like(node),
-        none,
-        _NO_DISCS,
-    )
+    node = runs.nodes[runs.tails[ends]]
+    size = np.hypot(collar[ends], runs.radii_at(ends, collar[ends]))
+    return capsules(node, node, size, np.repeat(runs.tails[ends][:, None], 2, axis=1), ends >> 1)
 
 
 def joined(parts: list[Pieces]) -> Pieces:

@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints
 from scaffold_cad.base.vectors import length, normalize
 from scaffold_cad.solid.clusters.nearness import near_spans
 from scaffold_cad.solid.clusters.remainder import Remainder, remainder
@@ -28,12 +28,12 @@ from scaffold_cad.solid.clusters.spans import (
 from scaffold_cad.solid.clusters.stumps import GAP, Reaches, stumps
 from scaffold_cad.solid.clusters.zones import Lines, Zones, core_of, lines_to, zones_of
 from scaffold_cad.struts.apart import Slack, meeting
-from scaffold_cad.struts.curves.curve import ALONG
 from scaffold_cad.struts.curves.proof import proved
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.pieces import (
     Pieces,
     ball_pieces,
+    capsules,
     curve_pieces,
     joined,
     node_pieces,
@@ -338,7 +338,7 @@ class _Found:
         radius = np.maximum(cuts.radius[first:], radii_of(runs)[joints])
         start = start - radius[:, None] * normalize(end - start)
         nodes = np.stack([joints, self.rest.cut_curves.nodes], axis=1)
-        return _hull_less(start, end, radius, nodes, self.spans.run[cuts.span[first:]])
+        return capsules(start, end, radius, nodes, self.spans.run[cuts.span[first:]])
 
     def _dummies(self) -> Pieces:
         """Return what the struts of the field have past their cuts."""
@@ -346,9 +346,7 @@ class _Found:
         far = cuts.base + tail_length(cuts.radius, cuts.slope)[:, None] * cuts.outward
         far = far + cuts.radius[:, None] * cuts.outward
         radius = cuts.radius * (1.0 + np.maximum(cuts.slope, 0.0))
-        return _hull_less(
-            cuts.base, far, radius, self._ends()[cuts.span], self.spans.run[cuts.span]
-        )
+        return capsules(cuts.base, far, radius, self._ends()[cuts.span], self.spans.run[cuts.span])
 
     def _ends(self) -> Edges:
         """Return the nodes that spans touch, (q, 2), numbers of their own where they do not."""
@@ -376,7 +374,7 @@ def _balls(runs: Runs, rows: Ints, radius: Floats) -> Pieces:
     """Return balls at nodes, as cylinders around them."""
     step = radius[:, None] * np.array([1.0, 0.0, 0.0])
     center, same = runs.nodes[rows], np.repeat(rows[:, None], 2, axis=1)
-    return _hull_less(center - step, center + step, radius, same, np.full(len(rows), -1))
+    return capsules(center - step, center + step, radius, same, np.full(len(rows), -1))
 
 
 def _padded(pieces: Pieces, more: Floats) -> Pieces:
@@ -392,10 +390,4 @@ def _capsules(
     runs: Runs, run: Ints, low: Floats, high: Floats, radius: Floats, nodes: Edges
 ) -> Pieces:
     tail, ahead = runs.nodes[runs.edges[run, 0]], runs.directions[2 * run]
-    return _hull_less(tail + low[:, None] * ahead, tail + high[:, None] * ahead, radius, nodes, run)
-
-
-def _hull_less(start: Points, end: Points, radius: Floats, nodes: Edges, run: Ints) -> Pieces:
-    none = np.full(len(radius), -1, dtype=np.intp)
-    discs = np.empty((0, ALONG + 1, 3, 3))
-    return Pieces(start, end, radius, nodes, run, none, (), np.zeros_like(start), none, discs)
+    return capsules(tail + low[:, None] * ahead, tail + high[:, None] * ahead, radius, nodes, run)

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.skeleton.repair import largest_at_nodes
 from scaffold_cad.solid.field.struts import FieldStruts, field_struts
 
 
@@ -14,7 +15,7 @@ from scaffold_cad.solid.field.struts import FieldStruts, field_struts
 def skeleton_struts(
     skeleton: Skeleton, *, blend: ArrayLike | None = None, flat_ends: bool = False
 ) -> FieldStruts:
-    """Return the struts of a skeleton, with the radii of its nodes.
+    """Return the struts of a skeleton, and a ball at each node that is thicker than its struts.
 
     Parameters
     ----------
@@ -36,6 +37,15 @@ def skeleton_struts(
     >>> len(skeleton_struts(tripod).ends)
     3
     """
-    edges = skeleton.edges
+    edges, radii = skeleton.edges, skeleton.edge_radii
     flat = skeleton.valency[edges] == 1 if flat_ends else np.zeros(edges.shape, dtype=np.bool_)
-    return field_struts(skeleton.nodes[edges], skeleton.radii[edges], flat=flat, blend=blend)
+    largest = largest_at_nodes(edges, radii, len(skeleton.nodes))
+    thicker = np.flatnonzero((skeleton.radii > largest) & (skeleton.valency > 0))
+    return field_struts(
+        skeleton.nodes[edges],
+        radii,
+        flat=flat,
+        balls=skeleton.nodes[thicker],
+        ball_radii=skeleton.radii[thicker],
+        blend=blend,
+    )

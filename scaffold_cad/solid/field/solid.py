@@ -15,7 +15,7 @@ from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
 from scaffold_cad.base.summaries import counted, range_text, size_text
 from scaffold_cad.errors import OptionError
-from scaffold_cad.mesh.pieces import Pieces, pieces_of, without_small_cavities
+from scaffold_cad.mesh.pieces import Pieces, pieces_of
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.field.cells import check_size, levels_of, memory_of
 from scaffold_cad.solid.field.chords import evened
@@ -99,10 +99,6 @@ class FieldSolid(Frozen):
         """Number of closed voids inside."""
         return int((self.pieces.volumes < 0).sum())
 
-    def without_small_cavities(self, volume: float) -> FieldSolid:
-        """Return the solid with all voids filled that are smaller than a volume, mm³."""
-        return replace(self, mesh=without_small_cavities(self.mesh, self.pieces, volume))
-
 
 @checks_keywords()
 def field_solid(
@@ -111,7 +107,6 @@ def field_solid(
     cell: float | None = None,
     sag: float | Floats = np.inf,
     equal_volume: bool = True,
-    rounds: int = 10,
 ) -> FieldSolid:
     """Return the solid of the filleted union of struts.
 
@@ -128,8 +123,6 @@ def field_solid(
     equal_volume : bool
         Whether vertices stand outside of round surfaces by as much as gives the mesh their
         volume; otherwise they are on them.
-    rounds : int >= 0
-        Most times that each vertex is improved along its grid edge.
 
     Raises
     ------
@@ -160,7 +153,7 @@ def field_solid(
     _foretell(estimated(union, struts, lattice, wanted))
     levels = levels_of(union, lattice, lambda radii, of: wanted_cells(radii, cell, sags[of]))
     grid = grid_of(union, lattice, levels)
-    surface = surface_of(union, grid, rounds)
+    surface = surface_of(union, grid)
     vertices = evened(union, surface, swell) if equal_volume else surface.vertices
     mesh = TriangleMesh(vertices + lattice.origin, surface.triangles)
     mesh = with_creases(union, grid, mesh, surface.groups)

@@ -17,6 +17,9 @@ from scaffold_cad.solid.field.marching import Polygons
 from scaffold_cad.solid.field.slots import Slots
 from scaffold_cad.solid.field.union import FilletedUnion, values
 
+ROUNDS = 10
+"""Most times that F is evaluated along a grid edge to place its vertex."""
+
 NEAR_ENOUGH = 0.005
 """|F| from which one more round leads to the root."""
 
@@ -49,20 +52,13 @@ class Surface(Frozen):
         return grid_edges(self.grid, self.slots, self.edges[vertices])
 
 
-def surface_of(union: FilletedUnion, grid: Grid, rounds: int) -> Surface:
-    """Return the zero set of F.
-
-    Parameters
-    ----------
-    rounds : times that F is evaluated along a grid edge to place its vertex
-    """
+def surface_of(union: FilletedUnion, grid: Grid) -> Surface:
+    """Return the zero set of F."""
     slots = Slots(grid)
     parts = polygons_of(grid, slots)
     used = _used(parts, slots)
     edges = list(cut(used, EDGE_BYTES))
-    placed = in_order(
-        lambda some: _vertices(union, grid, grid_edges(grid, slots, some), rounds), edges
-    )
+    placed = in_order(lambda some: _vertices(union, grid, grid_edges(grid, slots, some)), edges)
     found = counted("vertices", placed, [len(some) for some in edges])
     vertices = np.concatenate([np.zeros((0, 3)), *found])
     rank = Ranks(used, slots)
@@ -115,14 +111,14 @@ def _halves(vertices: Floats, quads: Ints) -> Ints:
     )
 
 
-def _vertices(union: FilletedUnion, grid: Grid, edges: GridEdges, rounds: int) -> Floats:
+def _vertices(union: FilletedUnion, grid: Grid, edges: GridEdges) -> Floats:
     """Return where the surface cuts grid edges, on them and exact in 32 bits, (e, 3) mm."""
     at_a, at_b = grid.field[edges.points]
     far = edges.put_in
     if far.any():
         at_b[far] = values(union, (edges.start + edges.way)[far], edges.owner[far], grid.lists)
     line = edges.start, edges.way
-    return edges.at(_roots(union, grid, line, (at_a, at_b), edges.owner, rounds))
+    return edges.at(_roots(union, grid, line, (at_a, at_b), edges.owner))
 
 
 def _roots(
@@ -131,7 +127,6 @@ def _roots(
     line: tuple[Floats, Floats],
     ends: tuple[Floats, Floats],
     owner: Ints,
-    rounds: int,
 ) -> Floats:
     """Return where F is 0 on lines (start and way along), as a part of the way, shape (e,).
 
@@ -147,7 +142,7 @@ def _roots(
     f = np.stack([ends[1], ends[0], ends[1]])
     t = f[1] / np.where(f[0] != f[1], f[1] - f[0], 1.0)
     rows = np.arange(len(t))
-    for _ in range(rounds):
+    for _ in range(ROUNDS):
         at = values(union, line[0][rows] + t[rows, None] * line[1][rows], owner[rows], grid.lists)
         own_x, own_f = x[:, rows], f[:, rows]
         same = (at < 0) == (own_f[0] < 0)

@@ -45,8 +45,11 @@ TRIPOD = Skeleton(
 )
 
 
-def test_struts_of_a_skeleton_have_the_radii_of_their_nodes() -> None:
+def test_struts_of_a_skeleton_have_their_own_radii_and_thicker_nodes_are_balls() -> None:
     assert skeleton_struts(TRIPOD).radii.tolist() == [[2, 1]] * 3
+    own = skeleton_struts(TRIPOD.with_edge_radii([0.5, 0.5, 1.0], TRIPOD.radii))
+    assert own.radii.tolist() == [[0.5, 0.5], [0.5, 0.5], [1, 1], [2, 2], [1, 1], [1, 1]]
+    # balls at nodes 0, 1 and 2
 
 
 def test_only_extremities_end_flat() -> None:
