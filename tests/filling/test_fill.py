@@ -443,7 +443,7 @@ def test_a_region_without_struts_is_refused() -> None:
     [
         (BOX, {"keep": "half"}, "keep is 'half'; need one of clip, whole"),
         (BOX, {"shortest": -1.0}, "shortest length is -1 mm; need >= 0"),
-        (BOX, {"origin": (0, 0)}, r"origin is \[0.0, 0.0\]; need three finite numbers"),
+        (BOX, {"origin": (0, 0)}, r"origin is \[0.0, 0.0\] mm; need three finite numbers"),
         (BOX, {"bounds": BOX}, "bounds are given for a region that has its own"),
         (BOX[::-1], {}, r"box is from \[35.0, .* need the first below the second"),
         (BOX[0], {}, r"box has shape \(3,\); need \(2, 3\)"),
