@@ -69,7 +69,7 @@ def graded(places: Points) -> Floats:
 def test_a_lattice_of_many_radii_is_made_a_few_layers_of_cells_at_a_time(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    lattice = PeriodicLattice("bcc", 1.0, (2, 2, 6), radius=graded)
+    lattice = PeriodicLattice("bcc", 1.0, (1, 1, 6), radius=graded)
     monkeypatch.setattr(slabs, "AT_ONCE", 1)
     check_same(lattice, np.linspace(-0.2, 6.2, 14))
     whole = slices(round_struts(lattice.skeleton()), thickness=0.1)
@@ -116,14 +116,14 @@ def test_a_lattice_past_memory_is_cut() -> None:
 @pytest.mark.parametrize("cell", ["sc", "diamond"])
 def test_fillets_ends_and_walls_are_those_asked_for(cell: str) -> None:
     options: dict[str, Any] = {"blend": 0.12, "ends": "round", "wall": 0.03}
-    lattice = PeriodicLattice(cell, 1.0, (2, 8, 8), radius=0.07, **options)
+    lattice = PeriodicLattice(cell, 1.0, (1, 8, 8), radius=0.07, **options)
     assert isinstance(lattice_solid(lattice, 16), RepeatedLattice)
     heights = np.linspace(-0.1, 8.05, 8)
     whole = list(slices(round_struts(lattice.skeleton(), **options), heights))
     for one, other in zip(slices(lattice, heights), whole, strict=True):
         check_equal(one, other)
     options["wall"] = None
-    full = PeriodicLattice(cell, 1.0, (2, 8, 8), radius=0.07, **options)
+    full = PeriodicLattice(cell, 1.0, (1, 8, 8), radius=0.07, **options)
     areas = [next(slices(each, [4.25])).area for each in (full, lattice)]
     assert areas[1] < 0.8 * areas[0]
 
