@@ -47,7 +47,7 @@ def counting(name: str, total: int) -> Iterator[Count]:
         _running.remove(count)
 
 
-def counted(name: str, results: Iterable[T], sizes: Sequence[int]) -> Iterator[T]:
+def tracked(name: str, results: Iterable[T], sizes: Sequence[int]) -> Iterator[T]:
     """Yield results one after the other, and count what is done until then.
 
     Parameters
@@ -57,7 +57,7 @@ def counted(name: str, results: Iterable[T], sizes: Sequence[int]) -> Iterator[T
 
     Examples
     --------
-    >>> for letter in counted("letters", "ab", [1, 3]):
+    >>> for letter in tracked("letters", "ab", [1, 3]):
     ...     print(letter, running().done, "of", running().total)
     a 1 of 4
     b 4 of 4

@@ -9,7 +9,7 @@ import numpy as np
 
 from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
-from scaffold_cad.base.counts import counted
+from scaffold_cad.base.counts import tracked
 from scaffold_cad.base.summaries import size_text
 
 
@@ -90,7 +90,7 @@ class Layers(Iterator[Layer]):
         thickness : of each, mm; 0 for sections alone
         box : lowest and highest corner of a box that holds all polygons, shape (2, 2), mm
         """
-        self._layers = counted("layers", layers, [1] * len(heights))
+        self._layers = tracked("layers", layers, [1] * len(heights))
         self.taken = 0
         """How many of them were asked for: they are gone."""
         self.heights = heights

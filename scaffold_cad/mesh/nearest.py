@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, UnitVectors
 from scaffold_cad.base.blocks import CACHE, blocks
-from scaffold_cad.base.counts import counted
+from scaffold_cad.base.counts import tracked
 from scaffold_cad.base.vectors import dot, leading_dot, length, normalize
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
@@ -97,7 +97,7 @@ class NearestPlace:
         count = len(points) if len(self._corners) else 0
         parts = list(blocks(count, NEAREST * TRIANGLE_BYTES, CACHE))
         made = (self._some_nearer(points[part], limit) for part in parts)
-        found = list(counted("nearest places", made, [part.stop - part.start for part in parts]))
+        found = list(tracked("nearest places", made, [part.stop - part.start for part in parts]))
         none = np.zeros(0, dtype=np.intp), np.zeros((0, 3)), np.zeros(0, dtype=np.intp)
         shifted = [
             (part.start + each[0], *each[1:]) for part, each in zip(parts, found, strict=True)
@@ -110,7 +110,7 @@ class NearestPlace:
         parts = list(blocks(len(points), NEAREST * TRIANGLE_BYTES, CACHE))
         ways = (None if facing is None else facing[part] for part in parts)
         made = (self._some(points[part], way) for part, way in zip(parts, ways, strict=True))
-        found = list(counted("nearest places", made, [part.stop - part.start for part in parts]))
+        found = list(tracked("nearest places", made, [part.stop - part.start for part in parts]))
         none = np.zeros((0, 3)), np.zeros(0, dtype=np.intp)
         places, triangles = zip(none, *found, strict=True)
         return np.concatenate(places), np.concatenate(triangles)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from scaffold_cad.base.counts import counted, running
+from scaffold_cad.base.counts import running, tracked
 from scaffold_cad.cli import main
 from scaffold_cad.cli.progress import PERIOD, QUIET_TIME, Progress
 from scaffold_cad.io import read_skeleton
@@ -371,7 +371,7 @@ def test_a_long_stage_counts_what_is_done_on_a_terminal_and_clears_it() -> None:
             yield letter
 
     with Progress(terminal).stage("struts", 100, "struts"):
-        list(counted("blends", slow(), [10] * 6))
+        list(tracked("blends", slow(), [10] * 6))
     shown = terminal.getvalue().split("\r\x1b[K")
     pattern = r"struts: 100 struts, \d s so far; blends: \d0 of 60, .* per second, about \d s left"
     assert re.fullmatch(pattern, shown[1])

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints
 from scaffold_cad.base.blocks import CACHE, uneven_blocks
-from scaffold_cad.base.counts import counted
+from scaffold_cad.base.counts import tracked
 from scaffold_cad.base.memory import MOST_MEMORY, machine_memory
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.errors import OptionError
@@ -140,7 +140,7 @@ def _refined(
         pieces,
     )
     sizes = [8 * len(groups[some]) for some in pieces]
-    parts = list(counted("cells", refined, sizes))
+    parts = list(tracked("cells", refined, sizes))
     kept = [part[0] for part in parts]
     finer = [part[1] for part in parts]
     level = Level(

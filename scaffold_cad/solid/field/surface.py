@@ -8,7 +8,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points
 from scaffold_cad.base.blocks import cut
-from scaffold_cad.base.counts import counted
+from scaffold_cad.base.counts import tracked
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.solid.field.faces import polygons_of
 from scaffold_cad.solid.field.grid import Grid
@@ -59,7 +59,7 @@ def surface_of(union: FilletedUnion, grid: Grid) -> Surface:
     used = _used(parts, slots)
     edges = list(cut(used, EDGE_BYTES))
     placed = in_order(lambda some: _vertices(union, grid, grid_edges(grid, slots, some)), edges)
-    found = counted("vertices", placed, [len(some) for some in edges])
+    found = tracked("vertices", placed, [len(some) for some in edges])
     vertices = np.concatenate([np.zeros((0, 3)), *found])
     rank = Ranks(used, slots)
     triangles = []

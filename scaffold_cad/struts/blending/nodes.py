@@ -14,7 +14,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors
 from scaffold_cad.base.blocks import CACHE, blocks, cut
-from scaffold_cad.base.counts import counted
+from scaffold_cad.base.counts import tracked
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.partition.arcs import side_twins
@@ -272,7 +272,7 @@ def _solved(
         turned = Turned(own[rows], vertices[rows], kinds.sides[rows], kinds.parts(rows))
         return solve(turned, fitted[rows], recipe, None if begun is None else begun[rows])
 
-    made = counted("blends", in_order(work, pieces), [len(rows) for rows in pieces])
+    made = tracked("blends", in_order(work, pieces), [len(rows) for rows in pieces])
     solved = Solved.joined(list(made))
     return solved[np.argsort(order)]
 

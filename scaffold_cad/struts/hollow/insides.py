@@ -18,7 +18,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints
 from scaffold_cad.base.blocks import CACHE, cut
-from scaffold_cad.base.counts import counted
+from scaffold_cad.base.counts import tracked
 from scaffold_cad.base.threads import in_order
 from scaffold_cad.struts.blending.blend import Originals, Skins, Solved, best_by_layout
 from scaffold_cad.struts.blending.fits import TypeFit
@@ -166,7 +166,7 @@ def _solved(skins: Skins, wall: float, recipe: InsideRecipe) -> tuple[Solved, Fl
         return seen_from_eyes(made, some.axes, hidden), least
 
     parts = list(cut(order, samples * SAMPLE_BYTES, CACHE))
-    done = list(counted("insides", in_order(work, parts), [len(rows) for rows in parts]))
+    done = list(tracked("insides", in_order(work, parts), [len(rows) for rows in parts]))
     back = np.argsort(order)
     least = np.concatenate([each for _, each in done])
     return Solved.joined([each for each, _ in done])[back], least[back]
