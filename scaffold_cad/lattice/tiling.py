@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import check_kind, checks_keywords, described
+from scaffold_cad.base.arguments import as_flag, check_kind, checks_keywords, described
 from scaffold_cad.base.arrays import Floats, Points, as_floats
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.errors import OptionError
@@ -63,6 +63,8 @@ def tile(
         return lattice_on(
             on, cell, radius=radius, size=size, counts=counts, dangling=dangling
         ).skeleton
+    if not as_flag(dangling, "dangling"):
+        raise OptionError("dangling is False without a map, whose border cuts struts; need one")
     if size is None or callable(size):
         raise OptionError(f"cell size in mm is {described(size)}; need numbers where no map is")
     cell = as_cell(cell)

@@ -146,6 +146,14 @@ def test_a_radius_that_is_no_length_is_refused() -> None:
         tile("bcc", 10.0, 2, radius=lambda points: points[:, 0])
 
 
+def test_options_of_maps_are_refused_without_one() -> None:
+    with pytest.raises(OptionError, match="dangling is False without a map"):
+        tile("bcc", 10.0, 2, radius=1.0, dangling=False)
+    for size, found in ((None, "None"), (len, "a builtin_function_or_method")):
+        with pytest.raises(OptionError, match=f"cell size in mm is {found}; need numbers"):
+            tile("bcc", size, 2, radius=1.0)
+
+
 @pytest.mark.parametrize("size", [0.0, -1.0, np.nan, (1.0, 2.0), (1.0, 2.0, 0.0)])
 def test_a_size_that_is_no_length_is_refused(size: float | tuple[float, ...]) -> None:
     with pytest.raises(OptionError, match=r"cell size in mm = .*; need three numbers > 0"):
