@@ -23,7 +23,8 @@ from scaffold_cad.struts.curves.joints import CurvedJoints, curved_joints, possi
 from scaffold_cad.struts.curves.proof import proved
 from scaffold_cad.struts.elbows import Elbows, elbow_curves, elbows_of
 from scaffold_cad.struts.groups import Group, reached_fillets, with_blends, with_walls
-from scaffold_cad.struts.hollow.insides import hollow_nodes, limits_beside
+from scaffold_cad.struts.hollow.curvewalls import with_walls_along
+from scaffold_cad.struts.hollow.insides import hollow_nodes, limits_beside, tell_thin
 from scaffold_cad.struts.hollow.sockets import sockets_of
 from scaffold_cad.struts.hollow.walls import check_wall, end_walls, without_wall
 from scaffold_cad.struts.likes import check_like
@@ -189,7 +190,7 @@ def _built(
         else:
             solved += with_walls(rest, asked, outer, wall)
     solved.sort(key=lambda part: part.half_runs.shape[1])
-    struts = _assembled(skeleton, options, runs, tuple(solved), plan)
+    struts = _assembled(skeleton, options, runs, tuple(solved), plan, outer)
     if like is None and outer is None and (struts.crowded & np.isfinite(struts.bends)).any():
         lost = plan.elbows.crossing(runs.nodes, struts.crowded)
         lost = lost if blended is None else lost | blended
@@ -352,6 +353,7 @@ def _assembled(
     runs: Runs,
     solved: tuple[BlendedNodes, ...],
     plan: _Plan,
+    outer: RoundStruts | None,
 ) -> RoundStruts:
     """Return the struts, once it is known which nodes are crowded."""
     collar, x = np.minimum(plan.joints.wanted, plan.limits), np.zeros((len(runs.tails), 3))
@@ -367,6 +369,10 @@ def _assembled(
     collar[plan.elbows.half_runs] = (reached * np.tan(plan.elbows.turns / 2))[:, None]
     passed = curves(runs, plan.joints, collar, x)
     passed = Curves.joined(passed, elbow_curves(runs, plan.elbows, reached))
+    if outer is not None and outer.options.wall is not None:
+        passed, thin = with_walls_along(passed, outer.curves, outer.crowded, outer.options.wall)
+        crowded[thin] = True
+        tell_thin(thin, outer.options.wall)
     open_ones = ~passed.closed
     for side, first in enumerate((passed.offsets[:-1], passed.offsets[1:] - 1)):
         x[passed.half_runs[open_ones, side]] = passed.x[first[open_ones]]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -11,7 +10,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Floats, Ints
 from scaffold_cad.struts.blending.blend import Stars
 from scaffold_cad.struts.blending.nodes import blends
-from scaffold_cad.struts.hollow.insides import LEAST
+from scaffold_cad.struts.hollow.insides import LEAST, tell_thin
 from scaffold_cad.struts.hollow.walls import walls_at
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.options import BLEND
@@ -28,8 +27,6 @@ CLOSE = 0.1
 Each trial costs as much as all recipes."""
 SAME_FILLET = 1e-6
 """Part of a fillet radius below which two are one: the radius reached is found by bisection."""
-
-_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +141,7 @@ def with_walls(
         is_thin &= ~outer.crowded
         for each in found:
             if share == INNER_FILLETS[-1]:
-                _tell(each.nodes[is_thin[each.nodes]], wall)
+                tell_thin(each.nodes[is_thin[each.nodes]], wall)
                 yield _without_room(each, is_thin)
             elif not is_thin[each.nodes].all():
                 yield each[np.flatnonzero(~is_thin[each.nodes])]
@@ -152,21 +149,6 @@ def with_walls(
         if len(left) == 0:
             return
         group, stars = group[left], stars[left]
-
-
-def _tell(nodes: Ints, wall: float) -> None:
-    """Log nodes whose walls would be too thin."""
-    if len(nodes):
-        one = len(nodes) == 1
-        _log.warning(
-            "no inside of %s %s leaves a wall of %g mm; %s crowded: need a thinner wall, "
-            "thicker struts or wider angles for %s",
-            "node" if one else "nodes",
-            ", ".join(map(str, nodes.tolist())),
-            wall,
-            "it is" if one else "they are",
-            "a smooth one" if one else "smooth ones",
-        )
 
 
 def _without_room(blended: BlendedNodes, is_thin: Bools) -> BlendedNodes:

@@ -11,6 +11,7 @@ Collars are those outside, moved in as well: between them a wall is exact.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -49,6 +50,8 @@ MOMENTUM = 0.7
 """Part of its last move that a sample goes on along the surface while patches settle."""
 SAMPLE_BYTES = 128
 """What a sample of the outer surface takes where it is treated."""
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -308,3 +311,18 @@ def _moved_in(outside: Layout, control: Floats, layout: Layout, wall: float) -> 
     normals /= np.sqrt((normals**2).sum(axis=0))
     inside = evaluated(0, 0) - wall * normals
     return np.asarray(inside.reshape(3, len(control), -1))
+
+
+def tell_thin(nodes: Ints, wall: float) -> None:
+    """Log nodes whose walls would be too thin."""
+    if len(nodes):
+        one = len(nodes) == 1
+        _log.warning(
+            "no inside of %s %s leaves a wall of %g mm; %s crowded: need a thinner wall, "
+            "thicker struts or wider angles for %s",
+            "node" if one else "nodes",
+            ", ".join(map(str, nodes.tolist())),
+            wall,
+            "it is" if one else "they are",
+            "a smooth one" if one else "smooth ones",
+        )

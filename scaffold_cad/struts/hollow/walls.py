@@ -6,22 +6,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arrays import Floats, Frozen, place_text
-from scaffold_cad.base.vectors import dot, normalize
-from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.struts.curves.curve import ALONG, Curves
+from scaffold_cad.struts.hollow.curvewalls import CurveGaps
 from scaffold_cad.struts.hollow.gaps import Gaps
 from scaffold_cad.struts.hollow.longends import with_long_ends
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.options import Ends
 from scaffold_cad.struts.runs import balls_of, straight_runs
-
-SAMPLES = (8, 96)
-"""Intervals along a piece of a curve, and around it, where walls are measured."""
 
 
 def end_walls(skeleton: Skeleton, wall: float, ends: Ends) -> Floats:
@@ -107,7 +101,7 @@ class Walls(Frozen):
     nodes: Floats
     """Least thickness at each node that has a blend of its own, nan at others, shape (n,), mm."""
     curves: Floats
-    """Least thickness of each curve, shape (c,), mm."""
+    """Least thickness of each curve, inf where all of it is crowded, shape (c,), mm."""
     sockets: Floats
     """What the bore of each socket leaves of its strut, shape (q,), mm."""
 
@@ -145,7 +139,7 @@ def walls(struts: RoundStruts) -> Walls:
     ]
     nodes = walls_at(struts.blended, struts.inner.blended, len(runs.nodes))
     nodes[struts.crowded | struts.inner.crowded] = np.nan
-    curves = _along_curves(struts.curves, struts.inner.curves)
+    curves = _along_curves(struts, struts.inner)
     return Walls(struts.options.wall or 0.0, nodes, curves, np.minimum(*left))
 
 
@@ -191,32 +185,13 @@ def _pair(outer: BlendedNodes, row: int, inner: BlendedNodes, other: int) -> tup
     return row, id(inner), other, 1
 
 
-def _along_curves(outer: Curves, inner: Curves) -> Floats:
-    """Return the least wall of each curve, (c,), mm."""
-    found = np.full(len(outer.half_runs), np.inf)
-    if len(found) == 0:
-        return found
-    points, normals = _on_curves(outer)
-    inside, _ = _on_curves(inner)
-    _, place = cKDTree(points.reshape(-1, 3)).query(inside)  # (p, k)
-    way = points.reshape(-1, 3)[place] - inside
-    gaps = dot(way, normals.reshape(-1, 3)[place])
-    np.minimum.at(found, outer.curve_of_piece, gaps.min(axis=1))
+def _along_curves(outer: RoundStruts, inner: RoundStruts) -> Floats:
+    """Return the least wall of each curve, (c,), mm, but for pieces at crowded nodes."""
+    found = np.full(len(outer.curves.half_runs), np.inf)
+    ends = np.stack([outer.curves.nodes[outer.curves.pieces + at] for at in (0, 1)])  # (2, p)
+    crowded = outer.crowded | inner.crowded
+    pieces = np.flatnonzero(~(crowded[ends] & (ends >= 0)).any(axis=0))
+    if len(pieces):
+        least = CurveGaps(outer.curves, pieces).measured(inner.curves, pieces).min(axis=1)
+        np.minimum.at(found, outer.curves.curve_of_piece[pieces], least)
     return found
-
-
-def _on_curves(curves: Curves) -> tuple[Floats, Floats]:
-    """Return points and unit normals of pieces of curves, both (p, k, 3)."""
-    levels, sides = SAMPLES
-    at = np.linspace(0.0, 1.0, levels + 1)
-    angle = 2 * np.pi / sides * np.arange(sides)
-    around = np.stack([np.ones(sides), np.cos(angle), np.sin(angle)])
-    turned = np.stack([np.zeros(sides), -np.sin(angle), np.cos(angle)])
-    frames = np.einsum("lj,pjkx->plkx", bernstein(ALONG, at), curves.frames)
-    slopes = np.einsum("lj,pjkx->plkx", bernstein(ALONG, at, 1), curves.frames)
-    points = np.einsum("ks,plkx->plsx", around, frames)
-    across = np.einsum("ks,plkx->plsx", turned, frames)
-    ahead = np.einsum("ks,plkx->plsx", around, slopes)
-    normals = normalize(np.cross(across, ahead))
-    count = len(points)
-    return points.reshape(count, -1, 3), normals.reshape(count, -1, 3)
