@@ -252,6 +252,7 @@ def elbow_curves(runs: Runs, elbows: Elbows, radii: Floats) -> Curves:
         tangents.reshape(-1, 3),
         x.reshape(-1, 3),
         size,
+        size,
         still,
         bends.reshape(-1, 3),
         still,

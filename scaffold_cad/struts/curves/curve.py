@@ -71,6 +71,9 @@ class Curves(Frozen):
     """Where the circles begin, shape (s, 3)."""
     radii: Floats
     """Shape (s,), mm."""
+    outline: Floats
+    """Radii that the number of rings goes by, shape (s,), mm: inside of others theirs, so that the
+    rings of both are at the same places."""
     slopes: Floats
     """Growth of the radius along the curve, shape (s,)."""
     bends: Floats
@@ -90,7 +93,7 @@ class Curves(Frozen):
         return Curves(
             np.zeros(1, dtype=np.intp),
             np.empty((0, 2), dtype=np.intp),
-            *(no_numbers, no_numbers, rows, rows, rows, empty, empty, rows, empty),
+            *(no_numbers, no_numbers, rows, rows, rows, empty, empty, empty, rows, empty),
             np.zeros(runs, dtype=np.bool_),
             empty,
         )
@@ -150,7 +153,7 @@ class Curves(Frozen):
         first, last = self.pieces, self.pieces + 1
         chord = self.centers[last] - self.centers[first]
         size = length(chord)
-        way, growth = chord / size[:, None], (self.radii[last] - self.radii[first]) / size
+        way, growth = chord / size[:, None], (self.outline[last] - self.outline[first]) / size
         found = np.zeros(len(first))
         for at in (first, last):
             found += angle_between(self.tangents[at], way)
@@ -231,6 +234,7 @@ def curves(runs: Runs, joints: CurvedJoints, collar: Floats, x: Floats) -> Curve
         centers,
         tangents,
         np.zeros_like(centers),
+        radii,
         radii,
         sides.growth,
         bends,

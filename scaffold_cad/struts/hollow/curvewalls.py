@@ -63,13 +63,13 @@ def with_walls_along(
     """
     first, last = outer.pieces, outer.pieces + 1
     counts = ~(crowded[outer.nodes] & (outer.nodes >= 0))
+    # The wall across changes evenly from circle to circle if both sides grow alike at each.
+    made = replace(inner, outline=outer.outline, slopes=outer.slopes)
     thin = np.flatnonzero(_is_steep(outer) & counts[first] & counts[last])
     if len(thin) == 0:
-        return inner, thin
+        return made, thin
     gaps, is_joint = CurveGaps(outer, thin), inner.nodes >= 0
     narrowest = NARROWEST * inner.radii
-    # The wall across changes evenly from circle to circle if both sides grow alike at each.
-    made = replace(inner, slopes=np.where(is_joint, outer.slopes, inner.slopes))
     for _ in range(ROUNDS):
         walls = gaps.measured(made, thin)
         rows = walls.min(axis=1) < ENOUGH * wall
