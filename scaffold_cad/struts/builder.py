@@ -367,19 +367,20 @@ def _assembled(
     bends = np.full(len(skeleton.nodes), np.nan)
     bends[plan.elbows.nodes] = reached = plan.elbows.radii(collar)
     collar[plan.elbows.half_runs] = (reached * np.tan(plan.elbows.turns / 2))[:, None]
+    # Collars also stand beyond the corners of their patches, further out than fillets ask for.
+    no_room = plan.no_room | (collar.reshape(-1, 2).sum(axis=1) > runs.lengths)
+    crowded[runs.edges[no_room]] = True
     passed = curves(runs, plan.joints, collar, x)
     passed = Curves.joined(passed, elbow_curves(runs, plan.elbows, reached))
     if outer is not None and outer.options.wall is not None:
-        passed, thin = with_walls_along(passed, outer.curves, outer.crowded, outer.options.wall)
+        wall, left_out = outer.options.wall, crowded | outer.crowded
+        passed, thin = with_walls_along(passed, outer.curves, left_out, wall)
         crowded[thin] = True
-        tell_thin(thin, outer.options.wall)
+        tell_thin(thin, wall)
     open_ones = ~passed.closed
     for side, first in enumerate((passed.offsets[:-1], passed.offsets[1:] - 1)):
         x[passed.half_runs[open_ones, side]] = passed.x[first[open_ones]]
     _turn_ends(runs, x)
-    # Collars also stand beyond the corners of their patches, further out than fillets ask for.
-    no_room = plan.no_room | (collar.reshape(-1, 2).sum(axis=1) > runs.lengths)
-    crowded[runs.edges[no_room]] = True
     _crowd_curves(passed, crowded)
     crossing = crossings(runs, solved, passed, collar, options.ends, crowded)
     crowded |= crossing.nodes

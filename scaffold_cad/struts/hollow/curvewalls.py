@@ -17,7 +17,7 @@ from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, UnitVectors
 from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.struts.curves.curve import ALONG, Curves
-from scaffold_cad.struts.hollow.insides import AIM, ENOUGH, LEAST, PUSH
+from scaffold_cad.struts.hollow.insides import AIM, ENOUGH, LEAST
 
 ALONGSIDE = 8
 """Intervals along a piece of a curve where walls are measured."""
@@ -76,7 +76,7 @@ def with_walls_along(
         thin, walls = thin[rows], walls[rows]
         if len(thin) == 0:
             return made, thin
-        push = PUSH * _lacking(made, thin, AIM * wall - walls)
+        push = _lacking(made, thin, AIM * wall - walls)
         radii = np.where(is_joint, np.maximum(made.radii - push, narrowest), made.radii)
         made = replace(made, radii=radii)
     thin = first[thin[gaps.measured(made, thin).min(axis=1) < LEAST * wall]]
