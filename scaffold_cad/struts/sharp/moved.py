@@ -120,5 +120,5 @@ def _carried(points: UnitVectors, ball: Triangles, turns: Floats) -> Floats:
     table: tuple[Ints, Ints] = np.concatenate(rows), np.concatenate(columns)
     count = len(points) - fixed
     means = csr_array((np.concatenate(weights), table), shape=(count, len(points)))
-    system = diags_array(means.sum(axis=1)) - means[:, fixed:]
+    system: csr_array = csr_array(diags_array(means.sum(axis=1)) - means[:, fixed:])
     return np.asarray(spsolve(system.tocsc(), means[:, :fixed] @ turns)).reshape(count, 3)
