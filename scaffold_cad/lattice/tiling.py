@@ -64,9 +64,11 @@ def tile(
             on, cell, radius=radius, size=size, counts=counts, dangling=dangling
         ).skeleton
     if not as_flag(dangling, "dangling"):
-        raise OptionError("dangling is False without a map, whose border cuts struts; need one")
+        raise OptionError("dangling is False without a map, whose border cuts struts; need a map")
     if size is None or callable(size):
-        raise OptionError(f"cell size in mm is {described(size)}; need numbers where no map is")
+        raise OptionError(
+            f"cell size in mm is {described(size)}; need one number or three without a map"
+        )
     cell = as_cell(cell)
     struts = repeated(cell, cell_size(cell, size), as_counts(cell, three_counts(counts)))
     return struts.skeleton(radius)

@@ -142,7 +142,7 @@ ONE_NUMBER = r"need a number, or a function of positions \(n, 3\) that returns r
             "what the function radius returned is not an array of numbers: it holds text",
         ),
         (lambda: sc.tile("bcc", "abc", 2, radius=1.0), "cell size in mm is not an array of num"),
-        (lambda: sc.tile("bcc", None, 2, radius=1.0), "cell size in mm is not an array of num"),
+        (lambda: sc.tile("bcc", None, 2, radius=1.0), "cell size in mm is None; need one number"),
         (lambda: sc.tile("bcc", 8.0, None, radius=1.0), "counts are None; need three whole"),
         (lambda: sc.fill(BOX, "bcc", "abc", 1.0), "cell size in mm is not an array of numbers"),
         (lambda: sc.fill("abc", "bcc", 8.0, 1.0), "the region is a str; need a box"),

@@ -150,7 +150,7 @@ def test_options_of_maps_are_refused_without_one() -> None:
     with pytest.raises(OptionError, match="dangling is False without a map"):
         tile("bcc", 10.0, 2, radius=1.0, dangling=False)
     for size, found in ((None, "None"), (len, "a builtin_function_or_method")):
-        with pytest.raises(OptionError, match=f"cell size in mm is {found}; need numbers"):
+        with pytest.raises(OptionError, match=f"cell size in mm is {found}; need one number"):
             tile("bcc", size, 2, radius=1.0)
 
 

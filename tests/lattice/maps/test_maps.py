@@ -232,7 +232,10 @@ def test_tile_takes_a_map() -> None:
     ("make", "message"),
     [
         (lambda: tile("bcc", 4.0, radius=0.3), "counts are None; need three whole numbers"),
-        (lambda: tile("bcc", counts=2, radius=0.3), "cell size in mm is not an array of numbers"),
+        (
+            lambda: tile("bcc", counts=2, radius=0.3),
+            "cell size in mm is None; need one number or three",
+        ),
         (lambda: lattice_on(BoxMap([1, 1, 1]), "bcc", radius=0.1), "either the size of a cell or"),
         (
             lambda: lattice_on(CylinderMap(5, 5, 1), "bcc", radius=0.1, counts=2),
