@@ -114,6 +114,14 @@ def running_sums(values: Floats, position: Ints) -> Floats:
     return total
 
 
+def distance_to_side(a: Floats, b: Floats) -> Floats:
+    """Return the distance from 0 to the segments from `a` to `b` (..., 3), shape (...)."""
+    span = b - a
+    squared = np.maximum(dot(span, span), np.finfo(np.float64).tiny)
+    nearest = np.clip(-dot(a, span) / squared, 0.0, 1.0)
+    return length(a + nearest[..., None] * span)
+
+
 def rotate(vectors: Floats, axes: UnitVectors, angles: Floats) -> Floats:
     """Return `vectors` turned about `axes` by `angles` (rad, right-handed): Rodrigues."""
     cosine = np.cos(angles)[..., None]

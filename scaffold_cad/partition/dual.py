@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors
-from scaffold_cad.base.vectors import angle_between
+from scaffold_cad.base.vectors import angle_between, distance_to_side, dot
 from scaffold_cad.partition.arcs import arc_counts
-from scaffold_cad.partition.certificate import certify
+from scaffold_cad.partition.certificate import certify, corners_of
 from scaffold_cad.partition.delaunay import Triangulations, triangulations
 from scaffold_cad.partition.lune import circle_axes, lune_partitions, lunes_about
 from scaffold_cad.partition.matching import good_matchings
@@ -29,6 +29,10 @@ PERFECT = 0.9999
 """A lowest ratio that need not be improved."""
 MANY_ARCS, MOST_BURDEN = 0.003, 0.05
 """What arcs beyond four at a vertex cost of the score, by the square, and at most."""
+STRAIGHT = 0.4
+"""Least distance of the straight sides of a quad from its direction's axis, over the sine of its
+reach, that costs nothing of the score. Arcs that nearly reach around half the sphere have sides
+that pass through the node: however far out its corners are, the strut is thin there."""
 WANTED = 1000.0
 """Gain of taking an edge that must be taken."""
 LONG_ARC = 3.0
@@ -149,7 +153,7 @@ class Contest:
         count, valency = stars.shape[:2]
         self.stars = stars
         self.reach = nearest_angles(stars) / 2
-        self.lowest = np.full(count, -np.inf)  # ratio of the best, see `relax`
+        self.lowest = np.full(count, -np.inf)  # ratio of the best, less for long arcs
         self.score = np.full(count, -np.inf)
         self.best = Quadrangulations(
             np.zeros((count, valency + 2, 3)), np.zeros((count, valency, 4), dtype=np.intp)
@@ -171,7 +175,8 @@ class Contest:
         for steps, kept in flow:
             part = (done / total, (done + steps) / total)
             found, lowest = self._relaxed(found, owners, flow=steps, part=part)
-            leading = leaders(owners, _scores(lowest, found.quads), kept)
+            scores = _scores(self._straight(found, owners, lowest), found.quads)
+            leading = leaders(owners, scores, kept)
             found, owners, done = found[leading], owners[leading], done + steps
         if flow:
             found, lowest = self._relaxed(found, owners, newton=NEWTON)
@@ -200,6 +205,7 @@ class Contest:
     def _keep(self, found: Quadrangulations, owners: Ints, lowest: Floats) -> None:
         """Take over the best valid one of each star where it improves on what there is."""
         valid = certify(self.stars[owners], found.vertices, found.quads).valid
+        lowest = self._straight(found, owners, lowest)
         scores = np.where(valid, _scores(lowest, found.quads), -np.inf)
         chosen = leaders(owners, scores, 1)
         chosen = chosen[scores[chosen] > self.score[owners[chosen]]]
@@ -207,6 +213,24 @@ class Contest:
         self.best.vertices[stars] = found.vertices[chosen]
         self.best.quads[stars] = found.quads[chosen]
         self.lowest[stars], self.score[stars] = lowest[chosen], scores[chosen]
+
+    def _straight(self, found: Quadrangulations, owners: Ints, lowest: Floats) -> Floats:
+        """Return the lowest ratios (K,), less where arcs are so long that struts are thin."""
+        apart = straightness(self.stars[owners], self.reach[owners], found)
+        return np.where(lowest > 0, lowest * np.minimum(apart / STRAIGHT, 1.0), lowest)
+
+
+def straightness(stars: UnitVectors, reach: Floats, found: Quadrangulations) -> Floats:
+    """Return the least distance of straight sides from the axes in their quads, (M,).
+
+    It is over the sine of the axis' `reach` (M, N): 1 for a side that keeps as far from it as any
+    arc may be.
+    """
+    corners = corners_of(found.vertices, found.quads)  # (M, N, 4, 3)
+    axes = stars[:, :, None]
+    across = corners - dot(corners, axes)[..., None] * axes
+    far = distance_to_side(across, np.roll(across, -1, axis=2))
+    return np.asarray((far / np.sin(reach)[:, :, None]).min(axis=(1, 2)))
 
 
 def leaders(owners: Ints, scores: Floats, count: int) -> Ints:

@@ -12,7 +12,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, UnitVectors
-from scaffold_cad.base.vectors import dot, length
+from scaffold_cad.base.vectors import distance_to_side, dot, length
 from scaffold_cad.partition import partition_spheres
 from scaffold_cad.partition.star import nearest_angles
 from scaffold_cad.skeleton import Skeleton
@@ -185,7 +185,7 @@ def _enclosing_radius(skeleton: Skeleton, stars: Stars, radius: Floats, apothem:
         axis = skeleton.directions[part][:, None, :]
         along = dot(corner, np.broadcast_to(axis, corner.shape))  # (k, 4)
         across = corner - along[:, :, None] * axis
-        distance = _distance_to_side(across, np.roll(across, -1, axis=1))  # (k, 4)
+        distance = distance_to_side(across, np.roll(across, -1, axis=1))  # (k, 4)
         size = apothem * skeleton.radii[tails[part]][:, None]  # (k, 1)
         wanted = size / np.maximum(distance, 1e-9)
         np.maximum.at(need, rows, wanted)
@@ -197,14 +197,6 @@ def _enclosing_radius(skeleton: Skeleton, stars: Stars, radius: Floats, apothem:
         np.minimum.at(room, rows, limit)
     outward: Floats = np.minimum(need, np.maximum(radius, room))
     return outward
-
-
-def _distance_to_side(a: Floats, b: Floats) -> Floats:
-    """Return the distance from 0 to the segments from `a` to `b` (..., 3), shape (...)."""
-    span = b - a
-    squared = np.maximum(dot(span, span), np.finfo(np.float64).tiny)
-    nearest = np.clip(-dot(a, span) / squared, 0.0, 1.0)
-    return length(a + nearest[..., None] * span)
 
 
 def edge_reach(skeleton: Skeleton) -> Floats:

@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial import KDTree
 
 from scaffold_cad.base.vectors import dot, length, rotate
 from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.printability.thickness import thickness_of
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.scaffold.stars import APOTHEM
 from scaffold_cad.skeleton import Skeleton
@@ -328,3 +331,14 @@ def test_scaffolds_of_any_size_that_is_allowed_are_certified(factor: float) -> N
 def test_unknown_options_are_refused_by_name(name: str) -> None:
     with pytest.raises(OptionError, match=f"{name} is 'round-ish'; need one of "):
         build_scaffold(named.STRUT, **{name: "round-ish"})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("height", [1.0, 2.0])
+def test_struts_of_curved_shells_are_as_thick_as_asked(height: float) -> None:
+    row, column = np.mgrid[:5, :5]
+    x, y = 10.0 * column + 5.0 * (row % 2), 10.0 * np.sqrt(0.75) * row
+    nodes = np.stack([x, y, height * np.sin(x / 15) * np.cos(y / 17) * 3], axis=2).reshape(-1, 3)
+    shell = Skeleton(nodes, KDTree(nodes).query_pairs(13.0, output_type="ndarray"), 0.4)
+    assert shell.valency.max() == 6
+    made = build_scaffold(shell).mesh
+    assert len(thickness_of(shell, TriangleMesh(made.vertices, made.triangles)).thinned) == 0
