@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from scaffold_cad import Skeleton, build_scaffold, partition_sphere
+from scaffold_cad import Skeleton, TriangleMesh, build_scaffold, partition_sphere
 from scaffold_cad.mesh.subdivision import catmull_clark
 from scaffold_cad.mesh.subdivision.limits import limit
+from scaffold_cad.printability.thickness import thickness_of
 from scaffold_cad.scaffold.stars import worst_clearance
 from tests.skeletons import ELBOW, JACK, K4, RING, STICK_FIGURE, STRUT, TRIPOD
+from tests.struts.stars import random_stars
 
 
 @pytest.mark.parametrize("skeleton", [TRIPOD, K4, JACK, STICK_FIGURE], ids=lambda s: len(s.nodes))
@@ -42,3 +44,18 @@ def test_the_round_section_is_the_one_whose_limit_has_the_radius() -> None:
     radii = np.linalg.norm(ring[:, :2], axis=1)
     assert len(ring) == 16
     assert (radii.min() + radii.max()) / 2 == pytest.approx(1.0, abs=1e-3)
+
+
+@pytest.mark.parametrize(("degrees", "most"), [(50.0, 0.1), (30.0, 0.25)])
+def test_few_struts_of_random_nodes_are_thin(degrees: float, most: float) -> None:
+    random = np.random.default_rng(3)
+    nodes, edges = [], []
+    for valency in (3, 4, 5, 6):
+        for star in random_stars(8, valency, degrees, random):
+            edges += [[len(nodes), len(nodes) + 1 + k] for k in range(valency)]
+            nodes += [*([0.0, 0.0, 60.0 * len(edges)] + 20 * np.vstack([np.zeros(3), star]))]
+    stars = Skeleton(nodes, edges, 1.0)
+    mesh = build_scaffold(stars).mesh
+    share = thickness_of(stars, TriangleMesh(mesh.vertices, mesh.triangles)).diameters / 2
+    assert (share < 0.9).mean() < most
+    assert share.min() > 0.5
