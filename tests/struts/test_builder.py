@@ -176,10 +176,10 @@ def test_struts_without_ends_may_end_round() -> None:
 
 
 def test_no_strut_is_exact_whose_collars_pass_each_other() -> None:
-    # One of the stars has a partition with a corner 6.5 radii along the strut that both share.
+    # The least collars of both stars are 4.7 radii together on the strut that both share.
     first, second = random_stars(2, 4, 35, np.random.default_rng(38))
     second = second @ Rotation.align_vectors(-first[:1], second[:1])[0].as_matrix().T
-    middle = 6.33 * first[0]
+    middle = 4.5 * first[0]
     nodes = [[0, 0, 0], *(20 * first[1:]), middle, *(middle + 20 * second[1:])]
     edges = [*([0, k] for k in (1, 2, 3, 4)), *([4, k] for k in (5, 6, 7))]
     struts = round_struts(Skeleton(nodes, edges, 1.0))
