@@ -104,7 +104,9 @@ def _carried(points: UnitVectors, ball: Triangles, turns: Floats) -> Floats:
     is at tan θ in the plane that touches the sphere there, and has the weight tan(φ/2) / tan θ for
     the angles φ of the triangles beside it.
     """
-    fixed = len(turns)
+    fixed, count = len(turns), len(points) - len(turns)
+    if count == 0:
+        return np.zeros((0, 3))
     rows, columns, weights = [], [], []
     for corner in range(3):
         a, b, c = np.roll(ball, -corner, axis=1).T
@@ -118,7 +120,6 @@ def _carried(points: UnitVectors, ball: Triangles, turns: Floats) -> Floats:
         columns += [b, c]
         weights += [half / far[0], half / far[1]]
     table: tuple[Ints, Ints] = np.concatenate(rows), np.concatenate(columns)
-    count = len(points) - fixed
     means = csr_array((np.concatenate(weights), table), shape=(count, len(points)))
     system: csr_array = csr_array(diags_array(means.sum(axis=1)) - means[:, fixed:])
     return np.asarray(spsolve(system.tocsc(), means[:, :fixed] @ turns)).reshape(count, 3)
