@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from scaffold_cad.base.arguments import checks_keywords
-from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors, place_text
+from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors
 from scaffold_cad.base.vectors import any_perpendicular
 from scaffold_cad.partition import partition_spheres
 from scaffold_cad.skeleton import Skeleton, check_skeleton
@@ -22,7 +21,7 @@ from scaffold_cad.struts.curves.curve import Curves, curves
 from scaffold_cad.struts.curves.joints import CurvedJoints, curved_joints, possible, sampled
 from scaffold_cad.struts.curves.proof import proved
 from scaffold_cad.struts.elbows import Elbows, elbow_curves, elbows_of
-from scaffold_cad.struts.groups import Group, reached_fillets, with_blends, with_walls
+from scaffold_cad.struts.groups import Group, reached_fillets, tell_shrunk, with_blends, with_walls
 from scaffold_cad.struts.hollow.curvewalls import with_walls_along
 from scaffold_cad.struts.hollow.insides import hollow_nodes, limits_beside, tell_thin
 from scaffold_cad.struts.hollow.sockets import sockets_of
@@ -34,11 +33,6 @@ from scaffold_cad.struts.room import allotted
 from scaffold_cad.struts.runs import Runs, ball_collars, ball_ends, balls_of, straight_runs
 from scaffold_cad.struts.sharp.balls import with_balls
 from scaffold_cad.struts.sharp.builder import sharp_struts
-
-SHRUNK = 1e-3
-"""Part of a fillet radius that may be missing before it is reported."""
-
-_log = logging.getLogger(__name__)
 
 
 @checks_keywords()
@@ -116,7 +110,7 @@ def round_struts(
         check_wall(skeleton, wall)
         bored = sockets_of(sockets, skeleton, wall)
     outer = _built(skeleton, options, like)
-    _tell_shrunk(outer)
+    tell_shrunk(outer)
     if wall is None:
         return outer
     at_ends = end_walls(skeleton, wall, ends)
@@ -126,25 +120,6 @@ def round_struts(
     bare = replace(options, wall=None, ends="flat", sockets=None)
     inner = _built(inside, bare, None if like is None else like.inner, outer)
     return replace(outer, sockets=bored, inner=replace(inner, options=options))
-
-
-def _tell_shrunk(struts: RoundStruts) -> None:
-    """Log how many fillets are tighter than was asked for, and the tightest."""
-    if struts.options.blend is None:
-        return
-    asked = np.broadcast_to(struts.options.blend, struts.fillet.shape)
-    tight = np.flatnonzero(~struts.crowded & (struts.fillet < (1 - SHRUNK) * asked))
-    if len(tight):
-        least = tight[(struts.fillet / asked)[tight].argmin()]
-        _log.warning(
-            "%s shrunk: node %d at %s has %.3g mm of the %g mm asked for; wider ones need longer "
-            "or thicker struts, or wider angles",
-            "1 fillet is" if len(tight) == 1 else f"{len(tight)} fillets are",
-            least,
-            place_text(struts.skeleton.nodes[least]),
-            struts.fillet[least],
-            asked[least],
-        )
 
 
 def _built(

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Floats, Ints
+from scaffold_cad.base.arrays import Bools, Floats, Ints, place_text
 from scaffold_cad.struts.blending.blend import Stars
 from scaffold_cad.struts.blending.nodes import blends
 from scaffold_cad.struts.hollow.insides import LEAST, tell_thin
@@ -27,6 +28,11 @@ CLOSE = 0.1
 Each trial costs as much as all recipes."""
 SAME_FILLET = 1e-6
 """Part of a fillet radius below which two are one: the radius reached is found by bisection."""
+
+TOLD = 1e-3
+"""Part of a fillet radius that may be missing before it is reported."""
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,3 +162,22 @@ def _without_room(blended: BlendedNodes, is_thin: Bools) -> BlendedNodes:
     has_room = blended.shapes.has_room.copy()
     has_room[blended.shape_of[is_thin[blended.nodes]]] = False
     return replace(blended, shapes=replace(blended.shapes, has_room=has_room))
+
+
+def tell_shrunk(struts: RoundStruts) -> None:
+    """Log how many fillets are tighter than was asked for, and the tightest."""
+    if struts.options.blend is None:
+        return
+    asked = np.broadcast_to(struts.options.blend, struts.fillet.shape)
+    tight = np.flatnonzero(~struts.crowded & (struts.fillet < (1 - TOLD) * asked))
+    if len(tight):
+        least = tight[(struts.fillet / asked)[tight].argmin()]
+        _log.warning(
+            "%s shrunk: node %d at %s has %.3g mm of the %g mm asked for; wider ones need longer "
+            "or thicker struts, or wider angles",
+            "1 fillet is" if len(tight) == 1 else f"{len(tight)} fillets are",
+            least,
+            place_text(struts.skeleton.nodes[least]),
+            struts.fillet[least],
+            asked[least],
+        )
