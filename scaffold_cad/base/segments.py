@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Points
-from scaffold_cad.base.vectors import dot
+from scaffold_cad.base.vectors import dot, length
 
 
 def nearest_on_segments(
@@ -28,6 +28,14 @@ def nearest_on_segments(
     t = np.clip(_quotient(b * s + f, e), 0.0, 1.0)
     s = np.clip(_quotient(b * t - c, a), 0.0, 1.0)
     return start_a + s[:, None] * along_a, start_b + t[:, None] * along_b
+
+
+def distance_to_side(a: Floats, b: Floats) -> Floats:
+    """Return the distance from 0 to the segments from `a` to `b` (..., 3), shape (...)."""
+    span = b - a
+    squared = np.maximum(dot(span, span), np.finfo(np.float64).tiny)
+    nearest = np.clip(-dot(a, span) / squared, 0.0, 1.0)
+    return length(a + nearest[..., None] * span)
 
 
 def meet_box(start: Points, end: Points, low: Floats, high: Floats) -> Bools:

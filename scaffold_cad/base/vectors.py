@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Edges, Floats, Ints, Points, UnitVectors
+from scaffold_cad.base.arrays import Edges, Floats, Frames, Ints, Points, UnitVectors
+
+STILL = 1e-6
+"""Weight of no rotation among directions of weight 1: it decides where they leave a choice."""
 
 
 def dot(a: Floats, b: Floats) -> Floats:
@@ -114,17 +117,40 @@ def running_sums(values: Floats, position: Ints) -> Floats:
     return total
 
 
-def distance_to_side(a: Floats, b: Floats) -> Floats:
-    """Return the distance from 0 to the segments from `a` to `b` (..., 3), shape (...)."""
-    span = b - a
-    squared = np.maximum(dot(span, span), np.finfo(np.float64).tiny)
-    nearest = np.clip(-dot(a, span) / squared, 0.0, 1.0)
-    return length(a + nearest[..., None] * span)
-
-
 def rotate(vectors: Floats, axes: UnitVectors, angles: Floats) -> Floats:
     """Return `vectors` turned about `axes` by `angles` (rad, right-handed): Rodrigues."""
     cosine = np.cos(angles)[..., None]
     sine = np.sin(angles)[..., None]
     along = dot(axes, vectors)[..., None] * axes
     return cosine * (vectors - along) + sine * np.cross(axes, vectors) + along
+
+
+def rotated(vectors: Floats, turns: Floats) -> Floats:
+    """Return vectors (k, 3) turned by rotation vectors (k, 3), rad."""
+    angles = length(turns)
+    return rotate(vectors, turns / np.maximum(angles, 1e-300)[:, None], angles)
+
+
+def shortest_turns(before: UnitVectors, after: UnitVectors) -> Floats:
+    """Return the rotation vectors that turn unit vectors (k, 3) to others the shortest way, rad."""
+    across = np.cross(before, after)
+    sine = length(across)
+    axis = np.where(sine[:, None] > 0, across, any_perpendicular(before))
+    return np.asarray(np.arctan2(sine, dot(before, after))[:, None] * normalize(axis))
+
+
+def best_turns(sums: Floats) -> Frames:
+    """Return the rotations (k, 3, 3) that bring directions closest to others, the least of these.
+
+    Parameters
+    ----------
+    sums : (k, 3, 3) of the outer products of where each direction is to be and where it is
+
+    References
+    ----------
+    Kabsch, A solution for the best rotation to relate two sets of vectors, 1976.
+    """
+    left, _, right = np.linalg.svd(sums + STILL * np.eye(3))
+    left[:, :, 2] *= np.sign(np.linalg.det(left) * np.linalg.det(right))[:, None]
+    turns: Frames = left @ right
+    return turns

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, UnitVectors
-from scaffold_cad.base.vectors import angle_between, distance_to_side, dot
+from scaffold_cad.base.segments import distance_to_side
+from scaffold_cad.base.vectors import angle_between, dot
 from scaffold_cad.partition.arcs import arc_counts
 from scaffold_cad.partition.certificate import certify, corners_of
 from scaffold_cad.partition.delaunay import Triangulations, triangulations

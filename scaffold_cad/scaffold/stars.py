@@ -12,7 +12,8 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, UnitVectors
-from scaffold_cad.base.vectors import distance_to_side, dot, length
+from scaffold_cad.base.segments import distance_to_side
+from scaffold_cad.base.vectors import best_turns, dot, length
 from scaffold_cad.partition import partition_spheres
 from scaffold_cad.partition.star import nearest_angles
 from scaffold_cad.skeleton import Skeleton
@@ -91,7 +92,7 @@ def partition_stars(skeleton: Skeleton, method: str, like: Stars | None = None) 
         if like is None:
             cut = partition_spheres(directions, method)
         else:
-            turns = _turns(like.directions[half_edges], directions)
+            turns = best_turns(np.swapaxes(directions, 1, 2) @ like.directions[half_edges])
             near = like.vertices[rows] @ np.swapaxes(turns, 1, 2)
             quads = like.corners[half_edges] - first
             cut = partition_spheres(directions, method, like=quads, near=near)
@@ -99,19 +100,6 @@ def partition_stars(skeleton: Skeleton, method: str, like: Stars | None = None) 
         corners[half_edges] = cut.quads + first
         clearance[half_edges] = cut.clearance
     return Stars(vertices, offsets, corners, clearance, skeleton.directions)
-
-
-def _turns(before: UnitVectors, after: UnitVectors) -> Floats:
-    """Return the rotations (k, 3, 3) that bring the rows of `before` (k, n, 3) closest to `after`.
-
-    References
-    ----------
-    Kabsch, A solution for the best rotation to relate two sets of vectors, 1976.
-    """
-    left, _, right = np.linalg.svd(np.swapaxes(after, 1, 2) @ before)
-    left[:, :, 2] *= np.sign(np.linalg.det(left) * np.linalg.det(right))[:, None]
-    turns: Floats = left @ right
-    return turns
 
 
 @dataclass(frozen=True)

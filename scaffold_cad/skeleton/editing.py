@@ -23,7 +23,7 @@ from scaffold_cad.base.arguments import (
 from scaffold_cad.base.arrays import Edges, Floats, Ints, Points, Radii
 from scaffold_cad.base.ranges import steps
 from scaffold_cad.base.regions import BoxRegion, ImplicitRegion, Keep, Region
-from scaffold_cad.base.vectors import mirror, rotate
+from scaffold_cad.base.vectors import mirror, rotate, rotated, shortest_turns
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.skeleton.cutting import cut_at, drawn_together, inside
 from scaffold_cad.skeleton.repair import radii_left, repaired
@@ -120,14 +120,8 @@ class Editing(ABC):
         Take for `up` the best direction that `check_printability` reports.
         """
         direction = as_direction(up, "up")
-        axis = np.cross(direction, [0.0, 0.0, 1.0])
-        size = float(np.linalg.norm(axis))
-        nodes = self.nodes
-        if size > 0:
-            angle = np.arctan2(size, direction[2])
-            nodes = rotate(nodes, axis / size, np.asarray(angle))
-        elif direction[2] < 0:
-            nodes = nodes * [1.0, -1.0, -1.0]
+        turn = shortest_turns(direction[None], np.array([[0.0, 0.0, 1.0]]))
+        nodes = rotated(self.nodes, np.repeat(turn, len(self.nodes), axis=0))
         low = float((nodes[:, 2] - self.radii).min(initial=np.inf))
         return self._at(nodes - [0.0, 0.0, low] if len(nodes) else nodes)
 

@@ -5,7 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from scaffold_cad.base.arrays import UnitVectors, place_text
-from scaffold_cad.base.vectors import dot, normalize
+from scaffold_cad.base.vectors import (
+    STILL,
+    best_turns,
+    dot,
+    normalize,
+    rotated,
+    shortest_turns,
+)
 from scaffold_cad.errors import PartitionError
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts.apart import crossings
@@ -13,7 +20,6 @@ from scaffold_cad.struts.curves.curve import Curves
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.options import StrutOptions
 from scaffold_cad.struts.runs import Runs, at_balls, ball_collars
-from scaffold_cad.struts.sharp.moved import STILL, best_turns, rotated, shortest_turns
 from scaffold_cad.struts.sharp.nodes import SharpNodes, ring_starts, seams_of, sharp_nodes
 
 

@@ -14,23 +14,13 @@ from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import spsolve
 from scipy.spatial.transform import Rotation
 
-from scaffold_cad.base.arrays import Floats, Frames, Ints, Triangles, UnitVectors
-from scaffold_cad.base.vectors import (
-    any_perpendicular,
-    dot,
-    length,
-    normalize,
-    rotate,
-    triple,
-)
+from scaffold_cad.base.arrays import Floats, Ints, Triangles, UnitVectors
+from scaffold_cad.base.vectors import best_turns, dot, length, normalize, rotated, triple
 from scaffold_cad.struts.sharp.stars import SharpStars
 from scaffold_cad.struts.sharp.triangles import ShapeTriangles, swelled
 
 STEP = np.radians(5.0)
 """How far circles turn in a step at most."""
-
-STILL = 1e-3
-"""Weight of no turn in the turn of a node, where one strut has a weight of 1."""
 
 
 def moved(
@@ -69,32 +59,6 @@ def moved(
     if len(ball) and triple(*np.moveaxis(points[ball], 1, 0)).min() <= 0:
         return None
     return ShapeTriangles(swelled(points, ball, fixed, sides), made.triangles, fixed, made.on_ball)
-
-
-def best_turns(sums: Floats) -> Frames:
-    """Return the turns (n, 3, 3) that bring directions closest to others, the shortest of these.
-
-    Parameters
-    ----------
-    sums : (n, 3, 3) of the outer products of where each is to be and where it is
-    """
-    left, _, right = np.linalg.svd(sums + STILL * np.eye(3))
-    left[:, :, 2] *= np.linalg.det(left @ right)[:, None]
-    return np.asarray(left @ right)
-
-
-def shortest_turns(before: UnitVectors, after: UnitVectors) -> Floats:
-    """Return the rotation vectors that turn unit vectors (q, 3) to others the shortest way, rad."""
-    across = np.cross(before, after)
-    sine = length(across)
-    axis = np.where(sine[:, None] > 0, across, any_perpendicular(before))
-    return np.asarray(np.arctan2(sine, dot(before, after))[:, None] * normalize(axis))
-
-
-def rotated(vectors: Floats, turns: Floats) -> Floats:
-    """Return vectors (q, 3) turned by rotation vectors (q, 3), rad."""
-    angles = length(turns)
-    return rotate(vectors, turns / np.maximum(angles, 1e-300)[:, None], angles)
 
 
 def _carried(points: UnitVectors, ball: Triangles, turns: Floats) -> Floats:
