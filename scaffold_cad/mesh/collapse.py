@@ -47,26 +47,29 @@ def without_short_edges(
         that keeps its place; with it edges stay too that would turn a triangle over
     longest : edges stay whose drawing together would make others longer than this, with `order`
     """
+    triangles = mesh.triangles
+    looked_at = np.ones(len(triangles), dtype=np.bool_)
+    if near is not None:
+        looked_at = near[triangles].any(axis=1)
     while True:
-        edges = _short_edges(mesh, shortest)
+        part = TriangleMesh(mesh.vertices, triangles[looked_at])
+        edges = _short_edges(part, shortest)
         if near is not None:
             edges = edges[near[edges].all(axis=1)]
         if order is not None:
-            edges = order(mesh, edges)
+            edges = order(part, edges)
         if is_open:
-            edges = _beside_border(mesh, edges)
+            edges = _beside_border(part, edges)
         if order is not None:
-            edges = edges[_stay_up(mesh, edges, longest)]
-        chosen = _independent(mesh.triangles, edges)
+            edges = edges[_stay_up(part, edges, longest)]
+        chosen = _independent(part.triangles, edges)
         if len(chosen) == 0:
-            return mesh
+            return compacted(mesh.vertices, triangles)
         target = np.arange(len(mesh.vertices))
         target[chosen[:, 1]] = chosen[:, 0]
-        triangles = target[mesh.triangles]
-        triangles = triangles[have_distinct_corners(triangles)]
-        if near is not None:
-            near = near[np.unique(triangles)]
-        mesh = compacted(mesh.vertices, triangles)
+        triangles = target[triangles]
+        stays = have_distinct_corners(triangles)
+        triangles, looked_at = triangles[stays], looked_at[stays]
 
 
 def _short_edges(mesh: TriangleMesh, shortest: Lengths) -> Edges:
