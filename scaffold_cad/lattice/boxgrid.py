@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
+from scipy.ndimage import label
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
 from scaffold_cad.base.blocks import blocks, uneven_blocks
@@ -101,6 +102,33 @@ class BoxGrid:
         """Return how many cells each point (n, d) is from the lowest one along each axis."""
         steps: Ints = np.floor((points - self._low) / self._pitch).astype(np.intp)
         return steps
+
+
+class Rooms:
+    """The sets of adjacent cells without triangles of a grid: all of a room is on one side.
+
+    Where many points are, most are so known to be inside or not without a look at triangles.
+    """
+
+    def __init__(self, grid: BoxGrid, is_inside: Callable[[Floats], Bools]) -> None:
+        """Ask once for each room, by a point of it, (k, d) to (k,)."""
+        self._grid = grid
+        labels, _ = label(grid.is_empty)
+        self._room_of_cell = labels.reshape(-1).astype(np.intp) - 1  # -1 where there are triangles
+        rooms, first = np.unique(self._room_of_cell, return_index=True)
+        self._inside = is_inside(grid.centers(first[rooms >= 0]))
+
+    def contains(self, points: Floats, near_triangles: Callable[[Floats], Bools]) -> Bools:
+        """Return whether each of `points` (n, d) is inside, by a question for those in no room."""
+        inside = np.zeros(len(points), dtype=np.bool_)
+        cell = self._grid.cell_of(points)
+        there = np.flatnonzero(cell >= 0)
+        room = self._room_of_cell[cell[there]]
+        in_room = room >= 0
+        inside[there[in_room]] = self._inside[room[in_room]]
+        near = there[~in_room]
+        inside[near] = near_triangles(points[near])
+        return inside
 
 
 def _small_boxes(corners: Floats, pitch: float) -> tuple[Floats, Floats, Ints]:

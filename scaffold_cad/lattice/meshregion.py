@@ -5,12 +5,11 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from scipy.ndimage import label
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, read_only
 from scaffold_cad.base.regions import surface_tolerance
 from scaffold_cad.base.vectors import dot, length, rotate
-from scaffold_cad.lattice.boxgrid import BoxGrid
+from scaffold_cad.lattice.boxgrid import BoxGrid, Rooms
 from scaffold_cad.mesh.bodies import check_balanced, report_crossed, turned_outwards
 from scaffold_cad.mesh.nearest import nearest_on_triangles
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -81,27 +80,13 @@ class MeshRegion:
 
     def contains(self, points: Points) -> Bools:
         """Return whether each of `points` (n, 3) is inside or on the surface, (n,)."""
-        inside = np.zeros(len(points), dtype=np.bool_)
-        cell = self._grid.cell_of(points)
-        there = np.flatnonzero(cell >= 0)
-        room = self._rooms[0][cell[there]]
-        in_room = room >= 0
-        inside[there[in_room]] = self._rooms[1][room[in_room]]
-        near = there[~in_room]
-        inside[near] = (self._winding_numbers(points[near]) > 0) | self._on_surface(points[near])
-        return inside
+        return self._rooms.contains(
+            points, lambda near: self._is_inside(near) | self._on_surface(near)
+        )
 
     @cached_property
-    def _rooms(self) -> tuple[Ints, Bools]:
-        """Return the room of each cell of the grid, -1 if it has triangles, and which are inside.
-
-        A room is a set of adjacent cells without triangles: all of it is on one side.
-        """
-        labels, _ = label(self._grid.is_empty)
-        room = labels.reshape(-1).astype(np.intp) - 1
-        rooms, first = np.unique(room, return_index=True)
-        centers = self._grid.centers(first[rooms >= 0])
-        return room, self._winding_numbers(centers) > 0
+    def _rooms(self) -> Rooms:
+        return Rooms(self._grid, self._is_inside)
 
     @cached_property
     def _grid(self) -> BoxGrid:
@@ -115,6 +100,9 @@ class MeshRegion:
     @cached_property
     def _columns(self) -> BoxGrid:
         return BoxGrid(self._turned[:, :, :2])
+
+    def _is_inside(self, points: Points) -> Bools:
+        return self._winding_numbers(points) > 0
 
     def _winding_numbers(self, points: Points) -> Ints:
         """Return how often the surface winds around each of `points` (n, 3), shape (n,).

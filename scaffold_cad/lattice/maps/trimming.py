@@ -5,11 +5,10 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from scipy.ndimage import label
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points
 from scaffold_cad.base.blocks import blocks
-from scaffold_cad.lattice.boxgrid import BoxGrid
+from scaffold_cad.lattice.boxgrid import BoxGrid, Rooms
 
 TOLERANCE = 1e-9
 """Distance within which a point is on the border, in greatest coordinates."""
@@ -55,15 +54,9 @@ class PolygonRegion:
     def contains(self, points: Points) -> Bools:
         """Return whether each of `points` (n, 3) is inside or on the border, (n,)."""
         flat = np.ascontiguousarray(points[:, :2])
-        inside = np.zeros(len(flat), dtype=np.bool_)
-        cell = self._grid.cell_of(flat)
-        there = np.flatnonzero(cell >= 0)
-        room = self._rooms[0][cell[there]]
-        in_room = room >= 0
-        inside[there[in_room]] = self._rooms[1][room[in_room]]
-        near = there[~in_room]
-        inside[near] = self._is_inside(flat[near]) | self._is_on_border(flat[near])
-        return inside
+        return self._rooms.contains(
+            flat, lambda near: self._is_inside(near) | self._is_on_border(near)
+        )
 
     @cached_property
     def _grid(self) -> BoxGrid:
@@ -71,13 +64,8 @@ class PolygonRegion:
         return BoxGrid(np.stack([self._starts, self._ends, self._ends], axis=1), self.tolerance)
 
     @cached_property
-    def _rooms(self) -> tuple[Ints, Bools]:
-        """Return the room of each cell of the grid, -1 on the border, and which are inside."""
-        labels, _ = label(self._grid.is_empty)
-        room = labels.reshape(-1).astype(np.intp) - 1
-        rooms, first = np.unique(room, return_index=True)
-        centers = self._grid.centers(first[rooms >= 0])
-        return room, self._is_inside(centers)
+    def _rooms(self) -> Rooms:
+        return Rooms(self._grid, self._is_inside)
 
     def _is_inside(self, points: Floats) -> Bools:
         """Return whether a ray from each of `points` (n, 2) meets an odd number of sides, (n,)."""
