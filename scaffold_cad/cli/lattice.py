@@ -82,8 +82,8 @@ def add_parser(
     )
     streams.add_output(
         parser,
-        "file to write: .3mf .stl .obj .ply .glb; .step .brep of a box without --skin, or "
-        "with it of a part from such a file",
+        "file to write: .3mf .stl .obj .ply .glb; .step .brep without --skin and --trim, or with "
+        "--skin of a part from such a file",
     )
     slicing.add_layer_arguments(parser, required=False)
     latticetiles.add_arguments(parser)
@@ -243,12 +243,12 @@ def _check_combination(options: argparse.Namespace) -> None:
     _check_bodies(options)
     if options.trim and (options.skin is not None or options.beams):
         raise OptionError("--trim is for struts without a skin; need it without --skin and --beams")
-    bodied = options.inside is not None or options.skin is not None or options.trim
-    if suffix in BREP_SUFFIXES and (bodied or options.beams) and not _is_filled_solid(options):
+    merged = options.skin is not None or options.trim or options.beams
+    if suffix in BREP_SUFFIXES and merged and not _is_filled_solid(options):
         raise FormatError(
-            f"cannot write {options.output}: STEP and BREP files hold lattices of a box without "
-            "--skin, --trim or --beams, and parts of STEP and BREP files with --skin; need one of "
-            "these, or a mesh format"
+            f"cannot write {options.output}: STEP and BREP files hold struts without --skin, "
+            "--trim and --beams, and parts of STEP and BREP files with --skin; need one of these, "
+            "or a mesh format"
         )
     if _is_filled_solid(options):
         if options.overlaps == "allow":

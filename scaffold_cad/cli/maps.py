@@ -7,26 +7,29 @@ from pathlib import Path
 
 import numpy as np
 
-from scaffold_cad.brep import read_brep
+from scaffold_cad.brep import read_shape
 from scaffold_cad.cli import fields, sizes, source
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.filling import between_faces, face_map, mesh_map
 from scaffold_cad.io import read_triangles
 from scaffold_cad.lattice import CellMap, CylinderMap, SphereMap
 
+TUBE, BALL = "RxHxT", "RxT"
+"""Inner radius, height and thickness of a wall."""
+
 
 def add_maps(where: argparse._MutuallyExclusiveGroup, parser: argparse.ArgumentParser) -> None:
     """Add the options that name a map."""
     where.add_argument(
         "--cylinder",
-        type=sizes.three_sizes,
-        metavar="RxHxT",
+        type=sizes.lengths_of(TUBE),
+        metavar=TUBE,
         help="wall of a tube, mm: inner radius, height and thickness",
     )
     where.add_argument(
         "--sphere",
-        type=sizes.two_sizes,
-        metavar="RxT",
+        type=sizes.lengths_of(BALL),
+        metavar=BALL,
         help="wall of a sphere: inner radius, thickness",
     )
     where.add_argument(
@@ -103,7 +106,9 @@ def _face_map(options: argparse.Namespace) -> CellMap:
     """Return the map on a face, or between two."""
     if (options.thickness is None) == (options.to_face is None):
         raise OptionError("--face needs either the --thickness of the layer on it or --to-face")
-    faces = read_brep(options.face).faces()
+    faces = read_shape(options.face).faces()
+    if not faces:
+        raise FormatError(f"{options.face} holds no face of CAD; need a STEP or BREP file with one")
     for flag, number in (
         ("--face-number", options.face_number),
         ("--to-face", options.to_face),

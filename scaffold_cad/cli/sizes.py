@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -26,18 +27,24 @@ def three_sizes(text: str) -> tuple[float, float, float]:
     """Return the sides of a box: 40x40x20 or 40,40,20, or 40 for a cube."""
     numbers = _lengths(text)
     if numbers.shape not in {(1,), (3,)}:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a box; need 40x40x20, or 40 for a cube")
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a box; need 40x40x20, or 40 for a cube, all > 0"
+        )
     x, y, z = np.broadcast_to(numbers, 3).tolist()
     return x, y, z
 
 
-def two_sizes(text: str) -> tuple[float, float]:
-    """Return two numbers: 30x5 or 30,5."""
-    numbers = _lengths(text)
-    if numbers.shape != (2,):
-        raise argparse.ArgumentTypeError(f"{text!r}; need two numbers, as in 30x5")
-    first, second = numbers.tolist()
-    return first, second
+def lengths_of(names: str) -> Callable[[str], tuple[float, ...]]:
+    """Return what takes a length for each letter of names such as RxT: 30x5 or 30,5."""
+    count = len(names.split("x"))
+
+    def taken(text: str) -> tuple[float, ...]:
+        numbers = _lengths(text)
+        if len(numbers) != count:
+            raise argparse.ArgumentTypeError(f"{text!r}; need {names}: {count} lengths, all > 0")
+        return tuple(numbers.tolist())
+
+    return taken
 
 
 def box(text: str) -> Floats:

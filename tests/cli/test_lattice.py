@@ -94,14 +94,18 @@ def test_cells_stand_on_tubes_and_spheres(tmp_path: Path) -> None:
     assert away.max() == pytest.approx(28, abs=1e-3)
 
 
-def test_cells_stand_on_a_face_of_a_part(tmp_path: Path) -> None:
+def test_cells_stand_on_a_face_of_a_part_or_a_sheet(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     build123d = pytest.importorskip("build123d")
-    part, out = tmp_path / "part.step", tmp_path / "part.stl"
-    build123d.export_step(build123d.Cylinder(20, 40), part)
-    words = [*BCC, "--face", str(part), "-o", str(out)]
-    assert main([*words, "--thickness", "8"]) == 0
+    sheet, out = tmp_path / "sheet.step", tmp_path / "out.stl"
+    build123d.export_step(build123d.Shell(build123d.Cylinder(20, 40).faces()), sheet)
+    words = [*BCC, "--thickness", "8", "-o", str(out), "--face"]
+    assert main([*words, str(sheet)]) == 0
     assert loaded(out).extents[0] > 2 * 27
-    assert main([*words, "--thickness", "8", "--face-number", "7"]) == 2
+    assert main([*words, str(sheet), "--face-number", "7"]) == 2
+    assert main([*words, str(out)]) == 2
+    assert "out.stl holds no face of CAD" in capsys.readouterr().err
 
 
 def test_cells_stand_between_two_faces_of_a_part(
@@ -237,10 +241,12 @@ def test_a_mesh_is_filled_under_a_skin(tmp_path: Path, suffix: str) -> None:
 
 def test_a_step_part_is_filled(tmp_path: Path) -> None:
     build123d = pytest.importorskip("build123d")
-    part, out = tmp_path / "part.step", tmp_path / "out.3mf"
+    part, out = tmp_path / "part.step", tmp_path / "out.step"
     build123d.export_step(build123d.Box(20, 16, 16), part)
     assert main([*BCC, "--inside", str(part), "-o", str(out)]) == 0
-    assert loaded(out).volume < 0.3 * 20 * 16 * 16
+    (solid,) = build123d.import_step(out).solids()
+    assert solid.is_valid
+    assert solid.volume < 0.3 * 20 * 16 * 16
 
 
 def test_struts_are_cut_flush_with_a_part(tmp_path: Path) -> None:
@@ -271,7 +277,7 @@ def test_a_part_from_a_step_file_is_filled_as_one(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        (["--box", "8x8x8", "--skin", "1", "-o", "out.step"], "hold lattices of a box without"),
+        (["--box", "8x8x8", "--skin", "1", "-o", "out.step"], "hold struts without --skin, --tr"),
         (["--box", "8x8x8", "--beams", "--round", "-o", "out.3mf"], "without --round and --skin"),
         (["--box", "8x8x8", "--beams", "--skin", "1", "-o", "out.3mf"], "without --round and"),
         (["--box", "8x8x8", "--beams", "-o", "out.stl"], "cannot hold a skeleton, only a solid"),
@@ -304,11 +310,23 @@ def test_bad_input_is_told_in_one_line(
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("text", ["8x8", "eight", "8x8x8x8"])
-def test_sizes_are_one_number_or_three(text: str, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    ("option", "text", "complaint"),
+    [
+        ("--box", "8x8", "is not a box"),
+        ("--box", "eight", "is not a box"),
+        ("--box", "8x8x8x8", "is not a box"),
+        ("--cylinder", "20", "'20'; need RxHxT: 3 lengths"),
+        ("--cylinder", "20x0x4", "need RxHxT: 3 lengths, all > 0"),
+        ("--sphere", "20x4x4", "need RxT: 2 lengths"),
+    ],
+)
+def test_sizes_are_as_many_lengths_as_their_place_has(
+    option: str, text: str, complaint: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     with pytest.raises(SystemExit):
-        main([*BCC, "--box", text, "-o", "out.stl"])
-    assert "is no" in capsys.readouterr().err
+        main([*BCC, option, text, "-o", "out.stl"])
+    assert complaint in capsys.readouterr().err
 
 
 def test_an_unknown_cell_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
