@@ -9,6 +9,7 @@ import pytest
 
 from scaffold_cad.base.vectors import dot
 from scaffold_cad.io import read_skeleton
+from scaffold_cad.lattice import tile
 from scaffold_cad.mechanics import hexahedra
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.scaffold import Scaffold, build_scaffold
@@ -148,6 +149,16 @@ def test_hexahedra_have_the_struts_radii_on_both_sides_of_a_step() -> None:
     cylinders = np.pi * (2.0**2 + 1.0**2) * 20.0
     step = np.pi * (2.0**2 + 2.0 * 1.0 + 1.0**2) * 0.5 / 3.0 - np.pi * 0.5  # 0.5 mm long
     assert solid.volumes.sum() == pytest.approx(cylinders + step, rel=0.02)
+
+
+def test_how_much_wider_lattices_are_is_as_the_help_tells() -> None:
+    lattice = tile("octet", 8.0, (3, 3, 2), radius=0.4)
+    cylinders = np.pi * 0.4**2 * lattice.lengths.sum()
+    wider = [
+        build_scaffold(lattice, collars=collars).mesh.signed_volume / cylinders
+        for collars in (False, True)
+    ]
+    assert wider == pytest.approx([1.23, 1.11], abs=0.005)
 
 
 def test_trusses_of_several_sections_have_the_volume_of_their_members(shared_data: Path) -> None:
