@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._attributes import AREAS, DIAMETERS
 from scaffold_cad.io._document import number, read_document
@@ -91,7 +92,10 @@ def _radii(
                     of_edges = np.vectorize(radius_of_area, otypes=[float])(of_edges)
     if of_edges is not None:
         if of_edges.shape not in {(), (edges,), (edges, 2)}:
-            raise FormatError(f"{path} has radii of shape {of_edges.shape}; need one per edge")
+            raise FormatError(
+                f"{path} has radii of shape {of_edges.shape}; need one for all, one or two "
+                f"for each of {counted(edges, 'edge')}, or radii of {counted(count, 'point')}"
+            )
         if of_edges.shape == ():
             of_edges = np.full(edges, of_edges)
     return nodes, of_edges

@@ -50,7 +50,8 @@ class Repairs:
     """Radii of nodes that were not finite numbers > 0, or too small beside the coordinates, taken
     from their struts or else from the nearest node along the graph."""
     edge_radii_replaced: int = 0
-    """Edges with a radius that was given and not a finite number > 0: taken from their nodes."""
+    """Edges with a radius that was not a finite number > 0, or was not given where nodes have none
+    either: taken from their nodes."""
     nodes_welded: int = 0
     """Nodes merged into another one at the same place."""
     zero_length_edges: int = 0
@@ -132,7 +133,7 @@ def repaired(
     kept: Bools = np.asarray(located[edges].all(axis=1))
     placed, sizes = edges[kept], _known_sizes(edge_radii, len(edges))[kept]
     counts["edges_without_position"] = len(edges) - len(placed)
-    counts["edge_radii_replaced"] = _faulty_sizes(edge_radii, kept)
+    counts["edge_radii_replaced"] = _faulty_sizes(edge_radii, kept, radii is None)
     if weld_distance is None:
         weld_distance = default_weld_distance(nodes[located])
 
@@ -199,12 +200,16 @@ def _known_sizes(edge_radii: Floats | None, count: int) -> Floats:
     return np.where(np.isfinite(edge_radii) & (edge_radii > 0), edge_radii, np.nan)
 
 
-def _faulty_sizes(edge_radii: Floats | None, kept: Bools) -> int:
-    """Return how many of the kept edges have a radius that is given, and none."""
+def _faulty_sizes(edge_radii: Floats | None, kept: Bools, alone: bool) -> int:
+    """Return how many of the kept edges have a radius that is none.
+
+    One that is not given is none where the radii of edges are `alone`: nodes have none to follow.
+    """
     if edge_radii is None:
         return 0
     given = edge_radii[kept]
-    return int((~np.isnan(given) & ~(np.isfinite(given) & (given > 0))).any(axis=1).sum())
+    sound = (np.isfinite(given) & (given > 0)) | (np.isnan(given) & (not alone))
+    return int((~sound).any(axis=1).sum())
 
 
 def least_radius(nodes: Points) -> float:

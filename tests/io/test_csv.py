@@ -105,6 +105,14 @@ def test_the_line_by_which_excel_names_its_separator_is_passed_over(tmp_path: Pa
     assert strut.edge_radii.tolist() == [[1.25, 1.25]]
 
 
+def test_a_member_without_a_radius_gets_one_and_that_is_told(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    text = "x1,y1,z1,x2,y2,z2,radius\n0,0,0,3,0,0,\n0,0,0,0,5,0,1\n"
+    assert read_skeleton(written(tmp_path, "x.csv", text)).edge_radii.tolist() == [[1, 1], [1, 1]]
+    assert "x.csv was repaired: 1 edge radius replaced" in caplog.text
+
+
 def test_only_skeletons_are_written(tmp_path: Path) -> None:
     with pytest.raises(FormatError, match="a CSV file cannot hold a ndarray; need a Skeleton"):
         write(np.zeros(3), tmp_path / "x.csv")
