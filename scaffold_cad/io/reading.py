@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from scaffold_cad.base.arguments import as_count, as_flag, as_path, checks_keywords
-from scaffold_cad.base.arrays import Floats
+from scaffold_cad.base.arrays import Floats, place_text
 from scaffold_cad.base.files import reading
 from scaffold_cad.base.radii import Radius, radii_at
 from scaffold_cad.base.summaries import counted
@@ -274,7 +274,16 @@ def _radii(
     """Return the radii of nodes and of edges: those given for all, or what the file holds."""
     if radius is not None:
         radii = np.broadcast_to(radii_at(raw.nodes, radius), len(raw.nodes))
-        least = least_radius(raw.nodes[np.isfinite(raw.nodes).all(axis=1)])
+        ends = np.unique(raw.edges)
+        ends = ends[np.isfinite(raw.nodes[ends]).all(axis=1)]
+        none = ends[~((radii[ends] > 0) & (radii[ends] < np.inf))]
+        if len(none):
+            node = none[0]
+            raise OptionError(
+                f"radius is {radii[node]:g} mm for node {node} at {place_text(raw.nodes[node])} of "
+                f"{path}; need > 0"
+            )
+        least = least_radius(raw.nodes[ends])
         if (radii < least).all():
             raise OptionError(
                 f"radius is {radii.max():g} mm; need {least:.3g} mm or more for the nodes of "

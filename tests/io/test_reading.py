@@ -64,6 +64,12 @@ def test_a_file_without_radii_needs_a_radius(tmp_path: Path) -> None:
             read_skeleton(path, strict=strict)
 
 
+def test_a_function_that_gives_no_radius_at_a_node_is_refused(tmp_path: Path) -> None:
+    path = written(tmp_path, "elbow.obj", ELBOW_OBJ)
+    with pytest.raises(OptionError, match=r"radius is 0 mm for node 0 at \[0, 0, 0\] mm"):
+        read_skeleton(path, lambda places: places[:, 0])
+
+
 @pytest.mark.parametrize("radius", [0.0, -1.0, np.nan, np.inf])
 def test_a_radius_that_is_not_positive_and_finite_is_refused(tmp_path: Path, radius: float) -> None:
     path = written(tmp_path, "elbow.obj", ELBOW_OBJ)
