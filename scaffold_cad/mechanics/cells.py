@@ -18,11 +18,8 @@ from scaffold_cad.mechanics.elements import beam_blocks
 from scaffold_cad.mechanics.materials import Material, as_material
 from scaffold_cad.mechanics.sections import as_hollow, end_stiffnesses
 
-STRAINS = ("xx", "yy", "zz", "yz", "xz", "xy")
-"""Order of strains and stresses (Voigt's); shear strains are angles, twice the tensor's."""
-
 VOIGT_PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
-"""Axes of each of them."""
+"""Axes of strains and stresses in Voigt's order; shear strains are angles, twice the tensor's."""
 
 SOFT = 1e-12
 """Stiffness of a motion, in those of the stiffest one, below which the cell does not resist it."""
@@ -45,7 +42,7 @@ class Homogenized(Frozen):
     material: Material
     """What they are made of."""
     stiffness: Floats
-    """Stiffness in the order of STRAINS, shape (6, 6), MPa."""
+    """Stiffness in the order xx, yy, zz, yz, xz, xy, shape (6, 6), MPa."""
     relative_density: float
     """Volume of the struts over that of the cell; beams are counted from node to node."""
 
