@@ -97,7 +97,7 @@ def standing(facets: Facets, direction: UnitVectors, process: Process) -> Standi
     return Standing(
         floor,
         float(heights.max()) - floor,
-        max(-float(support @ direction), 0.0),
+        max(0.0, -float(support @ direction)),
         abs(float(shown[shown < 0].sum())),
     )
 

@@ -389,7 +389,7 @@ def test_a_table_hangs_over_but_not_upside_down() -> None:
     assert report["plate_contact"].value["area_mm2"] == pytest.approx(4.0)
     best = report["best_direction"].value
     assert best["direction"] == [0, 0, -1]
-    assert best["support_area_mm2"] == 0
+    assert report["best_direction"].text.endswith("supports 0 mm² instead of 96")
     turned = check_printability(table, "fdm", direction="best")
     assert turned["supports"].verdict == "ok"
     assert turned["plate_contact"].value["area_mm2"] == pytest.approx(100.0)
