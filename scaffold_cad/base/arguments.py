@@ -30,6 +30,9 @@ LIKE = 0.65
 LONGEST_TEXT = 80
 """Letters of a text that a message repeats at most."""
 
+FEW = 6
+"""Values of a list that a message repeats at most."""
+
 MM = " mm"
 """Unit of lengths, after a number in a message."""
 
@@ -300,10 +303,10 @@ def as_count(value: Any, name: str, least: int = 0) -> int:
 
 
 def described(value: object) -> str:
-    """Return a number, a text or None as it is written, of any other value its type.
+    """Return a number, a text, None or a few of them as they are written, else the value's type.
 
-    >>> described("flat"), described(2.5), described([1, 2])
-    ("'flat'", '2.5', 'a list')
+    >>> described("flat"), described((2, 3.5)), described({1, 2})
+    ("'flat'", '(2, 3.5)', 'a set')
     """
     if isinstance(value, str | bytes):
         short = value[:LONGEST_TEXT]
@@ -312,6 +315,13 @@ def described(value: object) -> str:
         return f"a whole number of {value.bit_length()} bits"
     if value is None or isinstance(value, bool | Real):
         return str(value)
+    if (
+        isinstance(value, list | tuple)
+        and 0 < len(value) <= FEW
+        and all(isinstance(each, str | Real | None) for each in value)
+    ):
+        within = ", ".join(map(described, value))
+        return f"[{within}]" if isinstance(value, list) else f"({within})"
     if isinstance(value, np.ndarray):
         return f"an array of shape {value.shape}"
     article = "an" if type(value).__name__[0] in "AEIOUaeiou" else "a"

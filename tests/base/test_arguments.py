@@ -161,7 +161,7 @@ ONE_NUMBER = r"need a number, or a function of positions \(n, 3\) that returns r
         (lambda: measured_density("sc", 5.0, None, float), "radius is None; need a number"),
         (lambda: sc.thicken(STRUT, "1"), "radius is '1'; need a number"),
         (lambda: STRUT.scaled("2"), "scale factor is '2'; need a number"),
-        (lambda: STRUT.scaled([1, 2, 3]), "scale factor is a list; need a number"),
+        (lambda: STRUT.scaled([1, 2, 3]), r"scale factor is \[1, 2, 3\]; need a number"),
         (lambda: STRUT.simplified(None), "simplification tolerance is None; need a number"),
         (lambda: STRUT.cleaned(weld_distance="x"), "weld distance is 'x'; need a number"),
         (lambda: sc.catmull_clark(CUBE, None), "levels is None; need a whole number"),
