@@ -44,7 +44,7 @@ def shortened(struts: RoundStruts, closed: Bools, wall: float) -> RoundStruts:
     nodes[runs.tails[half]] += cut[:, None] * links.directions[half]
     radii[half] += cut * np.stack([shrink, -shrink], axis=1).reshape(-1)[half]
     moved = Runs.of(nodes, runs.edges, radii.reshape(-1, 2), runs.run_of_edge)
-    sizes = skeleton.radii.copy()
+    sizes = links.radii.copy()
     sizes[runs.tails[half]] = radii[half]  # a node thicker than its tapered strut would be a ball
     own = Skeleton(skeleton.nodes, skeleton.edges, sizes, skeleton.edge_radii)
     return replace(struts, runs=moved, skeleton=own)

@@ -2,7 +2,8 @@
 
 What is inside ends a wall before the end, which may be some links further on. It has the same links
 as the outside: those near the end are drawn together along the chain, beyond the end's wall. A
-branch as short as its end is a stump in a branch point's body, and so is what is inside of it.
+branch as short as its end is a stump in the body of a branch point or a ball, and so is what is
+inside of it.
 """
 
 from __future__ import annotations
@@ -11,9 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Ints, place_text
+from scaffold_cad.base.arrays import Bools, Floats, Ints, place_text
 from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.struts.runs import THICKER
 
 REACH = 3.0
 """Length of chain whose links are drawn together at least, in lengths of the end."""
@@ -29,7 +31,7 @@ def with_long_ends(skeleton: Skeleton, at_ends: Floats) -> tuple[Skeleton, Float
     """Return a skeleton whose last links are longer than the ends of their struts, and these, mm.
 
     Joints are moved along their chains, as far from the end as `REACH`, so that the last link goes
-    from the end to a place past `at_ends`.
+    from the end to a place past `at_ends`, and are as thick as the chain there. Balls stay.
 
     Parameters
     ----------
@@ -46,14 +48,16 @@ def with_long_ends(skeleton: Skeleton, at_ends: Floats) -> tuple[Skeleton, Float
     if len(short) == 0:
         return skeleton, at_ends
     at_ends = at_ends.copy()
-    nodes, radii = skeleton.nodes.copy(), skeleton.edge_radii.copy()
+    parts = skeleton.nodes, skeleton.radii, skeleton.edge_radii
+    nodes, own, radii = (part.copy() for part in parts)
+    is_body = _are_bodies(skeleton)
     for end in np.unique(skeleton.edges[short][cut[short] > 0]).tolist():
-        chain = _chain(skeleton, end, at_ends)
+        chain = _chain(skeleton, end, at_ends, is_body)
         if chain.limit > at_ends[end] * (1 + SPARE):
-            _draw(skeleton, chain, float(at_ends[end]), nodes, radii)
-        elif chain.leads_to_branch_point:
+            _draw(skeleton, chain, float(at_ends[end]), nodes, own, radii)
+        elif chain.leads_to_body:
             at_ends[end] = (1.0 - STUMP) * chain.limit
-            _draw(skeleton, chain, float(at_ends[end]), nodes, radii)
+            _draw(skeleton, chain, float(at_ends[end]), nodes, own, radii)
         else:
             edge, size = chain.edges[0], chain.place[-1]
             links = f", and its chain {size:g} mm" if len(chain.edges) > 1 else ""
@@ -62,7 +66,7 @@ def with_long_ends(skeleton: Skeleton, at_ends: Floats) -> tuple[Skeleton, Float
                 f"{skeleton.lengths[edge]:g} mm long{links}; need more than its closed ends of "
                 f"{at_ends[end]:g} mm on both sides (ends='open' has none)"
             )
-    drawn = Skeleton(nodes, skeleton.edges, skeleton.radii, radii)
+    drawn = Skeleton(nodes, skeleton.edges, own, radii)
     # Chains that bend lead less far.
     last, at = np.nonzero(is_end)
     node = skeleton.edges[last, at]
@@ -82,20 +86,28 @@ class _Chain:
     """How far along the chain its nodes are, shape (k + 1,), mm."""
     limit: float
     """How far along it joints are drawn together, mm."""
-    leads_to_branch_point: bool
+    leads_to_body: bool
 
 
-def _chain(skeleton: Skeleton, end: int, at_ends: Floats) -> _Chain:
+def _are_bodies(skeleton: Skeleton) -> Bools:
+    """Return the nodes that chains lead to: branch points, and balls thicker than struts, (n,)."""
+    across = np.zeros(len(skeleton.nodes))
+    np.maximum.at(across, skeleton.edges, skeleton.edge_radii)
+    is_ball = (skeleton.radii > across * (1 + THICKER)) & (skeleton.valency == 2)
+    return np.asarray(is_ball | (skeleton.valency > 2))
+
+
+def _chain(skeleton: Skeleton, end: int, at_ends: Floats, is_body: Bools) -> _Chain:
     """Return the links from an extremity on that are drawn together.
 
-    They are as long as `REACH`, or lead to a node that is not a joint. Of those between two
+    They are as long as `REACH`, or lead to a body (n,) or another extremity. Of those between two
     extremities each end has its part.
     """
     edges: list[int] = []
     sides: list[int] = []
     place = [0.0]
     node, ahead, reach = end, [end], REACH * float(at_ends.max())
-    while len(ahead) == 1 and place[-1] < 2 * reach:
+    while len(ahead) == 1 and not is_body[node] and place[-1] < 2 * reach:
         links = skeleton.incidence.at_nodes(np.array([node]), int(skeleton.valency[node]))[0]
         ahead = [half for half in links.tolist() if half // 2 not in edges[-1:]]
         if len(ahead) == 1:
@@ -107,10 +119,12 @@ def _chain(skeleton: Skeleton, end: int, at_ends: Floats) -> _Chain:
     if len(ahead) == 0:
         other = max(float(at_ends[node]), 0.0)  # what is inside of a round end may reach further
         limit = min(limit, place[-1] * float(at_ends[end]) / (float(at_ends[end]) + other))
-    return _Chain(np.array(edges), np.array(sides), np.array(place), limit, len(ahead) > 1)
+    return _Chain(np.array(edges), np.array(sides), np.array(place), limit, bool(is_body[node]))
 
 
-def _draw(skeleton: Skeleton, chain: _Chain, end: float, nodes: Floats, radii: Floats) -> None:
+def _draw(
+    skeleton: Skeleton, chain: _Chain, end: float, nodes: Floats, own: Floats, radii: Floats
+) -> None:
     """Draw the joints of a chain together past its end.
 
     The last link keeps its direction where there is room, so that what is inside ends parallel to
@@ -144,6 +158,7 @@ def _draw(skeleton: Skeleton, chain: _Chain, end: float, nodes: Floats, radii: F
     # Radii may jump at joints: of both there, the place just before and just behind.
     along = np.stack([place[:-1], place[1:] * (1 - 1e-12)], axis=1).reshape(-1)
     sizes = np.interp(new, along, np.stack([near, far], axis=1).reshape(-1))
+    own[joints] = sizes[1:]
     radii[edges[:count], sides[:count]] = sizes[:count]
     radii[edges[:count], 1 - sides[:count]] = sizes[1:]
     radii[edges[count : count + 1], sides[count : count + 1]] = sizes[count]

@@ -11,6 +11,8 @@ from scaffold_cad.products import to_brep
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts import round_struts
+from scaffold_cad.struts.hollow.walls import without_wall
+from scaffold_cad.struts.runs import balls_of, straight_runs
 from tests.crossings import check_as_written
 from tests.skeletons import polyline
 from tests.solid.field.judges import thicknesses
@@ -54,6 +56,22 @@ def test_faces_of_a_fine_chain_are_a_hollow_solid() -> None:
     assert solid.is_valid
     mesh = round_mesh(round_struts(FINE["bent"], wall=WALL), 64)
     assert solid.volume == pytest.approx(mesh.signed_volume, rel=2e-3)
+
+
+def test_joints_of_a_tapered_chain_that_are_drawn_together_are_no_balls() -> None:
+    share = np.linspace(0.0, 1.0, 11)
+    nodes = 3 * np.stack([np.cos(2 * share), np.sin(2 * share), 0 * share], axis=1)
+    inside = without_wall(Skeleton(nodes, polyline(11), 2.0 - share), 0.8, np.full(11, 0.8))
+    assert not np.allclose(inside.nodes[1], nodes[1])
+    assert not balls_of(inside, straight_runs(inside)).any()
+
+
+def test_a_ball_near_an_end_keeps_its_place_inside() -> None:
+    whole = chain(np.array([0.0, 0.3, 0.8, 8.0, 16.0]), 0.01)
+    balls = whole.with_edge_radii(whole.edge_radii, np.where(np.arange(5) == 2, 2.5, 2.0))
+    inside = without_wall(balls, WALL, np.full(5, WALL))
+    assert np.array_equal(inside.nodes[2], whole.nodes[2])
+    assert inside.radii[2] == 2.5 - WALL
 
 
 def test_a_branch_shorter_than_the_wall_is_a_stump() -> None:
