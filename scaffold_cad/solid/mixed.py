@@ -101,7 +101,7 @@ def mixed_brep(struts: RoundStruts) -> AnalyticBrep:
     wall = float(struts.options.wall or 0.0)
     outside = _moved_out(outside, inside, wall)
     if inside.made is not None:
-        tell_thin(_walls(outside, inside.made), wall)
+        tell_thin(_walls(outside, inside.made), wall, polygon_wall(SIDES))
     outer, inner = _faces(outside), _faces(inside)
     own = inner.faces.faces
     kind = np.where(own.shell == VOID, BODY, VOID)  # what a solid is inside is a void
@@ -193,7 +193,7 @@ def _moved_out(outside: _Part, inside: _Part, wall: float) -> _Part:
     walls = Walls(both, exact, outer[-len(facets.triangles) :], len(every), every, fixed)
     mesh = thickened(walls, wall, polygon_wall(SIDES), 1.0)
     slack = polygon_slack(SIDES) * float(inside.struts.runs.radii.max())
-    tell_thin(replace(walls, mesh=mesh), wall, slack)
+    tell_thin(replace(walls, mesh=mesh), wall, polygon_wall(SIDES), slack)
     moved = mesh.vertices[: len(outside.mesh.vertices)]
     made = replace(outside.made, mesh=TriangleMesh(moved[first:], facets.triangles))
     return replace(outside, made=made, mesh=TriangleMesh(moved, outside.mesh.triangles))

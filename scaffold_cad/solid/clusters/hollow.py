@@ -26,7 +26,6 @@ from scaffold_cad.solid.clusters.growth import Core
 from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.spans import CUT, Spans
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
-from scaffold_cad.solid.clusters.walls import TOLD
 from scaffold_cad.struts.meshes.surface import inside_of
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.runs import Runs, ball_ends
@@ -37,6 +36,9 @@ are whole."""
 
 AROUND = CUT + 0.05
 """How far past spans walls are looked at, in the strut's radii: their cuts, rings and all."""
+
+THIN = 0.9
+"""Part of the wall below which cells beside it are made smaller."""
 
 _log = logging.getLogger(__name__)
 
@@ -173,7 +175,7 @@ def _thin_places(outside: _Made, struts: RoundStruts, inner: RoundStruts) -> Poi
     along = dot(points - tail[row], ahead[row])
     off = length(points - tail[row] - along[:, None] * ahead[row])
     left = off - inner.runs.radii_at(2 * spans.run[row], along)
-    thin = (left < TOLD * wall) & (along > low[row]) & (along < high[row])
+    thin = (left < THIN * wall) & (along > low[row]) & (along < high[row])
     return np.asarray(points[thin])
 
 

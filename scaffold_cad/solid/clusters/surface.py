@@ -149,7 +149,7 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
     mesh = thickened(walls, wall, part, factor)
     of_struts = np.concatenate([at_ends, np.arange(outside.exact)])
     mesh = thickened(walls.turned(mesh, of_struts), wall, part, factor)
-    tell_thin(replace(walls, mesh=mesh), wall)
+    tell_thin(replace(walls, mesh=mesh), wall, part)
     return mesh
 
 

@@ -24,8 +24,8 @@ from scaffold_cad.solid.clusters.aims import Aim, between, near_to, shares
 ENOUGH = 0.976
 """What is thinner than this part of the wall between two polygons is thickened."""
 
-TOLD = 0.9
-"""What is thinner than this part of the wall is told."""
+TOLD = 0.95
+"""What is thinner than this part of the wall is told, if polygons of so few sides leave as much."""
 
 ROUNDS = 12
 """Times that vertices move; each time other places may be the nearest ones."""
@@ -140,14 +140,15 @@ def _aim(struts: Walls, faces: Triangles, wall: float, least: float) -> Aim:
     return Aim.of(vertices, struts.mesh.triangles[struts.outer], points, wall, least)
 
 
-def tell_thin(struts: Walls, wall: float, slack: float = 0.0) -> None:
+def tell_thin(struts: Walls, wall: float, between: float, slack: float = 0.0) -> None:
     """Log where a wall is thin.
 
     Parameters
     ----------
+    between : thickness of walls between two polygons, as a part of that of their circles
     slack : how far triangles that stay may reach beyond the round surface that they are near, mm
     """
-    faces, enough = struts.looked_at, TOLD * wall - slack
+    faces, enough = struts.looked_at, min(TOLD, ENOUGH * between) * wall - slack
     aim = _aim(struts, faces, wall, enough)
     least, place = aim.thinnest(struts.mesh.vertices, faces, enough)
     if least < enough:

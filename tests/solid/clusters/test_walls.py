@@ -11,6 +11,7 @@ from scaffold_cad.base.arrays import Ints
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.walls import Walls, tell_thin, thickened
+from scaffold_cad.struts.meshes.bands import polygon_wall
 
 NONE = np.zeros(0, dtype=np.intp)
 WALL = 1.2
@@ -53,9 +54,19 @@ def test_walls_that_stay_thin_are_told(
 ) -> None:
     walls = Walls.between(VALLEY, BELOW, fixed)
     made = thickened(walls, WALL, 1.0, 1.0)
-    tell_thin(replace(walls, mesh=made), WALL)
+    tell_thin(replace(walls, mesh=made), WALL, 1.0)
     assert (depth_at_edge(made) < 0.95 * WALL) == told
     assert ("a wall is as thin as 1 mm near [0, " in caplog.text) == told
+
+
+@pytest.mark.parametrize(("part", "between", "told"), [
+    (0.93, 1.0, True), (0.96, 1.0, False), (0.93, polygon_wall(4), False),
+])  # fmt: skip
+def test_walls_below_095_of_what_was_asked_are_told(
+    part: float, between: float, told: bool, caplog: pytest.LogCaptureFixture
+) -> None:
+    tell_thin(Walls.between(VALLEY, BELOW, NONE), 1.0 / part, between)
+    assert ("a wall is as thin as 1 mm" in caplog.text) == told
 
 
 @pytest.mark.parametrize("fixed", [np.arange(3), np.arange(2)])
