@@ -47,6 +47,10 @@ TESSELLATION_SHARE = 2e-5
 """The same of large shapes, in their diagonals: from 0.5 m on a shape has as many triangles in any
 size. Within 0.01 mm a ball of 1 m has 500 000, and one of 10 m takes gigabytes."""
 
+TESSELLATION_MOST = 1e-3
+"""The same at most: up to 10 mm a shape has as many triangles in any size. Where small faces are
+narrower than the distance OCCT finds no triangles for them."""
+
 TESSELLATION_ANGLE = 0.3
 """Largest angle between neighboring triangles of a face, rad. It makes rounds smaller than the
 distance 21-gons, of 98.5 % of their area; a smaller angle takes up to 40 times as many triangles on
@@ -174,7 +178,8 @@ def tessellated(
 def tessellation_distance(shape: Shape) -> float:
     """Return how far triangles of a shape with curved faces may be off these, mm."""
     diagonal = float(shape.bounding_box(optimal=False).diagonal)
-    return max(TESSELLATION_DISTANCE, TESSELLATION_SHARE * diagonal)
+    most = max(TESSELLATION_MOST * diagonal, LEAST_SIZE)
+    return min(max(TESSELLATION_DISTANCE, TESSELLATION_SHARE * diagonal), most)
 
 
 def tessellation_error(shape: Shape) -> float:

@@ -37,8 +37,9 @@ def surface_of(
     what : a mesh or a subdivision; a Scaffold, whose quads are taken as they are where they are
         one solid and whose overlapping struts are united elsewhere; a RoundStruts; an Assembly,
         whose beams and meshes are united; a manifold3d Manifold; a build123d shape, a builder's,
-        or smooth patches, within 0.01 mm, large ones within 2e-5 of their diagonal; anything with
-        arrays `vertices`, and `triangles` or `faces` (t, 3), such as a trimesh Trimesh
+        or smooth patches, within 0.01 mm, large ones within 2e-5 of their diagonal, small ones
+        1e-3; anything with arrays `vertices`, and `triangles` or `faces` (t, 3), such as a trimesh
+        Trimesh
     overlaps : what becomes of struts that overlap, see `to_brep`; by default they are united
     sides : of the polygon that stands for the circle of a round strut, a multiple of 4
     factor : what lengths are multiplied with before they are written, see `solidified`

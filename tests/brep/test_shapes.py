@@ -272,6 +272,12 @@ def test_large_bodies_have_no_more_triangles_than_smaller_ones() -> None:
     assert 0.05 < (5000 - np.linalg.norm(middles[..., :2], axis=-1)).max() < 0.3  # 2e-5 of 15 m
 
 
+def test_small_bodies_have_no_fewer_triangles_than_larger_ones() -> None:
+    smaller, larger = (tessellated(build123d.Cylinder(size, size / 5)) for size in (0.01, 1))
+    smaller.check_closed()
+    assert len(smaller.triangles) == len(larger.triangles)
+
+
 def gaps(points: Points, mesh: TriangleMesh) -> Floats:
     """Return the distance of each of `points` (n, 3) from the nearest triangle, shape (n,)."""
     corners = mesh.vertices[mesh.triangles]
