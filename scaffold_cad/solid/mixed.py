@@ -29,6 +29,7 @@ from scaffold_cad.solid.clusters.hollow import hollow, tell_closed
 from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.spans import Spans, no_spans, whole_runs
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
+from scaffold_cad.solid.clusters.united import tell_united
 from scaffold_cad.solid.clusters.walls import Walls, tell_thin, thickened
 from scaffold_cad.struts.breps.faces import bored, end_rings, faces_of, run_names
 from scaffold_cad.struts.meshes.bands import polygon_slack, polygon_wall
@@ -95,9 +96,11 @@ def mixed_brep(struts: RoundStruts) -> AnalyticBrep:
     """
     if struts.inner is None:
         part = _part(struts, wanted_fillets(struts), unproved(struts))
+        tell_united(struts, part.spans, part.fillets)
         return _told(_solids(_faces(part).faces))
     outside, inside = hollow(struts, unproved, _part, _together)
     tell_closed(struts, outside)
+    tell_united(struts, outside.spans, outside.fillets)
     wall = float(struts.options.wall or 0.0)
     outside = _moved_out(outside, inside, wall)
     if inside.made is not None:

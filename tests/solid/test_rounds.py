@@ -138,6 +138,24 @@ def test_the_gap_between_components_stays_where_others_overlap() -> None:
     assert not contains(mesh, np.array([[x, 1.025, 9.1] for x in (5, 10, 15)])).any()
 
 
+@pytest.mark.parametrize(
+    ("gap", "place", "joined", "named"),
+    [(0.05, 9, False, False), (0.05, 9, True, True), (0.2, 2, False, True), (0.2, 9, True, False)],
+)
+def test_struts_that_others_overlap_keep_their_gaps_or_are_named(
+    gap: float, place: float, joined: bool, named: bool, caplog: pytest.LogCaptureFixture
+) -> None:
+    """A strut across another, with a gap, which a third one crosses at `place`."""
+    nodes = [[-5, 0, 0], [14, 0, 0], [0, 9, 2 + gap], [0, -9, 2 + gap]]
+    nodes += [[place, 9, -0.5], [place, -9, -0.5]]
+    edges = [[0, 1], [2, 3], [4, 5]] + joined * [[0, 2]]
+    struts = round_struts(Skeleton(nodes, edges, 1.0))
+    filled = contains(round_mesh(struts), np.array([[0, 0, 1 + gap / 2]]))
+    assert filled.tolist() == [named]
+    assert ("1 pair of struts passes each other without touching" in caplog.text) == named
+    assert not named or "edges 0 and 1, near [0, 0, 1." in caplog.text
+
+
 @pytest.mark.parametrize(("gap", "corners"), [(1e-4, fewest.MOST_CORNERS), (0.05, 100)])
 def test_struts_that_hardly_keep_apart_are_united_and_named(
     gap: float, corners: int, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
@@ -147,4 +165,4 @@ def test_struts_that_hardly_keep_apart_are_united_and_named(
     near = round_struts(Skeleton(nodes, [[0, 1], [2, 3]], 1.0))
     assert len(near.overlapping) == 0
     check_as_written(round_mesh(near, 16))
-    assert re.search(r"1 pair of struts .* edges 0 and 1, near \[4.5, 0, 0\] mm", caplog.text)
+    assert re.search(r"1 pair of struts .* edges 0 and 1, near \[0, 1\.\d+, 0\] mm", caplog.text)

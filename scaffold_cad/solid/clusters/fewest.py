@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import logging
 
-from scaffold_cad.base.arrays import Bools, Edges, place_text
-from scaffold_cad.base.summaries import counted
-from scaffold_cad.struts.apart import Slack, crossings
+import numpy as np
+
+from scaffold_cad.base.arrays import Bools, Edges
+from scaffold_cad.solid.clusters.united import near_runs, without
+from scaffold_cad.struts.apart import Slack
 from scaffold_cad.struts.meshes.bands import polygon_slack
 from scaffold_cad.struts.model import RoundStruts
 
@@ -26,10 +28,10 @@ _log = logging.getLogger(__name__)
 def fewest_sides(struts: RoundStruts, sides: int) -> int:
     """Return `sides`, or as many times 2 of them as keep struts apart that are proved to be so.
 
-    Struts that overlap others in any case do not count, and where there are some, neither do other
-    pairs of one component, such as a foam: all of it would get more triangles. Where even `MOST`
-    are not enough, or the mesh would be too large, they are `sides`, and a warning tells that these
-    struts come to be united. Struts made like others have as many sides as the first of these.
+    Where some overlap, other pairs of one component do not count, such as a foam: all of it would
+    get more triangles. Where even `MOST` are not enough, or the mesh would be too large, they are
+    `sides`. Struts that come to be united are told by `tell_united`. Struts made like others have
+    as many sides as the first of these.
 
     Examples
     --------
@@ -38,14 +40,14 @@ def fewest_sides(struts: RoundStruts, sides: int) -> int:
     >>> fewest_sides(round_struts(Skeleton(ends, [[0, 1], [2, 3]], 1.0)), 16)
     32
     """
-    crossing = struts.crowded_runs | struts.crowded[struts.runs.edges].any(axis=1)
+    overlap = len(struts.overlapping) > 0
+    crossing = near_runs(struts) if overlap else np.zeros((0, 2), dtype=np.intp)
     given, most = sides, MOST
     if struts.like is not None:
         given = most = fewest_sides(struts.like, sides)
-    enough, count = given, 2 * len(crossing)
-    while len(near := _near(struts, enough, crossing)):
+    enough, count = given, 2 * len(struts.runs.edges)
+    while len(_near(struts, enough, crossing, overlap=overlap)):
         if 2 * enough > most or 2 * enough * count > MOST_CORNERS:
-            _report(struts, near, enough)
             return given
         enough *= 2
     if enough > given:
@@ -53,40 +55,21 @@ def fewest_sides(struts: RoundStruts, sides: int) -> int:
     return enough
 
 
-def _near(struts: RoundStruts, sides: int, crossing: Bools) -> Edges:
+def _near(struts: RoundStruts, sides: int, crossing: Edges, *, overlap: bool) -> Edges:
     """Return the pairs of runs that are apart and whose polygons may not be, (p, 2).
 
     Where some overlap, those of one component of the skeleton do not count: they are one body.
 
     Parameters
     ----------
-    crossing : (k,) runs that overlap others in any case
+    crossing : (q, 2) pairs of runs that overlap in any case
+    overlap : whether any struts do, or their nodes
     """
-    runs = crossings(
-        struts.runs,
-        struts.blended,
-        struts.curves,
-        struts.collar,
-        struts.options.ends,
-        struts.crowded,
-        Slack(polygon_slack(sides)),
-        sharp=struts.sharp,
-    ).runs
-    pairs: Edges = runs[~crossing[runs].any(axis=1)]
-    if not crossing.any():
+    runs = struts.runs
+    near = near_runs(struts, Slack(polygon_slack(sides)))
+    pairs = without(near, crossing, len(runs.edges))
+    if not overlap:
         return pairs
-    part: Edges = struts.skeleton.component_of_node[struts.runs.edges[pairs][:, :, 0]]  # (p, 2)
+    part: Edges = struts.skeleton.component_of_node[runs.edges[pairs][:, :, 0]]  # (p, 2)
     apart: Bools = part[:, 0] != part[:, 1]
     return pairs[apart]
-
-
-def _report(struts: RoundStruts, near: Edges, sides: int) -> None:
-    edges = [int((struts.runs.run_of_edge == run).argmax()) for run in near[0]]
-    _log.warning(
-        "%s each other by less than %.2g radii, and are united: edges %d and %d, near %s, first; "
-        "need more room between them, or a STEP file",
-        counted(len(near), "pair of struts passes", "pairs of struts pass"),
-        2 * polygon_slack(sides),
-        *edges,
-        place_text(struts.skeleton.nodes[struts.skeleton.edges[edges[0]]].mean(axis=0)),
-    )

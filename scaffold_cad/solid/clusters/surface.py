@@ -29,6 +29,7 @@ from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.seams import seamed
 from scaffold_cad.solid.clusters.spans import Spans, whole_runs
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
+from scaffold_cad.solid.clusters.united import tell_united
 from scaffold_cad.solid.clusters.walls import Walls, tell_thin, thickened
 from scaffold_cad.solid.field import FieldStruts
 from scaffold_cad.solid.field.written import field_as_written, report_thickened
@@ -118,7 +119,9 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
     sides = fewest_sides(struts, sides)
     if struts.inner is None:
         fillets, core = wanted_fillets(struts), _unmade(struts, sides)
-        return _surface(struts, sides, fillets, core, factor).mesh
+        made = _surface(struts, sides, fillets, core, factor)
+        tell_united(struts, made.spans, made.fillets)
+        return made.mesh
 
     # Ends that come to lie in a field are closed: open ones stay out of it as long as they can.
     most = 1.0 if struts.options.ends == "open" else MOST_FIELD
@@ -136,6 +139,7 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
 
     outside, inside = hollow(struts, unmade, make, joined, factor)
     tell_closed(struts, outside)
+    tell_united(struts, outside.spans, outside.fillets)
     mesh, wall = joined(outside, inside), float(struts.options.wall or 0.0)
     count, first = len(outside.mesh.triangles), len(outside.mesh.vertices)
     outer, inner = np.split(np.arange(count + len(inside.mesh.triangles)), [count])
