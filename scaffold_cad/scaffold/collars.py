@@ -84,7 +84,8 @@ def with_collars(
     ----------
     positions : (w, 3) float64, mm; the partition vertices seen from their nodes
     corner_distance : distance of a section's corners from its node, in radii
-    like : (m, 2) bool; exactly these ends get a collar, squeezed together where room is short
+    like : (m, 2) bool; exactly these ends get a collar, squeezed together where there is room for
+        others only
     """
     near, far = collar_distances(
         skeleton, stars, positions, corner_distance, like
@@ -202,15 +203,21 @@ def collar_distances(
     # (m, 2); no cone, nan, where an end is not a branch point
     wanted: Floats = np.fmax(extents + BLEND * radii, wide_enough)
 
-    lengths = skeleton.lengths
-    if like is not None:
-        wanted[~like] = np.nan
-        total = np.nansum(wanted, axis=1)
-        squeeze = np.minimum(1.0, MOST_SQUEEZED * lengths / np.maximum(total, 1e-300))
-        squeezed: Floats = wanted * squeeze[:, None]
-        return squeezed
-    asked = at_branch.reshape(-1, 2) | _stepped(skeleton)
-    wanted[~asked] = np.nan
+    placed = _placed(skeleton, wanted, extents, at_branch.reshape(-1, 2) | _stepped(skeleton))
+    if like is None:
+        return placed
+    wanted[~like] = np.nan
+    total = np.nansum(wanted, axis=1)
+    squeeze = np.minimum(1.0, MOST_SQUEEZED * skeleton.lengths / np.maximum(total, 1e-300))
+    same = (np.isfinite(placed) == like).all(axis=1)
+    kept: Floats = np.where(same[:, None], placed, wanted * squeeze[:, None])
+    return kept
+
+
+def _placed(skeleton: Skeleton, wanted: Floats, extents: Floats, asked: Bools) -> Floats:
+    """Return how far from each end of each edge its collar stands by the room there is, (m, 2)."""
+    lengths, radii = skeleton.lengths, skeleton.edge_radii
+    wanted = np.where(asked, wanted, np.nan)
     # Collars closer than that to a node could not be told from it.
     coordinate = np.abs(skeleton.nodes[skeleton.edges]).max(axis=(1, 2))  # (m,)
     least = np.maximum(LEAST_STRUT * radii.max(axis=1), RESOLUTION * coordinate)

@@ -167,3 +167,12 @@ def test_trusses_of_several_sections_have_the_volume_of_their_members(shared_dat
     check_whole(scaffold)
     members = float((np.pi * truss.edge_radii[:, 0] ** 2) @ truss.lengths)
     assert scaffold.mesh.signed_volume == pytest.approx(members, rel=0.01)
+
+
+def test_collars_in_the_middle_of_short_room_stay_where_they_are() -> None:
+    tips = [[20, 0.5, 0], [20, -0.5, 0.3], [20, 0, -0.6], [20, 3, 3]]
+    fan = Skeleton([[0, 0, 0], *tips], [[0, k] for k in range(1, 5)], 1.0)
+    scaffold = build_scaffold(fan, collars=True, fit="paper")
+    assert scaffold.refinement.collared.any()
+    again = build_scaffold(fan.moved_by([0, 0, 1e-3]), like=scaffold)
+    assert np.abs(again.mesh.vertices - scaffold.mesh.vertices).max() < 0.1
