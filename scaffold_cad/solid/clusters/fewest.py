@@ -11,7 +11,7 @@ import logging
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges
-from scaffold_cad.solid.clusters.united import near_runs, without
+from scaffold_cad.solid.clusters.united import among, near_runs
 from scaffold_cad.struts.apart import Slack
 from scaffold_cad.struts.meshes.bands import polygon_slack
 from scaffold_cad.struts.model import RoundStruts
@@ -67,7 +67,7 @@ def _near(struts: RoundStruts, sides: int, crossing: Edges, *, overlap: bool) ->
     """
     runs = struts.runs
     near = near_runs(struts, Slack(polygon_slack(sides)))
-    pairs = without(near, crossing, len(runs.edges))
+    pairs: Edges = near[~among(near, crossing, len(runs.edges))]
     if not overlap:
         return pairs
     part: Edges = struts.skeleton.component_of_node[runs.edges[pairs][:, :, 0]]  # (p, 2)

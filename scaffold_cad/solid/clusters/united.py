@@ -5,8 +5,11 @@ from __future__ import annotations
 import logging
 
 import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
 
-from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, place_text
+from scaffold_cad.base.arrays import Bools, Edges, Floats, place_text
+from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.solid.clusters.spans import Spans, radii_at
@@ -14,6 +17,10 @@ from scaffold_cad.struts.apart import EXACT, Slack, crossings, meeting
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.pieces import capsules
 from scaffold_cad.struts.runs import Runs
+
+AROUND = 2.0
+"""Length of a way between struts that are one body where they are near, over the distance of their
+axes at which they are united."""
 
 _log = logging.getLogger(__name__)
 
@@ -32,17 +39,16 @@ def near_runs(struts: RoundStruts, slack: Slack = EXACT) -> Edges:
     ).runs
 
 
-def without(pairs: Edges, others: Edges, count: int) -> Edges:
-    """Return the pairs of `count` runs, each ascending, that are not among others."""
+def among(pairs: Edges, others: Edges, count: int) -> Bools:
+    """Return which pairs of `count` runs, (p, 2), each ascending, are among others (q, 2), (p,)."""
     keys, known = (some[:, 0] * count + some[:, 1] for some in (pairs, others))
-    left: Edges = pairs[~np.isin(keys, known)]
-    return left
+    return np.isin(keys, known)
 
 
 def tell_united(struts: RoundStruts, spans: Spans, fillets: Floats) -> None:
     """Warn of struts that keep apart, but not by more than the fillet of the field they are in.
 
-    Those that a short strut joins do not count: they are one body where they are near.
+    Those that a short way along struts joins do not count: they are one body where they are near.
 
     Parameters
     ----------
@@ -61,15 +67,16 @@ def tell_united(struts: RoundStruts, spans: Spans, fillets: Floats) -> None:
     pairs = np.sort(spans.run[np.stack([i, j], axis=1)], axis=1)
     a, b = nearest_on_segments(start[i], end[i], start[j], end[j])
     order = np.unique(pairs, axis=0, return_index=True)[1]
-    order = order[~_joined(runs, pairs[order], (pieces.radius[i] + pieces.radius[j])[order])]
     of_curve = np.full(len(runs.edges), -1)
     of_curve[curves.run[curves.pieces]] = curves.curve_of_piece
     first, second = of_curve[pairs[order]].T
     order = order[(first < 0) | (first != second)]
-    left = without(pairs[order], near_runs(struts), len(runs.edges))
+    order = order[~among(pairs[order], near_runs(struts), len(runs.edges))]
+    order = order[~_joined(runs, pairs[order], (pieces.radius[i] + pieces.radius[j])[order])]
+    left = pairs[order]
     if len(left) == 0:
         return
-    here = order[(pairs[order] == left[0]).all(axis=1)][0]
+    here = order[0]
     edges = [int((runs.run_of_edge == run).argmax()) for run in left[0]]
     _log.warning(
         "%s each other without touching, and are united: edges %d and %d, near %s%s; "
@@ -82,17 +89,14 @@ def tell_united(struts: RoundStruts, spans: Spans, fillets: Floats) -> None:
 
 
 def _joined(runs: Runs, pairs: Edges, reach: Floats) -> Bools:
-    """Return whether a run shorter than `reach` (p,) joins the ends of pairs (p, 2), (p,)."""
-    count = len(runs.nodes)
-    ends = np.sort(runs.edges, axis=1)
-    keys: Ints = ends[:, 0] * count + ends[:, 1]
-    order = np.argsort(keys, kind="stable")
+    """Return whether a way shorter than `AROUND` times `reach` (p,) joins pairs (p, 2), (p,)."""
+    count, ends = len(runs.nodes), runs.edges
+    both = np.concatenate([ends, ends[:, ::-1]]).T
+    ways = csr_array((np.tile(runs.lengths, 2), (both[0], both[1])), shape=(count, count))
     found = np.zeros(len(pairs), dtype=np.bool_)
-    for one in (0, 1):
-        for other in (0, 1):
-            u, v = runs.edges[pairs[:, 0], one], runs.edges[pairs[:, 1], other]
-            key = np.minimum(u, v) * count + np.maximum(u, v)
-            place = np.searchsorted(keys[order], key).clip(max=len(keys) - 1)
-            run = order[place]
-            found |= (keys[run] == key) & (runs.lengths[run] < reach)
+    for part in blocks(len(pairs), 16 * count):
+        start, row = np.unique(ends[pairs[part, 0]], return_inverse=True)
+        far = dijkstra(ways, indices=start, limit=AROUND * reach[part].max())  # (s, n)
+        away = far[row.reshape(-1, 2, 1), ends[pairs[part, 1]][:, None]]  # (p, 2, 2)
+        found[part] = away.min(axis=(1, 2)) < AROUND * reach[part]
     return found
