@@ -84,7 +84,7 @@ def round_struts(
         nodes there is the ball that touches the thickest. `blend`, `joints` and `bend` are for
         blends
     like : struts of the same skeleton with its nodes elsewhere: partitions and triangles stay, for
-        animation and optimization; not with sharp nodes
+        animation and optimization, those of sharp nodes while their struts meet in the same edges
 
     Raises
     ------
@@ -93,7 +93,8 @@ def round_struts(
     OptionError
         If an option has no such value, or `like` is of another graph, with other ends or walls.
     PartitionError
-        If nodes moved too far for the partitions of `like`, or for its balls.
+        If nodes moved too far for the partitions of `like`, or are sharp and proved only here or
+        there.
 
     Examples
     --------

@@ -8,7 +8,7 @@ from scaffold_cad.base.arguments import check_kind
 from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts.model import RoundStruts
-from scaffold_cad.struts.options import SHARP, StrutOptions
+from scaffold_cad.struts.options import StrutOptions
 from scaffold_cad.struts.runs import ball_ends, straight_runs
 
 
@@ -18,17 +18,10 @@ def check_like(skeleton: Skeleton, options: StrutOptions, like: RoundStruts) -> 
     Raises
     ------
     OptionError
-        If the graph, the ends, the nodes' kind, the balls or the walls are others, or nodes are
-        sharp.
+        If the graph, the ends, the nodes' kind, the balls or the walls are others.
     """
     check_kind(like, RoundStruts, name="like")
     kinds = options.nodes, like.options.nodes
-    if "sharp" in kinds:
-        raise OptionError(
-            "like with nodes='sharp', whose edges and triangles are others where nodes move; "
-            f"need nodes='blend' for both, with blend={SHARP} radii of the thinnest strut for "
-            "nearly sharp nodes, or nodes='ball'"
-        )
     if kinds[0] != kinds[1]:
         raise OptionError(f"like has nodes={kinds[1]!r}, not {kinds[0]!r}; need the same")
     if not np.array_equal(skeleton.edges, like.skeleton.edges):

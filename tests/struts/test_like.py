@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from scaffold_cad import RoundStruts, Skeleton, read_skeleton, round_struts
 from scaffold_cad.errors import OptionError, PartitionError
 from scaffold_cad.solid.clusters.fewest import fewest_sides
 from scaffold_cad.struts.meshes.surface import triangulated
+from tests.crossings import check_as_written
 from tests.test_examples import EXAMPLES
 
 
@@ -102,6 +105,54 @@ def test_balls_whose_struts_turn_too_far_are_named() -> None:
     far = round_struts(jib(0).mirrored([0, 1, 0]), nodes="ball", like=first)
     with pytest.raises(PartitionError, match=r"struts of node 1 at \[40, 0, 0\] mm turned too far"):
         triangulated(far, 12)
+
+
+def branched(shift: float) -> Skeleton:
+    """Return a tree of struts of five radii, with a ball at one node, whose nodes are shifted."""
+    nodes = [[0, 0, 0], [25, 0, 3], [-20, 9, 0], [0, -22, 6], [38, 18, 0], [40, -15, 12]]
+    ways = [[0, 0, 1], [1, -2, 0], [0, 1, 2], [2, 0, 1], [-1, 0, 2], [1, 1, 0]]
+    edges = [[0, 1], [0, 2], [0, 3], [1, 4], [1, 5]]
+    sizes = np.array([1.5, 1.2, 0.8, 0.9, 1.1])
+    places = np.array(nodes) + shift * np.array(ways)
+    return Skeleton(places, edges, [1.5, 2.2, 1.2, 0.8, 0.9, 1.1], sizes)
+
+
+def thin_tee(shift: float) -> Skeleton:
+    ends = [[0, 0, 0], [25, 0, 0], [-25, 0, 0], [4, 3 * shift, 20]]
+    return Skeleton(ends, [[0, 1], [0, 2], [0, 3]], 1.5, edge_radii=[1.5, 1.5, 0.6])
+
+
+@pytest.mark.parametrize("made", [branched, thin_tee, lambda shift: bent(60 + 9 * shift)])
+def test_sharp_nodes_keep_their_triangles(made: Callable[[float], Skeleton]) -> None:
+    first = round_struts(made(0.0), nodes="sharp")
+    frames = [first]
+    for shift in (0.0, 0.8, 1.6):
+        frames.append(round_struts(made(shift), nodes="sharp", like=frames[-1]))
+    check_same(first, frames)
+    start = triangulated(first, 12).mesh
+    np.testing.assert_allclose(triangulated(frames[1], 12).mesh.vertices, start.vertices, atol=1e-9)
+    mesh = triangulated(frames[-1], 12).mesh
+    check_as_written(mesh)
+    free = triangulated(round_struts(made(1.6), nodes="sharp"), 12).mesh
+    assert mesh.signed_volume == pytest.approx(free.signed_volume, rel=5e-4)
+
+
+def test_points_slide_where_triangles_would_turn_over() -> None:
+    def corner(tip: float) -> Skeleton:
+        ends = [[0, 0, 0], [25, 0, 0], [0, 25, 0], [tip, 0, 25]]
+        return Skeleton(ends, [[0, 1], [0, 2], [0, 3]], 1.5, edge_radii=[1.2, 0.9, 0.7])
+
+    first = round_struts(corner(0), nodes="sharp")
+    mesh = triangulated(round_struts(corner(-5), nodes="sharp", like=first), 12).mesh
+    check_as_written(mesh)
+    free = triangulated(round_struts(corner(-5), nodes="sharp"), 12).mesh
+    assert mesh.signed_volume == pytest.approx(free.signed_volume, rel=5e-4)
+
+
+def test_sharp_nodes_that_meet_in_other_edges_are_named() -> None:
+    first = round_struts(bent(80), nodes="sharp")
+    with pytest.raises(PartitionError, match=r"node 1 at \[20, 0, 0\] mm meet in other edges than"):
+        triangulated(round_struts(bent(100), nodes="sharp", like=first), 12)
 
 
 def test_other_nodes_are_refused() -> None:

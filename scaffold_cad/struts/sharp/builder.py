@@ -30,7 +30,7 @@ def sharp_struts(
 
     Parameters
     ----------
-    like : struts with balls at their nodes that had these elsewhere
+    like : struts that had their nodes elsewhere
 
     Raises
     ------
@@ -100,6 +100,6 @@ def _check_same_nodes(made: tuple[SharpNodes, ...], like: RoundStruts, runs: Run
         node = int(other[0])
         which = "is not proved, and is in like" if proved[1, node] else "is not proved in like"
         raise PartitionError(
-            f"the ball of node {node} at {place_text(runs.nodes[node])} {which}; need wider angles "
-            "or longer struts there"
+            f"node {node} at {place_text(runs.nodes[node])} {which}; need wider angles or longer "
+            "struts there"
         )

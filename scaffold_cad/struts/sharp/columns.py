@@ -10,7 +10,6 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.struts.sharp.earcut import ears
 from scaffold_cad.struts.sharp.loops import Steps
-from scaffold_cad.struts.sharp.nodes import BESIDE, CLEAR
 from scaffold_cad.struts.sharp.sampled import SampledEdges
 from scaffold_cad.struts.sharp.shapes import SharpShape
 
@@ -48,7 +47,7 @@ def strut_triangles(
     size, slope = (
         float(each[0, strut]) for each in (shape.curves.stars.radii, shape.curves.stars.slopes)
     )
-    top = CLEAR * max(float(shape.heights[strut]), 0.0) + BESIDE * size
+    top = float(shape.collars[strut])
     columns = [_Column() for _ in range(sides)]
     lines: list[list[int]] = [[] for _ in range(sides)]
     bridged: dict[int, list[list[int]]] = {}

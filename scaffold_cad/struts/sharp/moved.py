@@ -1,64 +1,77 @@
-"""Balls of other struts, moved: the triangles stay, and their points follow the struts' circles.
+"""Sharp nodes of other struts, moved: the triangles stay, and their points follow the edges.
 
-A point on a circle keeps its angle about the strut. The ball turns as a whole as far as it can;
-what is left is done in small steps: each circle turns and grows, and a point inside of the ball's
-face turns as the mean of those around it does, with mean value coordinates.
+A point on an edge keeps its share of it from corner to corner, or, where the edge runs all around,
+its angle about the strut on whose generators that is. Points inside of the ball's face follow those
+around them: the node turns as a whole as far as it can; what is left is done in small steps, in
+which each point of the outline goes the shortest way, and one inside turns as the mean of those
+around it does, with mean value coordinates.
+
+The surface is star-shaped around its node, so that it is whole where no triangle is turned over, as
+the node sees it. Where one is, points slide along their edges.
 
 Mean value coordinates: Floater, "Mean value coordinates", Computer Aided Geometric Design 20, 2003.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import spsolve
-from scipy.spatial.transform import Rotation
 
-from scaffold_cad.base.arrays import Floats, Ints, Triangles, UnitVectors
-from scaffold_cad.base.vectors import best_turns, dot, length, normalize, rotated, triple
-from scaffold_cad.struts.sharp.stars import SharpStars
-from scaffold_cad.struts.sharp.triangles import ShapeTriangles, swelled
+from scaffold_cad.base.arrays import Floats, Ints, Points, Triangles, UnitVectors
+from scaffold_cad.base.vectors import dot, length, normalize, rotated, shortest_turns
+from scaffold_cad.struts.sharp.sliding import OnStrands, seen_areas
+from scaffold_cad.struts.sharp.strands import Strands, whole_turn
+from scaffold_cad.struts.sharp.triangles import ShapeTriangles, ring_points, swelled
 
 STEP = np.radians(5.0)
-"""How far circles turn in a step at most."""
+"""How far points of the ball's outline go in a step at most."""
 
 
 def moved(
-    made: ShapeTriangles, before: SharpStars, after: SharpStars, sides: int
+    made: ShapeTriangles, before: Strands, after: Strands, found: Ints, sides: int
 ) -> ShapeTriangles | None:
-    """Return the triangles of a ball with its points moved, or None where some would turn over.
+    """Return the triangles of a shape with its points moved, or None where some would turn over.
 
     Parameters
     ----------
-    before, after : one star each, of which every strut leaves its ball in a circle of its own
+    found : (s,) strand of `after` that each of `before` is
     sides : points of a ring
     """
-    fixed, ball = made.on_edges, made.triangles[len(made.triangles) - made.on_ball :]
-    points = normalize(made.points)
-    none = np.zeros(fixed, dtype=np.intp)
-    away = np.abs(points[:fixed] @ before.directions[0].T - before.leave[0])  # (fixed, N)
-    strut = away.argmin(axis=1)
-    around = before.angles(none, strut, points[:fixed])
-    whole = best_turns((after.directions[0].T @ before.directions[0])[None])[0]
-    frames = [np.stack([star.x[0], star.y[0], star.directions[0]], 1) for star in (before, after)]
-    frames[0] = frames[0] @ whole.T  # (N, 3, 3), rows x, y and the direction
-    turns = Rotation.from_matrix(frames[1].transpose(0, 2, 1) @ frames[0]).as_rotvec()[strut]
-    points, frame = points @ whole.T, frames[0][strut]
-    wide = [np.arccos(np.clip(star.leave[0, strut], -1.0, 1.0)) for star in (before, after)]
-    growth = wide[1] - wide[0]
-    count = int(np.ceil(max(length(turns).max(), np.abs(growth).max()) / STEP))
-    for step in range(count):
-        outward = np.cross(rotated(frame[:, 2], step / count * turns), points[:fixed])
-        own = (turns + (growth / length(outward))[:, None] * outward) / count
-        points[fixed:] = rotated(points[fixed:], _carried(points, ball, own))
-        part = (step + 1) / count
-        size = wide[0] + part * growth
-        x, y, ahead = (rotated(frame[:, axis], part * turns) for axis in range(3))
-        spoke = np.cos(around)[:, None] * x + np.sin(around)[:, None] * y
-        points[:fixed] = np.cos(size)[:, None] * ahead + np.sin(size)[:, None] * spoke
-    if len(ball) and triple(*np.moveaxis(points[ball], 1, 0)).min() <= 0:
+    strand, ball = found[made.strand], made.triangles[len(made.triangles) - made.on_ball :]
+    turned = made.points @ whole_turn(before.shape, after.shape).T
+    points = _with_ball(turned, after.points(strand, made.share), ball)
+    every = [
+        np.concatenate([own, ring_points(each.shape, sides)])
+        for own, each in ((made.points, before), (points, after))
+    ]
+    areas = seen_areas(every[0], made.triangles)
+    share = OnStrands(after, strand, every[1], made.triangles, areas).slid(made.share)
+    if share is None:
         return None
-    return ShapeTriangles(swelled(points, ball, fixed, sides), made.triangles, fixed, made.on_ball)
+    points[: len(strand)] = after.points(strand, share)
+    return replace(made, points=swelled(points, ball, len(strand), sides), strand=strand)
+
+
+def _with_ball(points: Points, on_edges: Points, ball: Triangles) -> Points:
+    """Return points of edges, and with them those inside of the ball's faces, on it.
+
+    Parameters
+    ----------
+    points : (p, 3) where all were
+    on_edges : (f, 3) where the first are
+    ball : triangles of its faces
+    """
+    points, fixed = normalize(points), len(on_edges)
+    turns = shortest_turns(points[:fixed], normalize(on_edges))
+    count = int(np.ceil(length(turns).max() / STEP))
+    for _ in range(count):
+        points[fixed:] = rotated(points[fixed:], _carried(points, ball, turns / count))
+        points[:fixed] = rotated(points[:fixed], turns / count)
+    points[:fixed] = on_edges
+    return points
 
 
 def _carried(points: UnitVectors, ball: Triangles, turns: Floats) -> Floats:

@@ -27,10 +27,6 @@ SLIVER = 0.05
 """Depth of what other nodes show of their ball, in its radii, below which that is left out: their
 thickest struts then end in the planes between them."""
 
-CLEAR, BESIDE = 1.06, 0.04
-"""How far collars stand from their node: a multiple of the distance of the edges, plus radii.
-Polygons of 8 sides are 5 % larger than their circles."""
-
 STRAIGHT = 0.01
 """Turn between two struts below which their seams are not on one line, rad."""
 
@@ -59,9 +55,8 @@ class SharpNodes(Frozen):
     @property
     def collars(self) -> Floats:
         """Distance at which each strut is alone, and has its ring, (M, N), mm."""
-        heights = np.stack([shape.heights for shape in self.shapes])[self.shape_of]
-        radii = np.stack([shape.curves.stars.radii[0] for shape in self.shapes])[self.shape_of]
-        return np.asarray((CLEAR * np.maximum(heights, 0.0) + BESIDE * radii) * self.size[:, None])
+        collars = np.stack([shape.collars for shape in self.shapes])
+        return np.asarray(collars[self.shape_of] * self.size[:, None])
 
 
 def ring_starts(runs: Runs) -> UnitVectors:

@@ -27,6 +27,9 @@ ON_LINE = 1e-7
 CLOSE = 0.1
 """Distance of points that are one, in sides of the thinnest strut's ring."""
 
+Crossing = tuple[Points, int, int, tuple[int, float]]
+"""A place where an edge meets a generator, its strut and number, the edge and the angle there."""
+
 
 @dataclass
 class SampledEdges:
@@ -36,8 +39,17 @@ class SampledEdges:
     """Positions, in radii of the ball; first those of the vertices."""
     on: list[dict[int, int]] = field(default_factory=list)
     """The generator of each strut on which each point is: strut to generator."""
+    at: list[tuple[int, float]] = field(default_factory=list)
+    """The edge on which each point is that is no vertex, and its angle there, rad."""
     edges: list[list[int]] = field(default_factory=list)
     """Points of each edge, its vertices included."""
+
+    def add(self, place: Floats, on: dict[int, int], at: tuple[int, float]) -> int:
+        """Add a point of an edge; return its number."""
+        self.points.append(place)
+        self.on.append(on)
+        self.at.append(at)
+        return len(self.points) - 1
 
 
 def sampled(shape: SharpShape, sides: int, close: float = CLOSE) -> SampledEdges:
@@ -52,21 +64,18 @@ def sampled(shape: SharpShape, sides: int, close: float = CLOSE) -> SampledEdges
     edge, angle, strut, number = _with_turns(shape, *_crossings(shape, sides))
     points = shape.curves.points(shape.outlines.curve[edge], angle)[0]
     near = close * 2 * np.pi / sides * shape.curves.stars.radii[0].min()
-    order = np.lexsort((angle, edge))
-    rows: list[list[int]] = [[] for _ in shape.outlines.curve]
-    for row in order.tolist():
-        rows[edge[row]].append(row)
+    rows: list[list[Crossing]] = [[] for _ in shape.outlines.curve]
+    for row in np.lexsort((angle, edge)).tolist():
+        at = int(edge[row]), float(angle[row])
+        rows[at[0]].append((points[row], int(strut[row]), int(number[row]), at))
     for own, (start, end) in zip(rows, shape.ends.tolist(), strict=True):
-        found.edges.append(_merged(found, own, points, strut, number, start, end, near))
+        found.edges.append(_merged(found, own, start, end, near))
     return found
 
 
 def _merged(
     found: SampledEdges,
-    rows: list[int],
-    points: Points,
-    strut: Ints,
-    number: Ints,
+    crossings: list[Crossing],
     start: int,
     end: int,
     near: float,
@@ -75,28 +84,22 @@ def _merged(
 
     Parameters
     ----------
-    rows : crossings of the edge, in order
-    points, strut, number : of all crossings
+    crossings : of the edge, in order
     near : distance of points that are one
     """
     path = [start]
-    for row in rows:
-        at, which, line = points[row], int(strut[row]), int(number[row])
+    for place, which, line, at in crossings:
         if which < 0:
-            if min(_apart(found.points[known], at) for known in (path[-1], end)) > near:
-                path.append(len(found.points))
-                found.points.append(at)
-                found.on.append({})
+            if min(_apart(found.points[known], place) for known in (path[-1], end)) > near:
+                path.append(found.add(place, {}, at))
             continue
         for known in (path[-1], end):
             own = found.on[known]
-            if _apart(found.points[known], at) < near and own.get(which, line) == line:
+            if _apart(found.points[known], place) < near and own.get(which, line) == line:
                 own[which] = line
                 break
         else:
-            path.append(len(found.points))
-            found.points.append(at)
-            found.on.append({which: line})
+            path.append(found.add(place, {which: line}, at))
     path.append(end)
     return path
 

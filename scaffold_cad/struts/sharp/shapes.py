@@ -31,7 +31,11 @@ TINY = 5e-6
 """Length of edges that are left out, their ends taken for one vertex, in radii of the ball: what
 rounded coordinates make of corners in which more than three faces meet."""
 
-BESIDE = 33
+CLEAR, BESIDE = 1.06, 0.04
+"""How far collars stand from their node: a multiple of the distance of the edges, plus radii.
+Polygons of 8 sides are 5 % larger than their circles."""
+
+ALONG = 33
 """Points of each edge at which loops are followed; an odd number."""
 
 LEAST_CLEAR = 1e-3
@@ -74,6 +78,12 @@ class SharpShape(Frozen):
         """How many struts there are."""
         return int(self.curves.stars.radii.shape[1])
 
+    @property
+    def collars(self) -> Floats:
+        """How far up each strut is alone, and has its ring, (N,)."""
+        beside: Floats = BESIDE * self.curves.stars.radii[0]
+        return CLEAR * np.maximum(self.heights, 0.0) + beside
+
 
 def shapes_of(stars: SharpStars) -> list[SharpShape | None]:
     """Return the union at each star, None where it is not proved."""
@@ -85,9 +95,9 @@ def shapes_of(stars: SharpStars) -> list[SharpShape | None]:
 def _shapes(stars: SharpStars) -> Iterator[SharpShape | None]:
     curves = curves_of(stars)
     outlines = outlines_of(curves)
-    angles = outlines.angles(BESIDE)
-    number = np.repeat(outlines.curve, BESIDE)
-    points = curves.points(number, angles.reshape(-1))[0].reshape(-1, BESIDE, 3)
+    angles = outlines.angles(ALONG)
+    number = np.repeat(outlines.curve, ALONG)
+    points = curves.points(number, angles.reshape(-1))[0].reshape(-1, ALONG, 3)
     sides = _sides(curves, outlines, points)
     node = curves.node[outlines.curve]
     for star in range(len(stars)):
@@ -130,13 +140,13 @@ def _sides(curves: StarCurves, outlines: Outlines, points: Points) -> Ints:
 
     Parameters
     ----------
-    points : (e, BESIDE, 3) of the pieces
+    points : (e, ALONG, 3) of the pieces
     """
     stars, curve = curves.stars, outlines.curve
     node, kind, one, other = (
         each[curve] for each in (curves.node, curves.kind, curves.one, curves.other)
     )
-    half = BESIDE // 2
+    half = ALONG // 2
     middle, ahead = points[:, half], points[:, half + 1] - points[:, half - 1]
     normal = stars.normals(node, one, middle)
     on_ball = kind == Kind.CUT
@@ -169,7 +179,7 @@ def _shape(
     sides: Ints,
     curves: StarCurves,
 ) -> SharpShape | None:
-    """Return the union at one star; `points` (e, BESIDE, 3) are on its edges."""
+    """Return the union at one star; `points` (e, ALONG, 3) are on its edges."""
     own, number = alone
     outlines = replace(outlines, curve=number[outlines.curve])
     valency = curves.stars.radii.shape[1]

@@ -17,8 +17,8 @@ from scaffold_cad.errors import PartitionError
 from scaffold_cad.struts.meshes.bands import enlargement
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.sharp.moved import moved
-from scaffold_cad.struts.sharp.nodes import BESIDE, CLEAR
-from scaffold_cad.struts.sharp.shapes import SharpShape
+from scaffold_cad.struts.sharp.shapes import BESIDE, CLEAR, SharpShape
+from scaffold_cad.struts.sharp.strands import matched, strands_of
 from scaffold_cad.struts.sharp.triangles import ShapeTriangles, triangles_of
 
 _known: WeakKeyDictionary[SharpShape, dict[int, ShapeTriangles | None]] = WeakKeyDictionary()
@@ -115,11 +115,15 @@ def _followed(
     """Return the triangles of a shape moved to another one, which a node at a place has."""
     known = _moved.setdefault(after, {})
     if (sides, node) not in known:
-        found = moved(made, before.curves.stars, after.curves.stars, sides)
+        strands = strands_of(before), strands_of(after)
+        same = matched(*strands)
+        found = None if same is None else moved(made, *strands, same, sides)
         if found is None:
+            what = "turned too far" if same is not None else "meet in other edges than they did"
             raise PartitionError(
-                f"the struts of node {node} at {place_text(place)} turned too far from like for "
-                "the triangles of its ball; need less turn, or a larger radius of the node"
+                f"the struts of node {node} at {place_text(place)} {what} for the triangles of "
+                "like; need smaller moves, or a larger radius of the node, as struts that leave a "
+                "ball apart from each other have more room"
             )
         known[sides, node] = found
     return known[sides, node]

@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Frozen, Points, Triangles
+from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, Triangles
 from scaffold_cad.base.topology import sides_of
 from scaffold_cad.base.vectors import dot, triple
 from scaffold_cad.struts.meshes.bands import enlargement
@@ -22,6 +22,7 @@ from scaffold_cad.struts.sharp.loops import Steps
 from scaffold_cad.struts.sharp.sampled import CLOSE, SampledEdges, sampled
 from scaffold_cad.struts.sharp.shapes import SharpShape
 from scaffold_cad.struts.sharp.spherical import cut_out
+from scaffold_cad.struts.sharp.strands import strands_of
 
 SPACING = 0.75
 """Least distance of points inside of the ball's face from its outline, in sides of the ball."""
@@ -42,8 +43,11 @@ class ShapeTriangles(Frozen):
     """Relative to the node, in radii of the ball, shape (p, 3)."""
     triangles: Triangles
     """Corners; p + sides * i + k is point k of the ring of strut i, shape (t, 3)."""
-    on_edges: int
-    """How many points are on edges; they come first. All others are inside of the ball's faces."""
+    strand: Ints
+    """On which of the shape's `Strands` the first points are, shape (f,); all others are inside of
+    the ball's faces."""
+    share: Floats
+    """Where on them, from 0 to 1, shape (f,)."""
     on_ball: int
     """How many triangles are of the ball; they come last."""
 
@@ -84,17 +88,32 @@ def _made(shape: SharpShape, edges: SampledEdges, sides: int) -> ShapeTriangles 
     if not _closes(triangles, len(points)):
         return None
     points = swelled(points, ball, len(edges.points), sides)
-    return _compacted(points, triangles, len(edges.points), len(ball))
+    edge, angle = np.array(edges.at).reshape(-1, 2).T
+    strand, share = strands_of(shape).placed(edge.astype(np.intp), angle)
+    return _compacted(ShapeTriangles(points, triangles, strand, share, len(ball)))
 
 
-def _compacted(points: Points, triangles: Triangles, on_edges: int, on_ball: int) -> ShapeTriangles:
+def _compacted(made: ShapeTriangles) -> ShapeTriangles:
     """Return triangles without the points that none of them has."""
-    own = triangles < len(points)
-    kept = np.zeros(len(points), dtype=np.bool_)
+    triangles, count = made.triangles, len(made.points)
+    own = triangles < count
+    kept = np.zeros(count, dtype=np.bool_)
     kept[triangles[own]] = True
-    number = np.append(np.cumsum(kept) - 1, kept.sum() - len(points))
-    moved = np.where(own, number[np.minimum(triangles, len(points))], triangles + number[-1])
-    return ShapeTriangles(points[kept], moved, int(kept[:on_edges].sum()), on_ball)
+    number = np.append(np.cumsum(kept) - 1, kept.sum() - count)
+    renumbered = np.where(own, number[np.minimum(triangles, count)], triangles + number[-1])
+    on_edges = kept[: len(made.strand)]
+    strand, share = made.strand[on_edges], made.share[on_edges]
+    return ShapeTriangles(made.points[kept], renumbered, strand, share, made.on_ball)
+
+
+def ring_points(shape: SharpShape, sides: int) -> Points:
+    """Return the points of the rings of a shape, (N * sides, 3), in radii of the ball."""
+    stars, angle = shape.curves.stars, 2 * np.pi / sides * np.arange(sides)[:, None]
+    top = shape.collars
+    size = enlargement(np.zeros(1), sides)[0] * (stars.radii[0] + stars.slopes[0] * top)
+    spokes = np.cos(angle) * stars.x[0, :, None] + np.sin(angle) * stars.y[0, :, None]
+    rings = top[:, None, None] * stars.directions[0, :, None] + size[:, None, None] * spokes
+    return np.asarray(rings.reshape(-1, 3))
 
 
 def _closes(triangles: Triangles, count: int) -> bool:

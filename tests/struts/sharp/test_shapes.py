@@ -105,14 +105,6 @@ def test_what_is_for_blends_is_refused(option: str, value: object) -> None:
         round_struts(BEND, nodes="sharp", **{option: value})
 
 
-def test_like_is_refused() -> None:
-    with pytest.raises(
-        OptionError,
-        match=r"like with nodes='sharp'.* need nodes='blend' for both.* or nodes='ball'",
-    ):
-        round_struts(BEND, nodes="sharp", like=round_struts(BEND))
-
-
 def test_equal_nodes_have_one_shape() -> None:
     ways = np.asarray(TEE, dtype=np.float64)
     one = node(ways)

@@ -1,0 +1,165 @@
+"""Strands of a sharp shape: its edges from corner to corner, and which are those of another shape.
+
+A corner is a vertex in which edges of more than one curve meet. What only a cut of the ball divides
+is one strand; the cuts are in none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+from scipy.spatial.distance import cdist
+
+from scaffold_cad.base.arrays import Bools, Floats, Frames, Frozen, Ints, Points
+from scaffold_cad.base.vectors import best_turns
+from scaffold_cad.struts.sharp.outlines import TURN
+from scaffold_cad.struts.sharp.shapes import SharpShape
+
+SAMPLES = 8
+"""Points of a strand whose mean tells it from others between the same faces."""
+
+FAR = 1e6
+"""More than all distances between strands, in radii of the ball."""
+
+
+@dataclass(frozen=True, eq=False)
+class Strands(Frozen):
+    """The strands of a shape."""
+
+    shape: SharpShape
+    curve: Ints
+    """Shape (s,)."""
+    sides: Ints
+    """The two faces that meet in each, the ball as -1, ascending, shape (s, 2)."""
+    start: Floats
+    """Angle on its curve at which each begins, shape (s,), rad; 0 for those without corners."""
+    span: Floats
+    """How far it goes, negative against its curve: the first face is to its left; (s,), rad."""
+    corners: Ints
+    """First and last vertex, -1 for those without corners, shape (s, 2)."""
+    of_edge: Ints
+    """Strand of each edge of the shape, -1 for cuts, shape (e,)."""
+
+    def placed(self, edge: Ints, angle: Floats) -> tuple[Ints, Floats]:
+        """Return where vertices, and points at angles (q,) of edges (q,), are: strands, and shares.
+
+        Vertices of cuts alone are on strand -1. Both are (v + q,).
+        """
+        outlines, ends = self.shape.outlines, self.shape.ends
+        own, count = np.flatnonzero(self.of_edge >= 0), len(self.shape.vertices)
+        strand = np.concatenate([np.full(count, -1), self.of_edge[edge]])
+        strand[ends[own]] = self.of_edge[own, None]
+        at = np.concatenate([np.zeros(count), angle])
+        at[ends[own]] = np.stack([outlines.start[own], outlines.end[own]], axis=1)
+        span = self.span[strand]
+        share = np.mod(np.sign(span) * (at - self.start[strand]), TURN) / np.abs(span)
+        number, side = np.nonzero(self.corners >= 0)
+        corner = self.corners[number, side]
+        strand[corner], share[corner] = number, side
+        return strand, share
+
+    def corner(self, strand: Ints, share: Floats) -> Ints:
+        """Return the vertex at shares (q,) of strands (q,), -1 but for those at corners, (q,)."""
+        ends = np.where(share == 0, *self.corners[strand].T)
+        return np.where((share == 0) | (share == 1), ends, -1)
+
+    def points(self, strand: Ints, share: Floats) -> Points:
+        """Return the points at shares (q,) of strands (q,), (q, 3)."""
+        angle = self.start[strand] + share * self.span[strand]
+        found = self.shape.curves.points(self.curve[strand], angle)[0]
+        corner = self.corner(strand, share)
+        found[corner >= 0] = self.shape.vertices[corner[corner >= 0]]
+        return found
+
+    def kinds(self) -> Ints:
+        """Return the faces of each, and of those without corners the generators' strut, (s, 3)."""
+        one = self.shape.curves.one[self.curve]
+        return np.column_stack([self.sides, np.where(self.corners[:, 0] < 0, one, -1)])
+
+    def middles(self) -> Points:
+        """Return the mean of points of each, (s, 3)."""
+        strand = np.repeat(np.arange(len(self.curve)), SAMPLES)
+        share = np.tile((np.arange(SAMPLES) + 0.5) / SAMPLES, len(self.curve))
+        return np.asarray(self.points(strand, share).reshape(-1, SAMPLES, 3).mean(axis=1))
+
+
+def strands_of(shape: SharpShape) -> Strands:
+    """Return the strands of a shape."""
+    own = np.flatnonzero(shape.sides.min(axis=1) < shape.valency)
+    is_corner = _corners(shape, own)
+    paths = _paths(shape, own, is_corner)
+    of_edge = np.full(len(shape.ends), -1)
+    for number, path in enumerate(paths):
+        of_edge[path] = number
+    first, last = np.array([(path[0], path[-1]) for path in paths], dtype=np.intp).T
+    begin, end = shape.outlines.start, shape.outlines.end
+    length = np.array([float((end - begin)[path].sum()) for path in paths])
+    sides, corners = shape.sides[first], np.stack([shape.ends[first, 0], shape.ends[last, 1]], 1)
+    sides[sides >= shape.valency] = -1
+    back, closed = sides[:, 0] > sides[:, 1], ~is_corner[corners[:, 0]]
+    start = np.where(back, begin[first] + length, begin[first])
+    corners = np.where(back[:, None], corners[:, ::-1], corners)
+    return Strands(
+        shape,
+        shape.outlines.curve[first],
+        np.sort(sides, axis=1),
+        np.where(closed, 0.0, start),
+        np.where(back, -1.0, 1.0) * np.where(closed, TURN, length),
+        np.where(closed[:, None], -1, corners),
+        of_edge,
+    )
+
+
+def _paths(shape: SharpShape, own: Ints, is_corner: Bools) -> list[list[int]]:
+    """Return the edges of each strand, in the order of their curve; `own` are no cuts."""
+    curve, ends = shape.outlines.curve.tolist(), shape.ends.tolist()
+    begins = {(curve[edge], ends[edge][0]): edge for edge in own.tolist()}
+    at_corner = is_corner[shape.ends[own, 0]]
+    paths, used = [], set()
+    for first in [*own[at_corner].tolist(), *own[~at_corner].tolist()]:
+        path, at = [], first
+        while at not in used:
+            used.add(at)
+            path.append(at)
+            if not is_corner[ends[at][1]]:
+                at = begins[curve[at], ends[at][1]]
+        if path:
+            paths.append(path)
+    return paths
+
+
+def _corners(shape: SharpShape, own: Ints) -> Bools:
+    """Return which vertices are corners, (v,); `own` edges are no cuts."""
+    ends, count = shape.ends[own], len(shape.vertices)
+    low, high = np.full(count, len(shape.curves.node)), np.full(count, -1)
+    curve = np.repeat(shape.outlines.curve[own][:, None], 2, axis=1)
+    np.minimum.at(low, ends, curve)
+    np.maximum.at(high, ends, curve)
+    return np.asarray((np.bincount(ends.reshape(-1), minlength=count) > 2) | (low < high))
+
+
+def whole_turn(before: SharpShape, after: SharpShape) -> Frames:
+    """Return how a node turned as a whole, (3, 3)."""
+    ways = [shape.curves.stars.directions[0] for shape in (before, after)]
+    return np.asarray(best_turns((ways[1].T @ ways[0])[None])[0])
+
+
+def matched(before: Strands, after: Strands) -> Ints | None:
+    """Return the strand of a moved shape that each is, (s,), or None where edges are others.
+
+    Strands between the same faces are told apart by where they are. All must meet in the same
+    corners.
+    """
+    kinds = [each.kinds() for each in (before, after)]
+    if len(kinds[0]) != len(kinds[1]):
+        return None
+    other = (kinds[0][:, None] != kinds[1]).any(axis=2)
+    turn = whole_turn(before.shape, after.shape)
+    far = cdist(before.middles() @ turn.T, after.middles())
+    row, found = linear_sum_assignment(np.where(other, FAR, far))
+    corners = np.stack([before.corners, after.corners[found]], axis=-1).reshape(-1, 2)
+    pairs = np.unique(corners, axis=0)
+    same = all(len(np.unique(column)) == len(pairs) for column in pairs.T)
+    return found if same and not other[row, found].any() else None
