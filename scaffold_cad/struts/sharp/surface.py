@@ -22,8 +22,9 @@ from scaffold_cad.struts.sharp.strands import matched, strands_of
 from scaffold_cad.struts.sharp.triangles import ShapeTriangles, triangles_of
 
 _known: WeakKeyDictionary[SharpShape, dict[int, ShapeTriangles | None]] = WeakKeyDictionary()
-_moved: WeakKeyDictionary[SharpShape, dict[tuple[int, int], ShapeTriangles]] = WeakKeyDictionary()
-"""By number of sides and node, of struts that are made like others."""
+_moved: WeakKeyDictionary[SharpShape, dict[tuple[int, ShapeTriangles], ShapeTriangles]]
+_moved = WeakKeyDictionary()
+"""By number of sides and the triangles that were moved, of struts that are made like others."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +115,7 @@ def _followed(
 ) -> ShapeTriangles:
     """Return the triangles of a shape moved to another one, which a node at a place has."""
     known = _moved.setdefault(after, {})
-    if (sides, node) not in known:
+    if (sides, made) not in known:
         strands = strands_of(before), strands_of(after)
         same = matched(*strands)
         found = None if same is None else moved(made, *strands, same, sides)
@@ -125,8 +126,8 @@ def _followed(
                 "like; need smaller moves, or a larger radius of the node, as struts that leave a "
                 "ball apart from each other have more room"
             )
-        known[sides, node] = found
-    return known[sides, node]
+        known[sides, made] = found
+    return known[sides, made]
 
 
 def without_triangles(struts: RoundStruts, sides: int) -> Bools:
