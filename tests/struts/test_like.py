@@ -149,6 +149,21 @@ def test_points_slide_where_triangles_would_turn_over() -> None:
     assert mesh.signed_volume == pytest.approx(free.signed_volume, rel=5e-4)
 
 
+def test_corners_of_four_edges_may_part_either_way() -> None:
+    def crossing(shift: float) -> Skeleton:
+        ends = [[0, 0, 0], [25, shift, 0], [-25, 0, shift], [0, 25, -shift], [shift, -25, 0]]
+        return Skeleton(ends, [[0, 1], [0, 2], [0, 3], [0, 4]], 1.0)
+
+    first = round_struts(crossing(0), nodes="sharp")
+    one = round_struts(crossing(1), nodes="sharp", like=first)
+    other = round_struts(crossing(-1), nodes="sharp", like=one)
+    check_same(first, [one, other])
+    mesh = triangulated(other, 12).mesh
+    check_as_written(mesh)
+    free = triangulated(round_struts(crossing(-1), nodes="sharp"), 12).mesh
+    assert mesh.signed_volume == pytest.approx(free.signed_volume, rel=2e-4)
+
+
 def test_sharp_nodes_that_meet_in_other_edges_are_named() -> None:
     first = round_struts(bent(80), nodes="sharp")
     with pytest.raises(PartitionError, match=r"node 1 at \[20, 0, 0\] mm meet in other edges than"):

@@ -22,8 +22,9 @@ from scipy.sparse.linalg import spsolve
 
 from scaffold_cad.base.arrays import Floats, Ints, Points, Triangles, UnitVectors
 from scaffold_cad.base.vectors import dot, length, normalize, rotated, shortest_turns
+from scaffold_cad.struts.sharp.shapes import SharpShape
 from scaffold_cad.struts.sharp.sliding import OnStrands, seen_areas
-from scaffold_cad.struts.sharp.strands import Strands, whole_turn
+from scaffold_cad.struts.sharp.strands import Matched, whole_turn
 from scaffold_cad.struts.sharp.triangles import ShapeTriangles, ring_points, swelled
 
 STEP = np.radians(5.0)
@@ -31,27 +32,28 @@ STEP = np.radians(5.0)
 
 
 def moved(
-    made: ShapeTriangles, before: Strands, after: Strands, found: Ints, sides: int
+    made: ShapeTriangles, before: SharpShape, found: Matched, sides: int
 ) -> ShapeTriangles | None:
     """Return the triangles of a shape with its points moved, or None where some would turn over.
 
     Parameters
     ----------
-    found : (s,) strand of `after` that each of `before` is
+    found : the strands of the shape that it becomes
     sides : points of a ring
     """
-    strand, ball = found[made.strand], made.triangles[len(made.triangles) - made.on_ball :]
-    turned = made.points @ whole_turn(before.shape, after.shape).T
-    points = _with_ball(turned, after.points(strand, made.share), ball)
+    after, strands = found.strands.shape, found.strands
+    strand, ball = found.number[made.strand], made.triangles[len(made.triangles) - made.on_ball :]
+    turned = made.points @ whole_turn(before, after).T
+    points = _with_ball(turned, strands.points(strand, made.share), ball)
     every = [
-        np.concatenate([own, ring_points(each.shape, sides)])
+        np.concatenate([own, ring_points(each, sides)])
         for own, each in ((made.points, before), (points, after))
     ]
     areas = seen_areas(every[0], made.triangles)
-    share = OnStrands(after, strand, every[1], made.triangles, areas).slid(made.share)
+    share = OnStrands(strands, strand, every[1], made.triangles, areas).slid(made.share)
     if share is None:
         return None
-    points[: len(strand)] = after.points(strand, share)
+    points[: len(strand)] = strands.points(strand, share)
     return replace(made, points=swelled(points, ball, len(strand), sides), strand=strand)
 
 

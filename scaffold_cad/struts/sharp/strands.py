@@ -6,19 +6,23 @@ is one strand; the cuts are in none.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial.distance import cdist
 
 from scaffold_cad.base.arrays import Bools, Floats, Frames, Frozen, Ints, Points
-from scaffold_cad.base.vectors import best_turns
+from scaffold_cad.base.topology import component_labels
+from scaffold_cad.base.vectors import best_turns, length
 from scaffold_cad.struts.sharp.outlines import TURN
 from scaffold_cad.struts.sharp.shapes import SharpShape
 
 SAMPLES = 8
 """Points of a strand whose mean tells it from others between the same faces."""
+
+NEAR = 1.0
+"""Distance by which strands move at most, beyond their lengths, in radii of the ball."""
 
 FAR = 1e6
 """More than all distances between strands, in radii of the ball."""
@@ -41,6 +45,8 @@ class Strands(Frozen):
     """First and last vertex, -1 for those without corners, shape (s, 2)."""
     of_edge: Ints
     """Strand of each edge of the shape, -1 for cuts, shape (e,)."""
+    vertices: Points
+    """Where the corners are, shape (v, 3)."""
 
     def placed(self, edge: Ints, angle: Floats) -> tuple[Ints, Floats]:
         """Return where vertices, and points at angles (q,) of edges (q,), are: strands, and shares.
@@ -70,7 +76,7 @@ class Strands(Frozen):
         angle = self.start[strand] + share * self.span[strand]
         found = self.shape.curves.points(self.curve[strand], angle)[0]
         corner = self.corner(strand, share)
-        found[corner >= 0] = self.shape.vertices[corner[corner >= 0]]
+        found[corner >= 0] = self.vertices[corner[corner >= 0]]
         return found
 
     def kinds(self) -> Ints:
@@ -83,6 +89,23 @@ class Strands(Frozen):
         strand = np.repeat(np.arange(len(self.curve)), SAMPLES)
         share = np.tile((np.arange(SAMPLES) + 0.5) / SAMPLES, len(self.curve))
         return np.asarray(self.points(strand, share).reshape(-1, SAMPLES, 3).mean(axis=1))
+
+    def lengths(self) -> Floats:
+        """Return how long each is at least, by its ends and its middle, (s,)."""
+        every = np.arange(len(self.curve))
+        shares = (np.full(len(every), share) for share in (0.0, 0.5, 1.0))
+        first, middle, last = (self.points(every, share) for share in shares)
+        return length(middle - first) + length(last - middle)
+
+    def contracted(self, rows: Ints) -> Strands:
+        """Return the strands, some of them without length: their corners are in their middle."""
+        label = component_labels(self.corners[rows], len(self.vertices))
+        _, first = np.unique(label, return_index=True)
+        vertices, middles = self.vertices.copy(), self.points(rows, np.full(len(rows), 0.5))
+        for row, middle in zip(rows.tolist(), middles, strict=True):
+            vertices[label == label[self.corners[row, 0]]] = middle
+        corners = np.where(self.corners < 0, -1, first[label[self.corners]])
+        return replace(self, corners=corners, vertices=vertices)
 
 
 def strands_of(shape: SharpShape) -> Strands:
@@ -109,6 +132,7 @@ def strands_of(shape: SharpShape) -> Strands:
         np.where(back, -1.0, 1.0) * np.where(closed, TURN, length),
         np.where(closed[:, None], -1, corners),
         of_edge,
+        shape.vertices,
     )
 
 
@@ -146,20 +170,44 @@ def whole_turn(before: SharpShape, after: SharpShape) -> Frames:
     return np.asarray(best_turns((ways[1].T @ ways[0])[None])[0])
 
 
-def matched(before: Strands, after: Strands) -> Ints | None:
-    """Return the strand of a moved shape that each is, (s,), or None where edges are others.
+@dataclass(frozen=True, eq=False)
+class Matched(Frozen):
+    """Which strands of a moved shape those of another one are."""
+
+    strands: Strands
+    """Those of the moved shape."""
+    number: Ints
+    """Which of them each of the others is, -1 for those without length, shape (s,)."""
+
+
+def matched(before: Strands, after: Strands, used: Ints, short: float) -> Matched | None:
+    """Return which strands of a moved shape those of a shape are, or None where edges are others.
 
     Strands between the same faces are told apart by where they are. All must meet in the same
-    corners.
+    corners, which those that are new in the moved shape part. These are short, and left out.
+
+    Parameters
+    ----------
+    used : strands of `before` that have points
+    short : greatest length of strands that are left out
     """
-    kinds = [each.kinds() for each in (before, after)]
-    if len(kinds[0]) != len(kinds[1]):
-        return None
-    other = (kinds[0][:, None] != kinds[1]).any(axis=2)
     turn = whole_turn(before.shape, after.shape)
+    other = (before.kinds()[:, None] != after.kinds()).any(axis=2)
     far = cdist(before.middles() @ turn.T, after.middles())
-    row, found = linear_sum_assignment(np.where(other, FAR, far))
-    corners = np.stack([before.corners, after.corners[found]], axis=-1).reshape(-1, 2)
+    other |= far > NEAR + before.lengths()[:, None] + after.lengths()
+    rows, columns = linear_sum_assignment(np.where(other, FAR, far))
+    same = ~other[rows, columns]
+    rows, columns = rows[same], columns[same]
+    number = np.full(len(before.curve), -1)
+    number[rows] = columns
+    gone = np.flatnonzero(number < 0)
+    new = np.setdiff1d(np.arange(len(after.curve)), columns)
+    whole = (before.corners[gone] < 0).any() or (after.corners[new] < 0).any()
+    if whole or (number[used] < 0).any() or (after.lengths()[new] > short).any():
+        return None
+    before, after = before.contracted(gone), after.contracted(new)
+    corners = np.stack([before.corners[rows], after.corners[columns]], axis=-1).reshape(-1, 2)
     pairs = np.unique(corners, axis=0)
-    same = all(len(np.unique(column)) == len(pairs) for column in pairs.T)
-    return found if same and not other[row, found].any() else None
+    if any(len(np.unique(column)) < len(pairs) for column in pairs.T):
+        return None
+    return Matched(after, number)

@@ -21,6 +21,9 @@ from scaffold_cad.struts.sharp.shapes import BESIDE, CLEAR, SharpShape
 from scaffold_cad.struts.sharp.strands import matched, strands_of
 from scaffold_cad.struts.sharp.triangles import ShapeTriangles, triangles_of
 
+SHORT = 0.5
+"""Greatest length of new edges in what was a corner, in sides of the thinnest strut's ring."""
+
 _known: WeakKeyDictionary[SharpShape, dict[int, ShapeTriangles | None]] = WeakKeyDictionary()
 _moved: WeakKeyDictionary[SharpShape, dict[tuple[int, ShapeTriangles], ShapeTriangles]]
 _moved = WeakKeyDictionary()
@@ -116,9 +119,9 @@ def _followed(
     """Return the triangles of a shape moved to another one, which a node at a place has."""
     known = _moved.setdefault(after, {})
     if (sides, made) not in known:
-        strands = strands_of(before), strands_of(after)
-        same = matched(*strands)
-        found = None if same is None else moved(made, *strands, same, sides)
+        short = SHORT * 2 * np.pi / sides * float(after.curves.stars.radii[0].min())
+        same = matched(strands_of(before), strands_of(after), made.strand, short)
+        found = None if same is None else moved(made, before, same, sides)
         if found is None:
             what = "turned too far" if same is not None else "meet in other edges than they did"
             raise PartitionError(
