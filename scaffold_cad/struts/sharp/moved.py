@@ -23,7 +23,7 @@ from scipy.sparse.linalg import spsolve
 from scaffold_cad.base.arrays import Floats, Ints, Points, Triangles, UnitVectors
 from scaffold_cad.base.vectors import dot, length, normalize, rotated, shortest_turns
 from scaffold_cad.struts.sharp.shapes import SharpShape
-from scaffold_cad.struts.sharp.sliding import OnStrands, seen_areas
+from scaffold_cad.struts.sharp.sliding import OnStrands
 from scaffold_cad.struts.sharp.strands import Matched, whole_turn
 from scaffold_cad.struts.sharp.triangles import ShapeTriangles, ring_points, swelled
 
@@ -45,12 +45,8 @@ def moved(
     strand, ball = found.number[made.strand], made.triangles[len(made.triangles) - made.on_ball :]
     turned = made.points @ whole_turn(before, after).T
     points = _with_ball(turned, strands.points(strand, made.share), ball)
-    every = [
-        np.concatenate([own, ring_points(each, sides)])
-        for own, each in ((made.points, before), (points, after))
-    ]
-    areas = seen_areas(every[0], made.triangles)
-    share = OnStrands(strands, strand, every[1], made.triangles, areas).slid(made.share)
+    every = np.concatenate([points, ring_points(after, sides)])
+    share = OnStrands(strands, strand, every, made.triangles, made.areas).slid(made.share)
     if share is None:
         return None
     points[: len(strand)] = strands.points(strand, share)

@@ -11,13 +11,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, Triangles
-from scaffold_cad.base.vectors import dot, normalize, triple
+from scaffold_cad.base.vectors import dot, normalize
 from scaffold_cad.struts.sharp.strands import Strands
+from scaffold_cad.struts.sharp.triangles import seen_areas
 
 WANTED, ENOUGH = 0.1, 0.002
 """Parts of their areas that triangles are to have, and have at least."""
 
-FLAT = 1e-9
+FLAT = 1e-12
 """Least area that counts for what a triangle had, in squares of the distance from the node."""
 
 STEPS = 60
@@ -28,11 +29,6 @@ DAMPING, CHANGE = 1e-4, 10.0
 
 ASIDE = 1e-6
 """Angle on their curve to each side of points between which slopes are taken, rad."""
-
-
-def seen_areas(points: Points, triangles: Triangles) -> Floats:
-    """Return twice the areas of triangles (t, 3) as seen from the origin, negative turned over."""
-    return triple(*np.moveaxis(normalize(points)[triangles], 1, 0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +43,7 @@ class OnStrands(Frozen):
     triangles: Triangles
     """Shape (t, 3)."""
     areas: Floats
-    """What they had, from `seen_areas`, shape (t,)."""
+    """What they had when they were made, shape (t,)."""
 
     def slid(self, share: Floats) -> Floats | None:
         """Return shares (f,), changed as far as it takes, or None where that is not enough."""

@@ -123,11 +123,12 @@ def _followed(
         same = matched(strands_of(before), strands_of(after), made.strand, short)
         found = None if same is None else moved(made, before, same, sides)
         if found is None:
-            what = "turned too far" if same is not None else "meet in other edges than they did"
+            what = "turned too far for the triangles of like"
+            if same is None:
+                what = "meet in other edges than in like"
             raise PartitionError(
-                f"the struts of node {node} at {place_text(place)} {what} for the triangles of "
-                "like; need smaller moves, or a larger radius of the node, as struts that leave a "
-                "ball apart from each other have more room"
+                f"the struts of node {node} at {place_text(place)} {what}; need smaller moves, or "
+                "a larger radius of the node, for a ball that they leave apart from each other"
             )
         known[sides, made] = found
     return known[sides, made]

@@ -7,14 +7,14 @@ outline and of points between. Both share the points of the edges.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, Triangles
 from scaffold_cad.base.topology import sides_of
-from scaffold_cad.base.vectors import dot, triple
+from scaffold_cad.base.vectors import dot, normalize, triple
 from scaffold_cad.struts.meshes.bands import enlargement
 from scaffold_cad.struts.sharp.columns import points_along, seen, strut_triangles, unrolled
 from scaffold_cad.struts.sharp.earcut import ears
@@ -50,6 +50,8 @@ class ShapeTriangles(Frozen):
     """Where on them, from 0 to 1, shape (f,)."""
     on_ball: int
     """How many triangles are of the ball; they come last."""
+    areas: Floats
+    """Areas of the triangles when they were made, from `seen_areas`, shape (t,)."""
 
 
 def triangles_of(shape: SharpShape, sides: int) -> ShapeTriangles | None:
@@ -90,7 +92,8 @@ def _made(shape: SharpShape, edges: SampledEdges, sides: int) -> ShapeTriangles 
     points = swelled(points, ball, len(edges.points), sides)
     edge, angle = np.array(edges.at).reshape(-1, 2).T
     strand, share = strands_of(shape).placed(edge.astype(np.intp), angle)
-    return _compacted(ShapeTriangles(points, triangles, strand, share, len(ball)))
+    areas = seen_areas(np.concatenate([points, ring_points(shape, sides)]), triangles)
+    return _compacted(ShapeTriangles(points, triangles, strand, share, len(ball), areas))
 
 
 def _compacted(made: ShapeTriangles) -> ShapeTriangles:
@@ -103,7 +106,12 @@ def _compacted(made: ShapeTriangles) -> ShapeTriangles:
     renumbered = np.where(own, number[np.minimum(triangles, count)], triangles + number[-1])
     on_edges = kept[: len(made.strand)]
     strand, share = made.strand[on_edges], made.share[on_edges]
-    return ShapeTriangles(made.points[kept], renumbered, strand, share, made.on_ball)
+    return replace(made, points=made.points[kept], triangles=renumbered, strand=strand, share=share)
+
+
+def seen_areas(points: Points, triangles: Triangles) -> Floats:
+    """Return twice the areas of triangles (t, 3) as seen from the origin, negative turned over."""
+    return triple(*np.moveaxis(normalize(points)[triangles], 1, 0))
 
 
 def ring_points(shape: SharpShape, sides: int) -> Points:
