@@ -50,7 +50,7 @@ def without_short_edges(
     triangles = mesh.triangles
     looked_at = np.ones(len(triangles), dtype=np.bool_)
     if near is not None:
-        looked_at = near[triangles].any(axis=1)
+        looked_at &= near[triangles].any(axis=1)
     while True:
         part = TriangleMesh(mesh.vertices, triangles[looked_at])
         edges = _short_edges(part, shortest)
