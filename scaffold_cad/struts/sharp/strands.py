@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 from scipy.spatial.distance import cdist
 
 from scaffold_cad.base.arrays import Bools, Floats, Frames, Frozen, Ints, Points
@@ -191,6 +190,8 @@ def matched(before: Strands, after: Strands, used: Ints, short: float) -> Matche
     used : strands of `before` that have points
     short : greatest length of strands that are left out
     """
+    from scipy.optimize import linear_sum_assignment  # slow to import, and few struts need it
+
     turn = whole_turn(before.shape, after.shape)
     other = (before.kinds()[:, None] != after.kinds()).any(axis=2)
     far = cdist(before.middles() @ turn.T, after.middles())
