@@ -37,6 +37,10 @@ LUMP = 3.0
 LARGE = 4.0
 """Size of the pieces of triangles that nearest places are looked for in, in walls."""
 
+NEEDLE, SLIM = 1.0, 4.0
+"""Needles longer than this, in walls, and this times their height are cut into pieces, too: the
+middles of needles beside each other are nearer than that of the one that is nearest."""
+
 NEAR = 2.0
 """How far from the inside triangles are looked at, in walls."""
 
@@ -194,7 +198,10 @@ def _pieces(corners: Floats, points: Points, wall: float) -> tuple[Floats, Ints]
         near = near_to(corners, points, wall)
         corners, parent = corners[near], parent[near]
         sides = _sides(corners)
-        large: Bools = np.asarray(sides.max(axis=1, initial=0.0) > most)
+        longest = sides.max(axis=1, initial=0.0)
+        twice = length(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+        needle = (longest > NEEDLE * wall) & (longest**2 > SLIM * twice)
+        large: Bools = np.asarray((longest > most) | needle)
         pieces.append(corners[~large])
         parents.append(parent[~large])
         corners, parent, first = corners[large], parent[large], sides[large].argmax(axis=1)

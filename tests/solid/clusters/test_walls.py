@@ -10,6 +10,7 @@ import pytest
 from scaffold_cad.base.arrays import Ints
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.solid.clusters.aims import Aim
 from scaffold_cad.solid.clusters.walls import Walls, tell_thin, thickened
 from scaffold_cad.struts.meshes.bands import polygon_wall
 
@@ -92,3 +93,13 @@ def test_small_triangles_that_would_fold_are_evened() -> None:
     inside = made.vertices[len(points) :][np.abs(points[:, :2]).max(axis=1) < 4]
     depths = (2.4 - np.abs(inside[:, 0]) - inside[:, 2]) / np.sqrt(2)
     assert depths.min() > 0.95 * WALL
+
+
+def test_walls_below_needles_beside_each_other_are_found_thin() -> None:
+    angle, rows = 2 * np.pi * np.arange(160) / 160, np.arange(1, 159)
+    rim = 4 * WALL * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    fan = np.stack([0 * rows, rows, rows + 1], axis=1)  # needles from one corner
+    x, y = np.meshgrid(np.linspace(1.8, 3.0, 9) * WALL, np.linspace(-1, 1, 9) * WALL)
+    below = np.stack([x, y, np.full_like(x, -0.9 * WALL)], axis=-1).reshape(-1, 3)
+    aim = Aim.of(np.concatenate([rim, below]), fan, below, WALL, 0.97 * WALL)
+    assert aim.thicker(below)[:, 2] == pytest.approx(-0.0797 * WALL, rel=0.02)
