@@ -20,7 +20,7 @@ def read_triangles(
 
     Vertices are neither merged nor dropped. Numbers are taken as mm, but for 3MF, which says.
     Solids of STEP and BREP files are met within 0.01 mm, large ones within 2e-5 of their diagonal,
-    small ones 1e-3.
+    small ones within 1e-3.
     A 3MF file that is beams and nothing else has none: it is a skeleton. Where it holds more beside
     beams, the solid of all is made.
 

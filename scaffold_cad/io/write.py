@@ -57,10 +57,10 @@ def write(
     what : a Scaffold, RoundStruts, a QuadMesh, smooth patches, a subdivision or a BezierMesh
         for any format that holds solids; a Solidified, a TriangleMesh, a manifold3d Manifold or a
         trimesh Trimesh for mesh formats; a build123d shape, or a builder, which mesh formats get
-        within 0.01 mm, large ones within 2e-5 of their diagonal, small ones 1e-3; a Skeleton for
-        JSON, GraphML, CSV, VTU, Abaqus input, 3MF (as a beam lattice), OBJ (as lines, without
-        radii) and SWC (without loops); a BeamLattice for 3MF, or a PeriodicLattice of any size,
-        whose beams are made and written a few layers at a time
+        within 0.01 mm, large ones within 2e-5 of their diagonal, small ones within 1e-3; a
+        Skeleton for JSON, GraphML, CSV, VTU, Abaqus input, 3MF (as a beam lattice), OBJ (as lines,
+        without radii) and SWC (without loops); a BeamLattice for 3MF, or a PeriodicLattice of any
+        size, whose beams are made and written a few layers at a time
     path : of the file; its suffix names the format
     write_pcurves : whether a STEP file also holds each edge in the parameters of its faces, for
         programs that ask for it: twice the size, and OCCT takes longer to write and to read it

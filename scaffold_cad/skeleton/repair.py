@@ -201,9 +201,9 @@ def _known_sizes(edge_radii: Floats | None, count: int) -> Floats:
 
 
 def _faulty_sizes(edge_radii: Floats | None, kept: Bools, alone: bool) -> int:
-    """Return how many of the kept edges have a radius that is none.
+    """Return how many of the kept edges lack a radius, or have one that is not above 0.
 
-    One that is not given is none where the radii of edges are `alone`: nodes have none to follow.
+    Edges without a radius follow their nodes, but where radii of edges are `alone`: these lack one.
     """
     if edge_radii is None:
         return 0

@@ -30,8 +30,8 @@ def fewest_sides(struts: RoundStruts, sides: int) -> int:
 
     Where some overlap, other pairs of one component do not count, such as a foam: all of it would
     get more triangles. Where even `MOST` are not enough, or the mesh would be too large, they are
-    `sides`. Struts that come to be united are told by `tell_united`. Struts made like others have
-    as many sides as the first of these.
+    `sides`, and `tell_united` names what is united. Struts made like others have as many sides as
+    the first of these.
 
     Examples
     --------

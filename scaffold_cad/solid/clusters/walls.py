@@ -116,7 +116,7 @@ def thickened(struts: Walls, wall: float, between: float, factor: float) -> Tria
 
     Parameters
     ----------
-    between : thickness of walls between two polygons, as a part of that of their circles
+    part : of the wall, that is between two polygons
     factor : what lengths are multiplied with in a file, in whose 32-bit numbers triangles are
         looked at
     """
@@ -140,15 +140,15 @@ def _aim(struts: Walls, faces: Triangles, wall: float, least: float) -> Aim:
     return Aim.of(vertices, struts.mesh.triangles[struts.outer], points, wall, least)
 
 
-def tell_thin(struts: Walls, wall: float, between: float, slack: float = 0.0) -> None:
+def tell_thin(struts: Walls, wall: float, part: float, slack: float = 0.0) -> None:
     """Log where a wall is thin.
 
     Parameters
     ----------
-    between : thickness of walls between two polygons, as a part of that of their circles
+    part : of the wall, that is between two polygons
     slack : how far triangles that stay may reach beyond the round surface that they are near, mm
     """
-    faces, enough = struts.looked_at, min(TOLD, ENOUGH * between) * wall - slack
+    faces, enough = struts.looked_at, min(TOLD, ENOUGH * part) * wall - slack
     aim = _aim(struts, faces, wall, enough)
     least, place = aim.thinnest(struts.mesh.vertices, faces, enough)
     if least < enough:

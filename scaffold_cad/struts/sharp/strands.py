@@ -117,18 +117,18 @@ def strands_of(shape: SharpShape) -> Strands:
         of_edge[path] = number
     first, last = np.array([(path[0], path[-1]) for path in paths], dtype=np.intp).T
     begin, end = shape.outlines.start, shape.outlines.end
-    length = np.array([float((end - begin)[path].sum()) for path in paths])
+    span = np.array([float((end - begin)[path].sum()) for path in paths])
     sides, corners = shape.sides[first], np.stack([shape.ends[first, 0], shape.ends[last, 1]], 1)
     sides[sides >= shape.valency] = -1
     back, closed = sides[:, 0] > sides[:, 1], ~is_corner[corners[:, 0]]
-    start = np.where(back, begin[first] + length, begin[first])
+    start = np.where(back, begin[first] + span, begin[first])
     corners = np.where(back[:, None], corners[:, ::-1], corners)
     return Strands(
         shape,
         shape.outlines.curve[first],
         np.sort(sides, axis=1),
         np.where(closed, 0.0, start),
-        np.where(back, -1.0, 1.0) * np.where(closed, TURN, length),
+        np.where(back, -1.0, 1.0) * np.where(closed, TURN, span),
         np.where(closed[:, None], -1, corners),
         of_edge,
         shape.vertices,
@@ -182,8 +182,9 @@ class Matched(Frozen):
 def matched(before: Strands, after: Strands, used: Ints, short: float) -> Matched | None:
     """Return which strands of a moved shape those of a shape are, or None where edges are others.
 
-    Strands between the same faces are told apart by where they are. All must meet in the same
-    corners, which those that are new in the moved shape part. These are short, and left out.
+    Of strands between the same faces, those that are near each other are the same. They must meet
+    in the same corners. A corner may part in the moved shape: the new strand there must be short,
+    and is left out.
 
     Parameters
     ----------
