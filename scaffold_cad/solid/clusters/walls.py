@@ -165,6 +165,7 @@ def _placed(struts: Walls, vertices: Points, aim: Aim, factor: float) -> Triangl
     """Return a mesh with its vertices at places (v, 3), but for those where it would cross.
 
     There they are evened first, which unfolds small triangles; what still crosses is put back.
+    Crossings that the mesh has itself stay.
     """
     mesh = struts.mesh
     placed, crossing = mesh.vertices, mesh.triangles[:0]
@@ -174,7 +175,8 @@ def _placed(struts: Walls, vertices: Points, aim: Aim, factor: float) -> Triangl
         looked[crossing] = True
         crossing = _crossing(mesh, placed, looked, aim.wall, factor)
         vertices = placed.copy()
-        if len(crossing) == 0:
+        back_at_first = back == 0.0 and (placed[crossing] == mesh.vertices[crossing]).all()
+        if len(crossing) == 0 or back_at_first:
             break
         beside = _beside(mesh, crossing)
         beside[struts.alike[beside]] = True

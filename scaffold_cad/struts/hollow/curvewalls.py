@@ -1,9 +1,10 @@
-"""Walls along curves: thin where a strut tapers in a bend.
+"""Walls along curves: thin where a strut tapers in a bend, and where bends change.
 
 Circles a wall smaller across a cone leave the wall along a straight strut. In a bend of curvature k
 the inner side is shorter by 1 - k r, and its slope is as much steeper, which makes the wall there
-thinner. The circles of the inside shrink by what walls beside them lack, until none is missing: the
-wall is then thicker on the outer side of the bend.
+thinner. Between circles of different curvature sections are oblique, which makes it thinner, too.
+The circles of the inside shrink by what walls beside them lack, until none is missing: the wall is
+then thicker elsewhere around.
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, UnitVectors
-from scaffold_cad.base.vectors import dot, length, normalize
+from scaffold_cad.base.blocks import CACHE, cut
+from scaffold_cad.base.vectors import dot, normalize
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.struts.curves.curve import ALONG, Curves
 from scaffold_cad.struts.hollow.insides import AIM, ENOUGH, LEAST
@@ -23,28 +25,33 @@ ALONGSIDE = 8
 """Intervals along a piece of a curve where walls are measured."""
 AROUND = (32, 96)
 """Points around it, inside and outside."""
-STEEP = 0.1
-"""Slope on the inner side of a bend up to which walls lack less than `ENOUGH` leaves."""
 ROUNDS = 12
 """How often circles are shrunk at most."""
 NARROWEST = 0.2
 """What is left of the radius of a circle that is shrunk, at least."""
+SLACK = 0.02
+"""Part of a wall that may be missing for circles to be shrunk no more. Beside straight struts their
+circles stay, and less is aimed at: what is beside those hardly grows with that of the joint."""
+PLACE_BYTES = 256
+"""What a place on both sides takes while walls are measured."""
 
 
-class CurveGaps:
-    """How far what is inside of curves is from the outside of some of their pieces."""
+def walls_along(inner: Curves, outer: Curves, pieces: Ints) -> Floats:
+    """Return how far what is inside of pieces (k,) of curves is from the outside of these.
 
-    def __init__(self, outer: Curves, pieces: Ints) -> None:
-        beside = np.unique(np.clip(pieces + np.arange(-1, 2)[:, None], 0, len(outer.pieces) - 1))
-        self._points, self._normals = _on_curves(outer, beside, AROUND[1])
-        self._tree = cKDTree(self._points)
-
-    def measured(self, inner: Curves, pieces: Ints) -> Floats:
-        """Return the walls along pieces (k,), the least around each place, (k, along), mm."""
-        inside, _ = _on_curves(inner, pieces, AROUND[0])
-        _, place = self._tree.query(inside)
-        walls = dot(self._points[place] - inside, self._normals[place])
-        return np.asarray(walls.reshape(len(pieces), ALONGSIDE + 1, -1).min(axis=2))
+    Returns
+    -------
+    (k, along) the least around each place, mm
+    """
+    found = [np.zeros((0, ALONGSIDE + 1))]
+    for some in cut(pieces, 3 * PLACE_BYTES * (ALONGSIDE + 1) * AROUND[1]):
+        near = np.clip(some + np.arange(-1, 2)[:, None], 0, len(outer.pieces) - 1)
+        points, normals = _on_curves(outer, np.unique(near), AROUND[1])
+        inside, _ = _on_curves(inner, some, AROUND[0])
+        _, place = cKDTree(points).query(inside)
+        walls = dot(points[place] - inside, normals[place])
+        found.append(walls.reshape(len(some), ALONGSIDE + 1, -1).min(axis=2))
+    return np.concatenate(found)
 
 
 def with_walls_along(
@@ -65,21 +72,22 @@ def with_walls_along(
     counts = ~(crowded[outer.nodes] & (outer.nodes >= 0))
     # The wall across changes evenly from circle to circle if both sides grow alike at each.
     made = replace(inner, outline=outer.outline, slopes=outer.slopes)
-    thin = np.flatnonzero(_is_steep(outer) & counts[first] & counts[last])
+    thin = np.flatnonzero((_across(made, outer) < ENOUGH * wall) & counts[first] & counts[last])
     if len(thin) == 0:
         return made, thin
-    gaps, is_joint = CurveGaps(outer, thin), inner.nodes >= 0
+    is_joint = inner.nodes >= 0
     narrowest = NARROWEST * inner.radii
     for _ in range(ROUNDS):
-        walls = gaps.measured(made, thin)
-        rows = walls.min(axis=1) < ENOUGH * wall
-        thin, walls = thin[rows], walls[rows]
+        aims = np.where(_at_straight(made, thin), LEAST + SLACK, AIM)[:, None]
+        lack = aims * wall - walls_along(made, outer, thin)
+        rows = lack.max(axis=1) > SLACK * wall
+        thin, lack = thin[rows], lack[rows]
         if len(thin) == 0:
             return made, thin
-        push = _lacking(made, thin, AIM * wall - walls)
+        push = _lacking(made, thin, lack)
         radii = np.where(is_joint, np.maximum(made.radii - push, narrowest), made.radii)
         made = replace(made, radii=radii)
-    thin = first[thin[gaps.measured(made, thin).min(axis=1) < LEAST * wall]]
+    thin = first[thin[walls_along(made, outer, thin).min(axis=1) < LEAST * wall]]
     nodes = np.unique(inner.nodes[np.append(thin, thin + 1)])
     return made, nodes[nodes >= 0]
 
@@ -93,26 +101,33 @@ def _lacking(curves: Curves, pieces: Ints, lack: Floats) -> Floats:
     """
     middle = lack.shape[1] // 2
     parts = lack[:, : middle + 1].max(axis=1), lack[:, middle:].max(axis=1)
-    whole = lack.max(axis=1)
     circles = curves.pieces[pieces] + np.arange(2)[:, None]  # (2, k)
     # Circles of straight struts stay as they are: that of the joint is there for both halves.
-    alone = (curves.nodes[circles] < 0).any(axis=0)
+    alone = _at_straight(curves, pieces)
     found = np.zeros(len(curves.radii))
     for at, part in zip(circles, parts, strict=True):
-        np.maximum.at(found, at, np.where(alone, whole, part))
+        np.maximum.at(found, at, np.where(alone, lack.max(axis=1), part))
     ends = np.stack([curves.offsets[:-1], curves.offsets[1:] - 1])[:, curves.closed]  # one joint
     found[ends] = found[ends].max(axis=0)
     return found
 
 
-def _is_steep(curves: Curves) -> Bools:
-    """Return which pieces may be steep on the inner side of their bend, (p,)."""
-    first, last = curves.pieces, curves.pieces + 1
-    span = length(curves.centers[last] - curves.centers[first])
-    growth = 1.5 * np.abs(curves.radii[last] - curves.radii[first]) / span  # of a cubic at most
-    bend = np.maximum(*(length(curves.bends[at]) * curves.radii[at] for at in (first, last)))
-    slope = np.maximum(growth, np.maximum(*(np.abs(curves.slopes[at]) for at in (first, last))))
-    return np.asarray(slope > STEEP * (1.0 - bend))
+def _at_straight(curves: Curves, pieces: Ints) -> Bools:
+    """Return which pieces (k,) begin or end on the circle of a straight strut, (k,)."""
+    first = curves.pieces[pieces]
+    return np.asarray((curves.nodes[first] < 0) | (curves.nodes[first + 1] < 0))
+
+
+def _across(inner: Curves, outer: Curves) -> Floats:
+    """Return the walls of pieces (p,) across, the least from a place outside to that beside it."""
+    every, count = np.arange(len(outer.pieces)), (ALONGSIDE + 1) * AROUND[0]
+    inner = replace(inner, x=outer.x, twists=outer.twists)  # beyond straight struts they are not
+    least = [np.zeros(0)]
+    for some in cut(every, PLACE_BYTES * count, CACHE):
+        outside, normals = _on_curves(outer, some, AROUND[0])
+        inside, _ = _on_curves(inner, some, AROUND[0])
+        least.append(dot(outside - inside, normals).reshape(-1, count).min(axis=1))
+    return np.concatenate(least)
 
 
 def _on_curves(curves: Curves, pieces: Ints, sides: int) -> tuple[Points, UnitVectors]:

@@ -10,7 +10,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Frozen, place_text
 from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton
-from scaffold_cad.struts.hollow.curvewalls import CurveGaps
+from scaffold_cad.struts.hollow.curvewalls import walls_along
 from scaffold_cad.struts.hollow.gaps import Gaps
 from scaffold_cad.struts.hollow.longends import with_long_ends
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
@@ -192,6 +192,6 @@ def _along_curves(outer: RoundStruts, inner: RoundStruts) -> Floats:
     crowded = outer.crowded | inner.crowded
     pieces = np.flatnonzero(~(crowded[ends] & (ends >= 0)).any(axis=0))
     if len(pieces):
-        least = CurveGaps(outer.curves, pieces).measured(inner.curves, pieces).min(axis=1)
+        least = walls_along(inner.curves, outer.curves, pieces).min(axis=1)
         np.minimum.at(found, outer.curves.curve_of_piece[pieces], least)
     return found

@@ -23,15 +23,15 @@ def shaky_curve(seed: int) -> Skeleton:
     return Skeleton(shaken, polyline(30), 0.95)
 
 
-@pytest.mark.parametrize("seed", [4, 6, 8])
+@pytest.mark.parametrize("seed", [6, 8, 17])
 def test_walls_of_curves_are_thick_where_they_become_fields(seed: int) -> None:
     struts = round_struts(shaky_curve(seed), wall=WALL)
     assert struts.crowded.any()
     mesh = round_mesh(struts)
     check_as_written(mesh)
     walls = thicknesses(mesh) / WALL
-    assert walls.min() > 0.8  # the rings of curves are polygons of 16
-    assert np.quantile(walls, 0.01) > 0.9
+    assert walls.min() > 0.95
+    assert np.quantile(walls, 0.01) > 0.97
 
 
 def test_walls_of_curves_that_become_facets_are_valid() -> None:
@@ -39,4 +39,4 @@ def test_walls_of_curves_that_become_facets_are_valid() -> None:
     solid = to_brep(struts, overlaps="unite")
     assert solid.is_valid
     assert len(solid.solids()) == 1
-    assert solid.volume == pytest.approx(round_mesh(struts).signed_volume, rel=0.02)
+    assert solid.volume == pytest.approx(round_mesh(struts).signed_volume, rel=0.03)

@@ -95,6 +95,14 @@ def test_small_triangles_that_would_fold_are_evened() -> None:
     assert depths.min() > 0.95 * WALL
 
 
+def test_walls_that_cross_from_the_first_are_left_so() -> None:
+    through = TriangleMesh(BELOW.vertices + [[0, 0, 8], [0, 0, 0], [0, 0, 0]], BELOW.triangles)
+    walls = Walls.between(VALLEY, through, np.array([0, 1]))
+    made = thickened(walls, WALL, 1.0, 1.0)
+    assert len(self_intersections(made)) > 0
+    assert np.array_equal(made.vertices, walls.mesh.vertices)
+
+
 def test_walls_below_needles_beside_each_other_are_found_thin() -> None:
     angle, rows = 2 * np.pi * np.arange(160) / 160, np.arange(1, 159)
     rim = 4 * WALL * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)

@@ -1,4 +1,4 @@
-"""Walls along curves that taper: as thick as asked on the inner side of bends, too."""
+"""Walls along curves that taper, or whose bends change: as thick as asked in bends, too."""
 
 from __future__ import annotations
 
@@ -29,6 +29,15 @@ def test_a_curve_that_tapers_keeps_its_wall_inside_the_bend(wall: float) -> None
     struts = round_struts(bulb(0.8), wall=wall, ends="open")
     assert len(struts.overlapping) == 0
     assert 0.95 * wall < walls(struts).curves.min() <= 1.01 * wall
+
+
+def test_a_curve_whose_bends_change_keeps_its_wall() -> None:
+    wall, t = 0.3, np.linspace(0.0, 4.0, 40)
+    nodes = 20 * np.stack([np.cos(t), np.sin(t), 0.3 * t], axis=1)
+    nodes += 0.25 * np.random.default_rng(2).normal(size=nodes.shape)
+    struts = round_struts(Skeleton(nodes, polyline(40), 1.0), wall=wall, ends="open")
+    assert len(struts.overlapping) == 0
+    assert 0.98 * wall < walls(struts).curves.min() <= 1.01 * wall
 
 
 def test_rings_of_the_inside_stand_where_those_outside_do() -> None:
