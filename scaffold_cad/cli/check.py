@@ -188,7 +188,8 @@ def _process(options: argparse.Namespace) -> Process:
         if changes[name] is not None:
             as_number(changes[name], option, unit=" mm" if unit == "MM" else "", or_zero=True)
     if options.overhang is not None:
-        as_number(options.overhang, "--overhang", unit="°", or_zero=True)
+        if as_number(options.overhang, "--overhang", unit="°", or_zero=True) > 90:
+            raise OptionError(f"--overhang is {options.overhang:g}°; need 90 or less")
         changes["overhang_angle"] = math.radians(options.overhang)
     given = {name: value for name, value in changes.items() if value is not None}
     return replace(PROCESSES[options.process], **given)

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_direction, check_kind, checks_keywords
+from scaffold_cad.base.arguments import as_direction, as_flag, check_kind, checks_keywords
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.mesh.welding import welded
 from scaffold_cad.printability.direction import direction_findings
@@ -62,7 +62,8 @@ def check_printability(
         If there is no triangle.
     OptionError
         If `what` has no surface, `skeleton` is of another type, the process, the material or the
-        direction is not known, or `sides` are given for anything but RoundStruts.
+        direction is not known, `supports` is neither True nor False, or `sides` are given for
+        anything but RoundStruts.
 
     Examples
     --------
@@ -71,7 +72,7 @@ def check_printability(
     >>> check_printability(strut, "sls").printable
     True
     """
-    process = process_named(process)
+    process, supports = process_named(process), as_flag(supports, "supports")
     if sides is not None and not isinstance(what, RoundStruts):
         raise OptionError(f"sides are for RoundStruts only; {name} is a {type(what).__name__}")
     if sides is not None:

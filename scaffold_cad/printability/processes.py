@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass, fields
 
 from scaffold_cad.base.arguments import as_number, check_choice, checks_keywords
+from scaffold_cad.errors import OptionError
 
 
 @checks_keywords()
@@ -42,6 +43,14 @@ class Process:
             for value in values if isinstance(values, tuple) else (values,):
                 name = f"{field.name} of a process"
                 as_number(value, name, unit="", or_zero=field.name != "build_volume")
+        if not isinstance(self.build_volume, tuple) or len(self.build_volume) != 3:
+            raise OptionError(
+                f"build_volume of a process is {self.build_volume!r}; need a tuple of 3 numbers"
+            )
+        if self.overhang_angle > math.pi / 2:
+            raise OptionError(
+                f"overhang_angle of a process is {self.overhang_angle:g} rad; need at most pi/2"
+            )
 
     @property
     def encloses(self) -> bool:

@@ -277,6 +277,7 @@ def test_units_and_scale_of_the_input_count(folder: Path) -> None:
         ("check tripod.json --min-diameter -1", "--min-diameter is -1 mm; need >= 0"),
         ("check tripod.json --max-slenderness -1", "--max-slenderness is -1; need >= 0"),
         ("check tripod.json --overhang -1", "--overhang is -1°; need >= 0"),
+        ("check tripod.json --overhang 91", "--overhang is 91°; need 90 or less"),
         ("build tripod.json --join -1 -o a.stl", "--join is -1 mm; need > 0"),
         ("build tripod.json --simplify nan -o a.stl", "--simplify is nan mm; need >= 0"),
         ("build tripod.json --round --wall 3 -o a.stl", "--wall is 3 mm, and edge 0 near"),

@@ -605,6 +605,16 @@ def test_the_keys_of_the_json_form_are_what_they_were() -> None:
         "islands",
         "supports",
         "plate_contact",
+    with pytest.raises(
+        OptionError, match=r"build_volume of a process is \(1, 2\); need a tuple of 3"
+    ):
+        replace(SLS, build_volume=(1, 2))  # type: ignore[arg-type]
+    with pytest.raises(
+        OptionError, match="overhang_angle of a process is 45 rad; need at most pi/2"
+    ):
+        replace(SLS, overhang_angle=45)
+    with pytest.raises(OptionError, match="supports is 'no'; need True or False"):
+        check_printability(CUBE, supports="no")  # type: ignore[arg-type]
         "best_direction",
         "drainage",
         "build_volume",
