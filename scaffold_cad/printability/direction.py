@@ -17,6 +17,7 @@ from scaffold_cad.printability.standing import (
     Standing,
     best_direction,
     hanging_facets,
+    least_angle,
     standing,
 )
 from scaffold_cad.printability.triangletopology import TriangleTopology
@@ -93,7 +94,7 @@ def _strut_overhang(
     level = skeleton.lengths * np.cos(angles)
     both_held = (skeleton.valency[skeleton.edges] > 1).all(axis=1)
     bridges = both_held & (level <= process.longest_bridge)
-    flat = (angles < process.overhang_angle - 1e-9) & ~bridges & ~lying
+    flat = (angles < least_angle(process)) & ~bridges & ~lying
     first = int(np.argmin(angles))
     needs = math.degrees(process.overhang_angle)
     text = f"{math.degrees(angles[first]):.3g}° to the plate at least, strut {first}"

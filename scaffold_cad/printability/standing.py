@@ -21,8 +21,9 @@ SAME_AREA = 0.01
 """Support areas that differ by less than this part of the surface are taken as equal."""
 SAME_NORMAL = 1e-4
 """Step to which normals are rounded to tell which faces face the same way."""
-ROUNDING = 1e-6
-"""Room left for rounding at the limit of what hangs over, in the cosine."""
+STEEP_ENOUGH = 3e-4
+"""What is this much below the limit of what hangs over is steep enough, rad: 32-bit coordinates
+turn small triangles by as much, and files of few digits struts."""
 UP: UnitVectors = np.array([0.0, 0.0, 1.0])
 """The direction that wins over its equals where none is given."""
 
@@ -46,15 +47,26 @@ class Facets:
         return cls(surface.mesh.vertices, surface.mesh.triangles, vectors)
 
     @cached_property
-    def kinds(self) -> Floats:
-        """Sums of the area vectors that face the same way, shape (k, 3), mm²: few in a lattice."""
+    def _grouped(self) -> tuple[Floats, Ints]:
         areas = length(self.area_vectors)
         proper = areas > 0
         normals = self.area_vectors[proper] / areas[proper, None]
         steps = np.round(normals / SAME_NORMAL).astype(np.int64)
         keys = (steps[:, 0] << 42) + (steps[:, 1] << 21) + steps[:, 2]
         found, kind = np.unique(keys, return_inverse=True)
-        return sums_by_row(self.area_vectors[proper], kind, len(found))
+        kind_of_triangle = np.full(len(areas), -1)
+        kind_of_triangle[proper] = kind
+        return sums_by_row(self.area_vectors[proper], kind, len(found)), kind_of_triangle
+
+    @property
+    def kinds(self) -> Floats:
+        """Sums of the area vectors that face the same way, shape (k, 3), mm²: few in a lattice."""
+        return self._grouped[0]
+
+    @property
+    def kind_of_triangle(self) -> Ints:
+        """Row of `kinds` of each triangle, -1 of one without area, shape (t,)."""
+        return self._grouped[1]
 
     @cached_property
     def _first_corners(self) -> Ints:
@@ -89,11 +101,12 @@ def standing(facets: Facets, direction: UnitVectors, process: Process) -> Standi
     """Return what facets ask for when they are built in a direction."""
     heights = facets.vertices @ direction
     floor = float(heights.min())
-    on_plate = facets.area_vectors[facets.within(heights <= floor + process.layer)]
+    rows = facets.within(heights <= floor + process.layer)
+    on_plate = facets.area_vectors[rows]
     shown = on_plate @ direction
-    hanging = _hanging(facets.kinds, direction, process)
-    hanging_on_plate = _hanging(on_plate, direction, process)
-    support = facets.kinds[hanging].sum(axis=0) - on_plate[hanging_on_plate].sum(axis=0)
+    hanging = _hanging_kinds(facets, direction, process)
+    hanging_on_plate = hanging[facets.kind_of_triangle[rows]]
+    support = facets.kinds[hanging[:-1]].sum(axis=0) - on_plate[hanging_on_plate].sum(axis=0)
     return Standing(
         floor,
         float(heights.max()) - floor,
@@ -105,19 +118,26 @@ def standing(facets: Facets, direction: UnitVectors, process: Process) -> Standi
 def hanging_facets(facets: Facets, direction: UnitVectors, process: Process) -> Ints:
     """Return the triangles that need support when they are built in a direction."""
     heights = facets.vertices @ direction
-    hanging = _hanging(facets.area_vectors, direction, process)
+    hanging = _hanging_kinds(facets, direction, process)[facets.kind_of_triangle]
     hanging[facets.within(heights <= heights.min() + process.layer)] = False
     return np.flatnonzero(hanging)
 
 
-def _hanging(area_vectors: Floats, direction: UnitVectors, process: Process) -> Bools:
-    """Return whether faces are too flat to need no support, wherever they are, shape (t,)."""
-    if process.overhang_angle == 0:
-        return np.zeros(len(area_vectors), dtype=np.bool_)
-    # A face at an angle a to the plate shows it the share cos a of its area; those at the very
-    # limit are steep enough, whatever rounding says.
-    limit = (math.cos(process.overhang_angle) + ROUNDING) * length(area_vectors)
-    hanging: Bools = -(area_vectors @ direction) > limit
+def least_angle(process: Process) -> float:
+    """Return the angle to the plate below which something hangs over, rad; <= 0 if nothing does."""
+    return process.overhang_angle - STEEP_ENOUGH
+
+
+def _hanging_kinds(facets: Facets, direction: UnitVectors, process: Process) -> Bools:
+    """Return which kinds of faces are too flat to need no support, shape (k + 1,).
+
+    The last, False, is of triangles without area.
+    """
+    hanging = np.zeros(len(facets.kinds) + 1, dtype=np.bool_)
+    if least_angle(process) > 0:
+        # A face at an angle a to the plate shows it the share cos a of its area.
+        limit = math.cos(least_angle(process)) * length(facets.kinds)
+        hanging[:-1] = -(facets.kinds @ direction) > limit
     return hanging
 
 

@@ -432,6 +432,15 @@ def test_short_level_struts_are_bridges() -> None:
     gate = Skeleton([[0, 0, 0], [0, 0, 20], [8, 0, 20], [8, 0, 0]], [[0, 1], [1, 2], [2, 3]], 1.0)
     assert check_printability(gate, "fdm")["strut_overhang"].value["overhanging"] == 0
     narrow = replace(FDM, longest_bridge=7.0)
+def test_what_rounding_turns_below_the_angle_hangs_over_neither_in_area_nor_in_count() -> None:
+    wedge = box(0.3, 0.3, 0.3)
+    turned = wedge.vertices + np.array([1, 0, 0]) * wedge.vertices[:, 2:] + [77.1, 41.15, 17.64]
+    rounded = turned.astype(np.float32).astype(np.float64)
+    fine = replace(FDM, layer=0.01)
+    report = check_printability(TriangleMesh(rounded, wedge.triangles), fine)
+    assert report["supports"].value == {"area_mm2": 0.0, "facets": 0}
+
+
     assert check_printability(gate, narrow)["strut_overhang"].value["overhanging"] == 1
 
 
