@@ -9,6 +9,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.printability.processes import Process, density_of
 from scaffold_cad.printability.report import Finding
+from scaffold_cad.printability.standing import fits_into
 from scaffold_cad.printability.triangletopology import TriangleTopology
 
 STL_HEADER, STL_TRIANGLE = 84, 50  # bytes of a binary STL file
@@ -67,10 +68,7 @@ def part_findings(
 
 
 def _build_volume(size: tuple[float, float, float], extent: Floats, process: Process) -> Finding:
-    # A part may be turned about the vertical by a right angle.
-    wide = sorted(size[:2])
-    room = sorted(process.build_volume[:2])
-    fits = wide[0] <= room[0] and wide[1] <= room[1] and size[2] <= process.build_volume[2]
+    fits = fits_into(size, process.build_volume)
     lies = bool((np.sort(extent) <= np.sort(process.build_volume)).all())
     other = "stand it on another side, on which it fits, " if lies else ""
     needed = " x ".join(f"{extent:g}" for extent in process.build_volume)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, UnitVectors
 from scaffold_cad.base.vectors import any_perpendicular, length, sums_by_row
@@ -67,6 +68,22 @@ class Facets:
     def kind_of_triangle(self) -> Ints:
         """Row of `kinds` of each triangle, -1 of one without area, shape (t,)."""
         return self._grouped[1]
+
+    @cached_property
+    def diagonal(self) -> float:
+        """Of the box around the surface, mm: it measures no more in any direction."""
+        return float(length(np.ptp(self.vertices, axis=0)))
+
+    @cached_property
+    def outermost(self) -> Points:
+        """The corners of the convex hull, shape (h, 3), mm: what a part measures."""
+        if len(self.vertices) < 5:  # fewer than Qhull takes
+            return self.vertices
+        hull = ConvexHull(
+            self.vertices - self.vertices.mean(axis=0), qhull_options="QJ"
+        )  # flat too
+        outermost: Points = self.vertices[hull.vertices]
+        return outermost
 
     @cached_property
     def _first_corners(self) -> Ints:
@@ -144,9 +161,10 @@ def _hanging_kinds(facets: Facets, direction: UnitVectors, process: Process) -> 
 def best_direction(facets: Facets, process: Process, given: UnitVectors = UP) -> UnitVectors:
     """Return the direction that needs least support, of one given and many that are tried.
 
-    Among directions of nearly the same support, none of which need more than the one given, the
-    one of the lowest part, and among those the one with the largest hold on the plate. The one
-    given wins over its equals.
+    Those in which the part fits into the printer come first, if there are any, and those that need
+    no more support than the one given. Among directions of nearly the same support the one of the
+    lowest part, and among those the one with the largest hold on the plate. The one given wins over
+    its equals.
     """
     tried = np.concatenate([[given], _axes(), _onto_faces(facets), _spiral(CANDIDATES)])
     stands = [standing(facets, direction, process) for direction in tried]
@@ -160,8 +178,23 @@ def best_direction(facets: Facets, process: Process, given: UnitVectors = UP) ->
         )
         for stand in stands
     ]
-    best: UnitVectors = tried[min(range(len(keys)), key=keys.__getitem__)]
+    order = sorted(range(len(keys)), key=keys.__getitem__)
+    room = process.build_volume
+    fitting = (row for row in order if _fits(facets, tried[row], room))
+    best: UnitVectors = tried[next(fitting, order[0])]
     return best
+
+
+def _fits(facets: Facets, direction: UnitVectors, room: tuple[float, float, float]) -> bool:
+    return facets.diagonal <= min(room) or fits_into(
+        standing_size(facets.outermost, direction, room), room
+    )
+
+
+def fits_into(size: tuple[float, float, float], room: tuple[float, float, float]) -> bool:
+    """Return whether a part of a width, depth and height fits, turned by a right angle too."""
+    wide, free = sorted(size[:2]), sorted(room[:2])
+    return wide[0] <= free[0] and wide[1] <= free[1] and size[2] <= room[2]
 
 
 def _axes() -> UnitVectors:

@@ -410,6 +410,18 @@ def test_the_best_direction_needs_no_more_support_than_the_one_given(seed: int) 
         assert least <= needed * (1 + 1e-9)
 
 
+def test_the_best_direction_is_one_in_which_the_part_fits() -> None:
+    rod = box(10, 10, 290)
+    assert check_printability(rod, POWDER)["build_volume"].verdict == "ok"
+    report = check_printability(rod, POWDER, direction="best")
+    assert report["build_volume"].verdict == "ok"
+    lying = check_printability(rod, POWDER, direction=[1, 0, 0])
+    assert lying["build_volume"].verdict == "failure"
+    assert lying["best_direction"].value["direction"] == pytest.approx(report.direction)
+    plate = TriangleMesh([[0, 0, 0], [290, 0, 0], [0, 10, 0]], [[0, 1, 2]])  # without a volume
+    assert check_printability(plate, POWDER, direction="best")["build_volume"].verdict == "ok"
+
+
 @pytest.mark.parametrize(("degrees", "area"), [(44.0, True), (45.0, False), (46.0, False)])
 def test_faces_hang_over_below_the_angle_of_the_process(degrees: float, area: bool) -> None:
     # A wedge whose lower face rises from the plate at the angle.
