@@ -90,11 +90,9 @@ def _strut_overhang(
     skeleton: Skeleton, direction: UnitVectors, process: Process, needy: Verdict
 ) -> Finding:
     angles = np.arcsin(np.clip(np.abs(skeleton.directions[::2] @ direction), 0.0, 1.0))
-    lying = ~_clear_of_lowest(skeleton, direction, process)[skeleton.edges].any(axis=1)
-    level = skeleton.lengths * np.cos(angles)
-    both_held = (skeleton.valency[skeleton.edges] > 1).all(axis=1)
-    bridges = both_held & (level <= process.longest_bridge)
-    flat = (angles < least_angle(process)) & ~bridges & ~lying
+    clear = _clear_of_lowest(skeleton, direction, process)
+    flat = (angles < least_angle(process)) & clear[skeleton.edges].any(axis=1)
+    flat &= ~_bridges(skeleton, direction, flat, clear, process.longest_bridge)
     first = int(np.argmin(angles))
     needs = math.degrees(process.overhang_angle)
     text = f"{math.degrees(angles[first]):.3g}° to the plate at least, strut {first}"
@@ -110,6 +108,69 @@ def _strut_overhang(
         else "",
         skeleton.nodes[skeleton.edges[np.flatnonzero(flat)[:MOST_PLACES]]].mean(axis=1),
     )
+
+
+def _bridges(
+    skeleton: Skeleton, direction: UnitVectors, flat: Bools, clear: Bools, longest: float
+) -> Bools:
+    """Return which of the `flat` struts (m,) are part of a bridge between held places, (m,).
+
+    A place is held on the plate, by a steep strut from below, or by flat ones from below that meet
+    there. From other places the gap goes on over the next flat strut.
+
+    Parameters
+    ----------
+    clear : whether each node is clear of the plate, shape (n,)
+    longest : length of a bridge, mm
+    """
+    heights, edges = skeleton.nodes @ direction, skeleton.edges
+    rise = heights[edges[:, 1]] - heights[edges[:, 0]]
+    upper = np.stack([-rise, rise], axis=1) > _level_step(
+        heights
+    )  # (m, 2), the end held from below
+    count = len(heights)
+    steep_below = np.bincount(edges[upper & ~flat[:, None]], minlength=count)
+    flat_below = np.bincount(edges[upper & flat[:, None]], minlength=count)
+    # One flat strut from below alone holds nothing that goes on from it: the two are one gap.
+    held = ~clear[edges] | (steep_below[edges] > 0) | (flat_below[edges] > 1)
+    spans = np.sqrt(np.maximum(skeleton.lengths**2 - rise**2, 0.0))
+    reach = _to_held(edges[flat], spans[flat], held[flat], longest)
+    bridges = np.zeros(len(edges), dtype=np.bool_)
+    bridges[flat] = spans[flat] + reach.sum(axis=1) <= longest
+    return bridges
+
+
+def _to_held(edges: Edges, spans: Floats, held: Bools, longest: float) -> Floats:
+    """Return how far it is from each end of each edge (k, 2) over others to a held end, (k, 2).
+
+    Infinite where that is more than `longest`.
+
+    Parameters
+    ----------
+    spans : lengths of the edges, shape (k,), all > 0
+    held : shape (k, 2)
+    """
+    node = edges.reshape(-1)
+    reach = np.where(held, 0.0, np.inf)
+    while True:
+        over = (spans[:, None] + reach[:, ::-1]).reshape(-1)  # from an end over its own edge
+        order = np.lexsort((over, node))
+        first = np.diff(node[order], prepend=-1) > 0
+        nearest = np.empty(len(node))
+        # Over the nearest of the other edges at the node: at the nearest itself, the second.
+        nearest[order] = over[order][first][np.cumsum(first) - 1]
+        second = np.where(np.roll(first, -1), np.inf, np.roll(over[order], -1))
+        nearest[order[first]] = second[first]
+        found = np.where(held, 0.0, nearest.reshape(-1, 2))
+        found[found > longest] = np.inf
+        if np.array_equal(found, reach):
+            return found
+        reach = found
+
+
+def _level_step(heights: Floats) -> float:
+    """Return the difference below which heights count as equal, mm."""
+    return LEVEL * float(np.ptp(heights)) + 1e-12
 
 
 def _clear_of_lowest(skeleton: Skeleton, direction: UnitVectors, process: Process) -> Bools:
@@ -128,7 +189,7 @@ def _floating_nodes(
 ) -> Finding:
     heights = skeleton.nodes @ direction
     clear = _clear_of_lowest(skeleton, direction, process)
-    tolerance = LEVEL * float(np.ptp(heights)) + 1e-12
+    tolerance = _level_step(heights)
     group, floating = floating_groups(heights, skeleton.edges, clear, tolerance)
     nodes = np.flatnonzero(np.isin(group, floating))
     matters = process.overhang_angle > 0 and len(floating) > 0
@@ -154,7 +215,7 @@ def _islands(
     needy: Verdict,
 ) -> Finding:
     heights = facets.vertices @ direction
-    tolerance = LEVEL * float(np.ptp(heights)) + 1e-12
+    tolerance = _level_step(heights)
     group, lowest = floating_groups(
         heights, surface.edges, heights > floor + process.layer, tolerance
     )

@@ -29,7 +29,7 @@ class Process:
     overhang_angle: float
     """Angle to the plate below which a downward face needs support, rad; 0 where none does."""
     longest_bridge: float
-    """Level strut between two nodes that needs no support all the same, mm."""
+    """Gap between two held places that flat struts cross without support all the same, mm."""
     least_opening: float
     """Narrowest hole through which powder or resin leaves a hollow, mm; 0 where nothing must."""
     layer: float

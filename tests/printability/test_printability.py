@@ -440,17 +440,32 @@ def test_without_supports_what_hangs_over_cannot_be_printed() -> None:
     assert_printable(tee, "sls", supports=False)
 
 
-def test_short_level_struts_are_bridges() -> None:
-    gate = Skeleton([[0, 0, 0], [0, 0, 20], [8, 0, 20], [8, 0, 0]], [[0, 1], [1, 2], [2, 3]], 1.0)
-    assert check_printability(gate, "fdm")["strut_overhang"].value["overhanging"] == 0
-    narrow = replace(FDM, longest_bridge=7.0)
-def test_what_rounding_turns_below_the_angle_hangs_over_neither_in_area_nor_in_count() -> None:
-    wedge = box(0.3, 0.3, 0.3)
-    turned = wedge.vertices + np.array([1, 0, 0]) * wedge.vertices[:, 2:] + [77.1, 41.15, 17.64]
-    rounded = turned.astype(np.float32).astype(np.float64)
-    fine = replace(FDM, layer=0.01)
-    report = check_printability(TriangleMesh(rounded, wedge.triangles), fine)
-    assert report["supports"].value == {"area_mm2": 0.0, "facets": 0}
+@pytest.mark.parametrize(
+    ("middle", "overhanging"),
+    [
+        ([[8, 0, 20]], 0),
+        ([[x, 0, 20] for x in (2, 4, 6, 8)], 0),
+        ([[11, 0, 20]], 1),
+        ([[x, 0, 20] for x in (3, 6, 9, 12)], 4),  # short links of a long gap
+        ([[4, 0, 22], [8, 0, 20]], 0),
+    ],
+)
+def test_what_crosses_a_short_gap_is_a_bridge(middle: list[Any], overhanging: int) -> None:
+    nodes = [[0, 0, 0], [0, 0, 20], *middle, [middle[-1][0], 0, 0]]
+    gate = Skeleton(nodes, [[k, k + 1] for k in range(len(nodes) - 1)], 1.0)
+    assert check_printability(gate, "fdm")["strut_overhang"].value["overhanging"] == overhanging
+    narrow = replace(FDM, longest_bridge=3.0)
+    links = len(middle)
+    assert check_printability(gate, narrow)["strut_overhang"].value["overhanging"] == links
+
+
+@pytest.mark.parametrize("size", [6.0, 9.0])
+def test_struts_that_cross_a_gap_in_a_level_node_are_bridges(size: float) -> None:
+    corners = [[x, y, z] for x in (0, size) for y in (0, size) for z in (0, 20)]
+    edges = [[0, 1], [2, 3], [4, 5], [6, 7], *([k, 8] for k in (1, 3, 5, 7))]
+    cross = Skeleton([*corners, [size / 2, size / 2, 20]], edges, 1.0)
+    value = check_printability(cross, "fdm")["strut_overhang"].value
+    assert value["overhanging"] == (4 if size * math.sqrt(2) > FDM.longest_bridge else 0)
 
 
     assert check_printability(gate, narrow)["strut_overhang"].value["overhanging"] == 1
