@@ -104,9 +104,10 @@ def check_printability(
     if skeleton is not None and len(skeleton.edges) == 0:
         skeleton = None  # there is nothing to say of struts
     if skeleton is not None:
+        thickness = thickness_of(skeleton, mesh)
         if given and surface.closed:
-            findings.append(match_finding(skeleton, mesh))
-        findings += strut_findings(skeleton, thickness_of(skeleton, mesh), process, apothem)
+            findings.append(match_finding(skeleton, mesh, thickness.surrounded))
+        findings += strut_findings(skeleton, thickness, process, apothem)
     findings += direction_findings(surface, facets, upwards, process, skeleton, supports)
     findings.append(drainage_finding(surface, process))
     findings += part_findings(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from scaffold_cad.base.arrays import Bools
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.lattice.meshregion import MeshRegion
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -11,10 +12,16 @@ from scaffold_cad.printability.report import MOST_PLACES, Finding
 from scaffold_cad.skeleton import Skeleton
 
 
-def match_finding(skeleton: Skeleton, mesh: TriangleMesh) -> Finding:
-    """Return whether the struts are inside a closed mesh: otherwise findings on them are void."""
+def match_finding(skeleton: Skeleton, mesh: TriangleMesh, surrounded: Bools) -> Finding:
+    """Return whether the struts are inside a closed mesh: otherwise findings on them are void.
+
+    Parameters
+    ----------
+    surrounded : whether the mesh goes around the middle of each strut, (m,): the axis of a hollow
+        one is in its bore
+    """
     middles = skeleton.nodes[skeleton.edges].mean(axis=1)
-    outside = np.flatnonzero(~MeshRegion(mesh).contains(middles))
+    outside = np.flatnonzero(~surrounded & ~MeshRegion(mesh).contains(middles))
     count = len(skeleton.edges)
     text, advice = "the middle of every strut is in the part", ""
     if len(outside):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import KDTree
 
-from scaffold_cad.base.arrays import Floats, Ints, Points
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
 from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.ranges import ranges
 from scaffold_cad.base.vectors import any_perpendicular, dot
@@ -20,8 +20,11 @@ DIRECTIONS = 16
 FACETS = 0.95
 """Chords of this part of the diameter asked for, or more, are as asked: circles are polygons."""
 
-MOST_STATIONS = 32
-"""Of a strut; a short one has one every radius."""
+MOST_STATIONS = 1000
+"""Of a strut; one that is no longer than as many radii has one every radius."""
+
+AROUND = 2.0
+"""Farthest that a strut's surface is from its axis, in radii asked for."""
 
 PAIR_BYTES = 40 * DIRECTIONS
 """What a pair of a station and a triangle takes."""
@@ -37,6 +40,8 @@ class Thickness:
     """Where the diameter is, on the axis, shape (m, 3), mm."""
     thinned: Ints
     """Struts that are thinner than was asked for, shape (k,)."""
+    surrounded: Bools
+    """Whether the mesh goes around each strut's axis at its middle, shape (m,)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,23 +63,28 @@ def thickness_of(skeleton: Skeleton, mesh: TriangleMesh) -> Thickness:
     whose axis is nearest; where that leaves a gap no chord is measured.
     """
     stations = _stations(skeleton)
-    chords = _chords(stations, *_crossing_pairs(stations, mesh), mesh)
+    distances = _distances(stations, *_crossing_pairs(stations, mesh), mesh)
+    chords = (distances[:, : DIRECTIONS // 2] + distances[:, DIRECTIONS // 2 :]).min(axis=1)
     asked = 2 * stations.radii
     measured = np.where(chords < FACETS * asked, chords, np.inf)  # (s,)
     first = np.searchsorted(stations.struts, np.arange(len(skeleton.edges)))
     least = np.minimum.reduceat(measured, first)  # (m,)
     thinnest = 2 * skeleton.edge_radii.min(axis=1)
     order = np.lexsort((measured, stations.struts))[first]
+    middle = first + np.bincount(stations.struts) // 2
     return Thickness(
-        np.minimum(least, thinnest), stations.centers[order], np.flatnonzero(np.isfinite(least))
+        np.minimum(least, thinnest),
+        stations.centers[order],
+        np.flatnonzero(np.isfinite(least)),
+        (distances[middle] <= AROUND * stations.radii[middle, None]).all(axis=1),
     )
 
 
 def thickness_asked(skeleton: Skeleton) -> Thickness:
     """Return how thick the struts of a skeleton are by their radii, for want of a mesh."""
     end = skeleton.edges[np.arange(len(skeleton.edges)), skeleton.edge_radii.argmin(axis=1)]
-    none = np.zeros(0, dtype=np.intp)
-    return Thickness(2 * skeleton.edge_radii.min(axis=1), skeleton.nodes[end], none)
+    none, all_of_them = np.zeros(0, dtype=np.intp), np.ones(len(end), dtype=np.bool_)
+    return Thickness(2 * skeleton.edge_radii.min(axis=1), skeleton.nodes[end], none, all_of_them)
 
 
 def _stations(skeleton: Skeleton) -> _Stations:
@@ -114,8 +124,8 @@ def _crossing_pairs(stations: _Stations, mesh: TriangleMesh) -> tuple[Ints, Ints
     return ranges(first + low.astype(np.intp), count), np.repeat(np.arange(len(count)), count)
 
 
-def _chords(stations: _Stations, station: Ints, triangle: Ints, mesh: TriangleMesh) -> Floats:
-    """Return the shortest chord through each station, infinite where none ends, (s,)."""
+def _distances(stations: _Stations, station: Ints, triangle: Ints, mesh: TriangleMesh) -> Floats:
+    """Return how far from each station its rays leave the strut, infinite if nowhere, (s, d)."""
     order = np.argsort(station, kind="stable")
     station, triangle = station[order], triangle[order]
     distances = np.full((len(stations.struts), DIRECTIONS), np.inf)
@@ -125,9 +135,7 @@ def _chords(stations: _Stations, station: Ints, triangle: Ints, mesh: TriangleMe
             starts = np.flatnonzero(np.diff(there, prepend=-1))
             nearest = np.minimum.reduceat(found, starts, axis=0)
             distances[there[starts]] = np.minimum(distances[there[starts]], nearest)
-    chords = distances[:, : DIRECTIONS // 2] + distances[:, DIRECTIONS // 2 :]
-    shortest: Floats = chords.min(axis=1)
-    return shortest
+    return distances
 
 
 def _rays(

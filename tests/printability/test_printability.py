@@ -432,6 +432,15 @@ def test_faces_hang_over_below_the_angle_of_the_process(degrees: float, area: bo
     assert (report["supports"].value["area_mm2"] > 0) == area
 
 
+def test_what_rounding_turns_below_the_angle_hangs_over_neither_in_area_nor_in_count() -> None:
+    wedge = box(0.3, 0.3, 0.3)
+    turned = wedge.vertices + np.array([1, 0, 0]) * wedge.vertices[:, 2:] + [77.1, 41.15, 17.64]
+    rounded = turned.astype(np.float32).astype(np.float64)
+    fine = replace(FDM, layer=0.01)
+    report = check_printability(TriangleMesh(rounded, wedge.triangles), fine)
+    assert report["supports"].value == {"area_mm2": 0.0, "facets": 0}
+
+
 def test_without_supports_what_hangs_over_cannot_be_printed() -> None:
     tee = star([[10, 0, 0], [-10, 0, 0], [0, 0, -10]])
     assert check_printability(tee, "fdm").printable
@@ -468,7 +477,11 @@ def test_struts_that_cross_a_gap_in_a_level_node_are_bridges(size: float) -> Non
     assert value["overhanging"] == (4 if size * math.sqrt(2) > FDM.longest_bridge else 0)
 
 
-    assert check_printability(gate, narrow)["strut_overhang"].value["overhanging"] == 1
+def test_struts_that_nothing_holds_at_one_end_hang_over() -> None:
+    leg = [[0, 0, 0], [0, 0, 20], [5, 0, 20]]
+    for tip, count in (([5, 0, 30], 1), ([9, 0, 20], 2), ([9, 0, 22], 2)):
+        arm = Skeleton([*leg, tip], [[0, 1], [1, 2], [2, 3]], 1.0)
+        assert check_printability(arm, "fdm")["strut_overhang"].value["overhanging"] == count
 
 
 def test_a_node_below_all_around_it_begins_in_mid_air() -> None:
@@ -592,6 +605,16 @@ def test_unknown_names_and_negative_limits_are_refused() -> None:
         replace(SLS, least_gap=-1)
     with pytest.raises(OptionError, match="build_volume of a process is nan"):
         replace(SLS, build_volume=(1, 2, math.nan))
+    with pytest.raises(
+        OptionError, match=r"build_volume of a process is \(1, 2\); need a tuple of 3"
+    ):
+        replace(SLS, build_volume=(1, 2))  # type: ignore[arg-type]
+    with pytest.raises(
+        OptionError, match="overhang_angle of a process is 45 rad; need at most pi/2"
+    ):
+        replace(SLS, overhang_angle=45)
+    with pytest.raises(OptionError, match="supports is 'no'; need True or False"):
+        check_printability(CUBE, supports="no")  # type: ignore[arg-type]
 
 
 def test_a_process_of_ones_own_is_taken() -> None:
@@ -641,16 +664,6 @@ def test_the_keys_of_the_json_form_are_what_they_were() -> None:
         "islands",
         "supports",
         "plate_contact",
-    with pytest.raises(
-        OptionError, match=r"build_volume of a process is \(1, 2\); need a tuple of 3"
-    ):
-        replace(SLS, build_volume=(1, 2))  # type: ignore[arg-type]
-    with pytest.raises(
-        OptionError, match="overhang_angle of a process is 45 rad; need at most pi/2"
-    ):
-        replace(SLS, overhang_angle=45)
-    with pytest.raises(OptionError, match="supports is 'no'; need True or False"):
-        check_printability(CUBE, supports="no")  # type: ignore[arg-type]
         "best_direction",
         "drainage",
         "build_volume",
@@ -738,6 +751,34 @@ def test_struts_are_measured_where_they_are_thinner_than_asked_for() -> None:
     assert failed.verdict == "failure"
     assert "1 strut too thin: strut 0 is 1.6" in failed.advice
     assert "raise the radius to 1 or more; 1 strut thinner than asked for" in failed.advice
+
+
+def test_a_notch_in_a_slender_strut_is_found_wherever_it_is() -> None:
+    rings = np.array([0.0, *(60.0 + np.array([0.0, 0.1, 1.4, 1.5])), 200.0])
+    radii = np.array([1.0, 1.0, 0.5, 0.5, 1.0, 1.0])
+    turn = np.linspace(0, 2 * np.pi, 16, endpoint=False)
+    circle = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    ring = np.concatenate([radii[:, None, None] * circle, np.broadcast_to(
+        rings[:, None, None], (6, 16, 1))], axis=2)  # fmt: skip
+    points = np.concatenate([ring.reshape(-1, 3), [[0, 0, 0], [0, 0, 200]]])
+    first = np.arange(16)
+    after = np.roll(first, -1)
+    bands = [np.stack([first, after, after + 16], axis=1) + 16 * k for k in range(5)]
+    bands += [np.stack([first, after + 16, first + 16], axis=1) + 16 * k for k in range(5)]
+    ends = [np.stack([after, first, np.full(16, 96)], axis=1)]
+    ends += [np.stack([first + 80, after + 80, np.full(16, 97)], axis=1)]
+    pin = Skeleton([[0, 0, 0], [0, 0, 200]], [[0, 1]], 1.0)
+    report = check_printability(TriangleMesh(points, [*np.concatenate(bands + ends)]), skeleton=pin)
+    assert report["strut_diameter"].value["least_mm"] == pytest.approx(1.0, rel=0.02)
+
+
+def test_struts_whose_axes_are_in_a_bore_are_in_the_part() -> None:
+    pipe = round_struts(ELBOW, wall=0.4, ends="open")
+    report = check_printability(solidified(pipe), "sls", skeleton=ELBOW)
+    assert report["struts_in_part"].value == {"outside": 0, "struts": 2}
+    beside = ELBOW.moved_by([0, 0, 2.5])
+    value = check_printability(solidified(pipe), "sls", skeleton=beside)["struts_in_part"].value
+    assert value["outside"] == 2
 
 
 def test_the_bore_and_the_facets_of_struts_are_not_thin() -> None:
