@@ -8,11 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Ints, Points, place_text
+from scaffold_cad.base.arrays import Floats, Ints, Points, UnitVectors, place_text
 from scaffold_cad.base.boxes import overlapping_boxes
-from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.summaries import counted
-from scaffold_cad.base.vectors import length
+from scaffold_cad.base.vectors import dot, length, normalize
 from scaffold_cad.printability.processes import Process
 from scaffold_cad.printability.report import MOST_PLACES, Finding
 from scaffold_cad.printability.thickness import Thickness
@@ -154,21 +153,95 @@ def _gaps_of(skeleton: Skeleton, i: Ints, j: Ints, limit: float) -> Gaps:
     ends = skeleton.edges
     apart = (ends[i][:, :, None] != ends[j][:, None, :]).all(axis=(1, 2))
     i, j = i[apart], j[apart]
-    on_i, on_j = nearest_on_segments(
-        *np.moveaxis(skeleton.nodes[ends[i]], 1, 0), *np.moveaxis(skeleton.nodes[ends[j]], 1, 0)
-    )
-    widths = length(on_i - on_j) - _radius_at(skeleton, i, on_i) - _radius_at(skeleton, j, on_j)
+    widths, places = _nearest_surfaces(_Cones.of(skeleton, i), _Cones.of(skeleton, j))
     near = widths < limit
-    return Gaps(i[near], j[near], widths[near], (on_i[near] + on_j[near]) / 2)
+    return Gaps(i[near], j[near], widths[near], places[near])
 
 
-def _radius_at(skeleton: Skeleton, edges: Ints, points: Points) -> Floats:
-    """Return the radius of each of `edges` at a point on it, shape (k,), mm."""
-    ends = skeleton.edges[edges]
-    share = length(points - skeleton.nodes[ends[:, 0]]) / skeleton.lengths[edges]
-    near, far = skeleton.edge_radii[edges].T
-    radii: Floats = near + np.clip(share, 0.0, 1.0) * (far - near)
-    return radii
+@dataclass(frozen=True, eq=False)
+class _Cones:
+    """Struts whose radius goes evenly from one end to the other."""
+
+    start: Points
+    """First end of the axis, shape (k, 3), mm."""
+    axis: UnitVectors
+    """From there to the other, shape (k, 3)."""
+    lengths: Floats
+    """Shape (k,), mm."""
+    radii: Floats
+    """At the first end, shape (k,), mm."""
+    slope: Floats
+    """What the radius grows by along the axis, shape (k,)."""
+
+    @classmethod
+    def of(cls, skeleton: Skeleton, edges: Ints) -> _Cones:
+        start, end = np.moveaxis(skeleton.nodes[skeleton.edges[edges]], 1, 0)
+        lengths = length(end - start)
+        near, far = skeleton.edge_radii[edges].T
+        slope = np.divide(far - near, lengths, out=np.zeros_like(near), where=lengths > 0)
+        return cls(start, normalize(end - start), lengths, near, slope)
+
+    def at(self, along: Floats) -> tuple[Points, Floats]:
+        """Return places on the axes and the radii there, of distances from the start (k,)."""
+        return self.start + along[:, None] * self.axis, self.radii + along * self.slope
+
+    def nearest(self, points: Points) -> Floats:
+        """Return where on the axis the surface is nearest to points (k, 3), (k,)."""
+        foot = dot(points - self.start, self.axis)
+        beside = length(points - self.start - foot[:, None] * self.axis)
+        steep = np.abs(self.slope) >= 1.0
+        tilt = self.slope / np.sqrt(np.where(steep, 1.0, 1.0 - self.slope**2))
+        along = np.where(steep, np.copysign(np.inf, self.slope), foot + beside * tilt)
+        return np.clip(along, 0.0, self.lengths)
+
+
+def _nearest_surfaces(a: _Cones, b: _Cones) -> tuple[Floats, Points]:
+    """Return the room between the surfaces of pairs, (k,), and where it is, (k, 3).
+
+    The distance of two places on the axes less the radii there is a convex function: it is least
+    where both its slopes are 0, or else at an end of one of the two.
+    """
+    zero = np.zeros(len(a.lengths))
+    tried = [
+        _level(a, b),
+        *((end, b.nearest(a.at(end)[0])) for end in (zero, a.lengths)),
+        *((a.nearest(b.at(end)[0]), end) for end in (zero, b.lengths)),
+    ]
+    widths, places = np.full(len(zero), np.inf), np.zeros((len(zero), 3))
+    for along_a, along_b in tried:
+        (on_a, radii_a), (on_b, radii_b) = a.at(along_a), b.at(along_b)
+        room = length(on_a - on_b) - radii_a - radii_b
+        nearer = room < widths
+        widths[nearer], places[nearer] = room[nearer], ((on_a + on_b) / 2)[nearer]
+    return widths, places
+
+
+def _level(a: _Cones, b: _Cones) -> tuple[Floats, Floats]:
+    """Return where on the axes of pairs the distance of surfaces has no slope, (k,) each.
+
+    There the line from one place to the other is at the angles to the axes that the surfaces ask
+    for. Ends are returned where the axes are parallel, or no line is at these angles.
+    """
+    cosine = dot(a.axis, b.axis)
+    normal = np.cross(a.axis, b.axis)
+    squared = dot(normal, normal)  # of the sine
+    between = a.start - b.start
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        # The line is x a + y b + z normal, 1 long.
+        x = (a.slope + cosine * b.slope) / squared
+        y = -(b.slope + cosine * a.slope) / squared
+        z = np.sqrt((1.0 - x * a.slope + y * b.slope) / squared)
+        apart = np.abs(dot(between, normal)) / (z * squared)
+        z = np.copysign(z, dot(between, normal))
+        line = x[:, None] * a.axis + y[:, None] * b.axis + z[:, None] * normal
+        rest = apart[:, None] * line - between
+        along, across = dot(rest, a.axis), dot(rest, b.axis)
+        on_a, on_b = (along - cosine * across) / squared, (cosine * along - across) / squared
+    found = np.isfinite(on_a) & np.isfinite(on_b)
+    return (
+        np.clip(np.where(found, on_a, 0.0), 0.0, a.lengths),
+        np.clip(np.where(found, on_b, 0.0), 0.0, b.lengths),
+    )
 
 
 def _gap(skeleton: Skeleton, process: Process) -> Finding:

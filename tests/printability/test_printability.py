@@ -346,7 +346,21 @@ def test_the_gap_between_two_struts_is_measured(apart: float, count: int) -> Non
 def test_the_gap_beside_a_tapered_strut_takes_the_radius_there() -> None:
     nodes = np.array([[0, 0, 0], [10, 0, 0], [5, -5, 3], [5, 5, 3]], dtype=float)
     gaps = narrow_gaps(Skeleton(nodes, TWO_STRUTS.edges, [0.5, 1.5, 1, 1]), 1.5)
-    assert gaps.widths == pytest.approx([1.0])
+    assert gaps.widths == pytest.approx([3 * math.sqrt(1 - 0.1**2) - 2])  # across the slope
+
+
+@pytest.mark.parametrize("lean", [0.0, 1e-9, 0.5])
+def test_the_gap_between_tapered_struts_is_where_their_surfaces_are_nearest(lean: float) -> None:
+    nodes = np.array([[0, 0, 0], [20, 0, 0], [0, 3.2, 0], [20, 3.2 + lean, 0.0]])
+    radii = np.array([[0.5, 1.5], [0.5, 1.5]])
+    struts = Skeleton(nodes, TWO_STRUTS.edges, 1.0).with_edge_radii(radii)
+    share = np.linspace(0, 1, 401)[:, None]
+    first, second = (a + share * (b - a) for a, b in nodes.reshape(2, 2, 3))
+    radius = (0.5 + share).reshape(-1)
+    wanted = np.linalg.norm(first[:, None] - second, axis=2) - radius[:, None] - radius
+    assert narrow_gaps(struts, 1.0).widths == pytest.approx([wanted.min()], abs=1e-4)
+    turned = Skeleton(nodes, [[3, 2], [1, 0]], 1.0).with_edge_radii(radii[:, ::-1])
+    assert narrow_gaps(turned, 1.0).widths == pytest.approx([wanted.min()], abs=1e-4)
 
 
 @settings(max_examples=30)
