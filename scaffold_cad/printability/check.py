@@ -24,6 +24,7 @@ from scaffold_cad.products.surfaces import triangles_of
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.scaffold.stars import APOTHEM
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.skeleton.checking import check_single_precision
 from scaffold_cad.solid import to_solid
 from scaffold_cad.solid.rounds import SIDES, check_sides
 from scaffold_cad.struts import RoundStruts
@@ -59,7 +60,8 @@ def check_printability(
     Raises
     ------
     MeshError
-        If there is no triangle.
+        If there is no triangle, or struts are too thin for 32-bit coordinates so far from the
+        origin.
     OptionError
         If `what` has no surface, `skeleton` is of another type, the process, the material or the
         direction is not known, `supports` is neither True nor False, or `sides` are given for
@@ -83,6 +85,7 @@ def check_printability(
         what = build_scaffold(what)
     apothem, given = 1.0, skeleton is not None
     if isinstance(what, Scaffold):
+        check_single_precision(what.skeleton)
         if skeleton is None:
             apothem = APOTHEM[what.options.section]
             skeleton = as_wide(what.skeleton, apothem)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, UnitVectors
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, UnitVectors
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.printability.processes import Process
@@ -20,7 +20,7 @@ from scaffold_cad.printability.standing import (
     least_angle,
     standing,
 )
-from scaffold_cad.printability.triangletopology import TriangleTopology
+from scaffold_cad.printability.triangletopology import SINGLE_STEP, TriangleTopology
 from scaffold_cad.skeleton import Skeleton
 
 LEVEL = 1e-6
@@ -125,9 +125,8 @@ def _bridges(
     """
     heights, edges = skeleton.nodes @ direction, skeleton.edges
     rise = heights[edges[:, 1]] - heights[edges[:, 0]]
-    upper = np.stack([-rise, rise], axis=1) > _level_step(
-        heights
-    )  # (m, 2), the end held from below
+    step = _level_step(skeleton.nodes, heights)
+    upper = np.stack([-rise, rise], axis=1) > step  # (m, 2), the end held from below
     count = len(heights)
     steep_below = np.bincount(edges[upper & ~flat[:, None]], minlength=count)
     flat_below = np.bincount(edges[upper & flat[:, None]], minlength=count)
@@ -168,9 +167,13 @@ def _to_held(edges: Edges, spans: Floats, held: Bools, longest: float) -> Floats
         reach = found
 
 
-def _level_step(heights: Floats) -> float:
-    """Return the difference below which heights count as equal, mm."""
-    return LEVEL * float(np.ptp(heights)) + 1e-12
+def _level_step(places: Points, heights: Floats) -> float:
+    """Return the difference below which heights of places count as equal, mm.
+
+    What 32-bit coordinates hide far from the origin is none.
+    """
+    hidden = SINGLE_STEP * float(np.abs(places).max())
+    return LEVEL * float(np.ptp(heights)) + hidden + 1e-12
 
 
 def _clear_of_lowest(skeleton: Skeleton, direction: UnitVectors, process: Process) -> Bools:
@@ -189,7 +192,7 @@ def _floating_nodes(
 ) -> Finding:
     heights = skeleton.nodes @ direction
     clear = _clear_of_lowest(skeleton, direction, process)
-    tolerance = _level_step(heights)
+    tolerance = _level_step(skeleton.nodes, heights)
     group, floating = floating_groups(heights, skeleton.edges, clear, tolerance)
     nodes = np.flatnonzero(np.isin(group, floating))
     matters = process.overhang_angle > 0 and len(floating) > 0
@@ -215,7 +218,7 @@ def _islands(
     needy: Verdict,
 ) -> Finding:
     heights = facets.vertices @ direction
-    tolerance = _level_step(heights)
+    tolerance = _level_step(facets.vertices, heights)
     group, lowest = floating_groups(
         heights, surface.edges, heights > floor + process.layer, tolerance
     )

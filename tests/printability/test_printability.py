@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from scaffold_cad import (
     QuadMesh,
@@ -47,6 +48,7 @@ from scaffold_cad.printability.page import page
 from scaffold_cad.printability.struts import narrow_gaps
 from scaffold_cad.scaffold.stars import Section
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.solid.manifolds import manifold_triangles
 from tests.meshes import CUBE, INSIDE_OUT_CUBE, OPEN_CUBE, TORUS, TWO_CUBES
 from tests.skeletons import ELBOW, JACK, K4, NAMED, STRUT, TWO_STRUTS, star
 from tests.validation.printability import (
@@ -521,6 +523,23 @@ def test_a_level_set_floats_as_one_and_a_held_one_does_not() -> None:
 
 def test_the_floor_of_a_hollow_is_no_island() -> None:
     assert check_printability(HOLLOW, "fdm")["islands"].value["count"] == 0
+
+
+def test_a_level_face_far_from_the_origin_has_no_islands() -> None:
+    table = manifold_triangles(to_solid(box(2, 2, 5)) + to_solid(box(10, 10, 1, 5)))
+    turn = Rotation.from_euler("xyz", [35, 15, 5], degrees=True)
+    far = turn.apply(table.vertices.copy()) + np.array([1e4, 1e4 / 3, -1e4 / 7])
+    rounded = TriangleMesh(far.astype(np.float32).astype(np.float64), table.triangles)
+    report = check_printability(rounded, "fdm", direction=turn.apply([0, 0, 1]))
+    assert report["islands"].value["count"] == 0
+    assert report["supports"].value["area_mm2"] == pytest.approx(96.0, rel=1e-4)
+
+
+def test_struts_that_mesh_files_cannot_hold_are_not_checked_either() -> None:
+    with pytest.raises(
+        MeshError, match=r"edge 0 near .* has radius 1 mm, where 32-bit coordinates"
+    ):
+        check_printability(STRUT.moved_by([1e7, 0, 0]))
 
 
 @pytest.mark.parametrize(
