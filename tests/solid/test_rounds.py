@@ -156,6 +156,18 @@ def test_struts_that_others_overlap_keep_their_gaps_or_are_named(
     assert not named or "edges 0 and 1, near [0, 0, 1." in caplog.text
 
 
+@pytest.mark.parametrize(("radius", "named"), [(0.8, False), (0.9, True)])
+def test_long_gaps_that_fillets_close_are_named_though_a_short_strut_joins_their_ends(
+    radius: float, named: bool, caplog: pytest.LogCaptureFixture
+) -> None:
+    corners = [[x, y, z] for x in (0, 12) for y, z in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    edges = [[k + i, k + (i + 1) % 4] for k in (0, 4) for i in range(4)]
+    frame = Skeleton(corners, edges + [[i, i + 4] for i in range(4)], radius)
+    filled = contains(round_mesh(round_struts(frame)), np.array([[6.0, 1.0, 0.01]]))
+    assert filled.tolist() == [named]
+    assert ("without touching, and are united" in caplog.text) == named
+
+
 @pytest.mark.parametrize(("gap", "corners"), [(1e-4, fewest.MOST_CORNERS), (0.05, 100)])
 def test_struts_that_hardly_keep_apart_are_united_and_named(
     gap: float, corners: int, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch

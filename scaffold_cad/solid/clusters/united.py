@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import logging
+from itertools import product
 
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from scaffold_cad.base.arrays import Bools, Edges, Floats, place_text
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, place_text
 from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.summaries import counted
+from scaffold_cad.base.vectors import length
 from scaffold_cad.solid.clusters.spans import Spans, radii_at
 from scaffold_cad.struts.apart import EXACT, Slack, crossings, meeting
 from scaffold_cad.struts.model import RoundStruts
@@ -21,6 +23,12 @@ from scaffold_cad.struts.runs import Runs
 AROUND = 2.0
 """Length of a way between struts that are one body where they are near, over the distance of their
 axes at which they are united."""
+
+CLOSED = 2.0 - 2.0**0.5
+"""Gap between two struts that a fillet closes, over its radius ρ: there ρ = √2 (ρ - gap / 2)."""
+
+PLACES = 9
+"""How many places of a span are looked at, whether it is near another there."""
 
 _log = logging.getLogger(__name__)
 
@@ -61,42 +69,85 @@ def tell_united(struts: RoundStruts, spans: Spans, fillets: Floats) -> None:
     tail, ahead = runs.nodes[runs.edges[spans.run, 0]], runs.directions[2 * spans.run]
     start, end = (tail + bound[:, None] * ahead for bound in (spans.low, spans.high))
     radius = np.maximum(*(radii_at(runs, spans.run, bound) for bound in (spans.low, spans.high)))
-    gap = fillets[runs.edges[spans.run]].min(axis=1)
+    gap = CLOSED * fillets[runs.edges[spans.run]].min(axis=1)
     pieces = capsules(start, end, radius + gap / 2, runs.edges[spans.run], spans.run)
     i, j = meeting(pieces, np.zeros(len(spans))).T
     pairs = np.sort(spans.run[np.stack([i, j], axis=1)], axis=1)
-    a, b = nearest_on_segments(start[i], end[i], start[j], end[j])
-    order = np.unique(pairs, axis=0, return_index=True)[1]
     of_curve = np.full(len(runs.edges), -1)
     of_curve[curves.run[curves.pieces]] = curves.curve_of_piece
-    first, second = of_curve[pairs[order]].T
-    order = order[(first < 0) | (first != second)]
-    order = order[~among(pairs[order], near_runs(struts), len(runs.edges))]
-    order = order[~_joined(runs, pairs[order], (pieces.radius[i] + pieces.radius[j])[order])]
-    left = pairs[order]
+    first, second = of_curve[pairs].T
+    other = (first < 0) | (first != second)
+    other &= ~among(pairs, near_runs(struts), len(runs.edges))
+    i, j = i[other], j[other]
+    on_i, on_j = _places(start[i], end[i], start[j], end[j])
+    reach = (pieces.radius[i] + pieces.radius[j])[:, None]
+    apart = length(on_i - on_j)
+    along_i, along_j = length(on_i - tail[i, None]), length(on_j - tail[j, None])
+    longest = AROUND * float(reach.max(initial=0.0))
+    ways = _ways(runs, spans.run[i], spans.run[j], along_i, along_j, longest)
+    row, place = np.nonzero((apart < reach) & (ways >= AROUND * reach))
+    order = np.argsort(apart[row, place], kind="stable")
+    row, place = row[order], place[order]
+    pairs = np.sort(spans.run[np.stack([i, j], axis=1)[row]], axis=1)
+    left, here = np.unique(pairs, axis=0, return_index=True)
     if len(left) == 0:
         return
-    here = order[0]
     edges = [int((runs.run_of_edge == run).argmax()) for run in left[0]]
+    where = row[here[0]], place[here[0]]
     _log.warning(
         "%s each other without touching, and are united: edges %d and %d, near %s%s; "
         "need more room between them, more sides, or a smaller blend",
         counted(len(left), "pair of struts passes", "pairs of struts pass"),
         *edges,
-        place_text((a[here] + b[here]) / 2),
+        place_text((on_i[where] + on_j[where]) / 2),
         ", first" if len(left) > 1 else "",
     )
 
 
-def _joined(runs: Runs, pairs: Edges, reach: Floats) -> Bools:
-    """Return whether a way shorter than `AROUND` times `reach` (p,) joins pairs (p, 2), (p,)."""
+def _places(
+    start_a: Points, end_a: Points, start_b: Points, end_b: Points
+) -> tuple[Points, Points]:
+    """Return places on the first of pairs of segments, and those of the second nearest to them.
+
+    The nearest of all come first. Both are of shape (p, k, 3).
+    """
+    nearest = nearest_on_segments(start_a, end_a, start_b, end_b)
+    share = np.linspace(0.0, 1.0, PLACES)[:, None]
+    on_a = (1.0 - share) * start_a[:, None] + share * end_a[:, None]
+    flat = on_a.reshape(-1, 3)
+    ends = (np.repeat(end, PLACES, axis=0) for end in (start_b, end_b))
+    on_b = nearest_on_segments(flat, flat, *ends)[1].reshape(on_a.shape)
+    first, second = (
+        np.concatenate([near[:, None], on], axis=1)
+        for near, on in zip(nearest, (on_a, on_b), strict=True)
+    )
+    return first, second
+
+
+def _ways(
+    runs: Runs, first: Ints, second: Ints, on_first: Floats, on_second: Floats, limit: float
+) -> Floats:
+    """Return the lengths of ways along runs between places on two of them, (p, k), mm.
+
+    Infinite where it is longer than `limit`.
+
+    Parameters
+    ----------
+    first, second : (p,) runs
+    on_first, on_second : (p, k) places, from the first nodes of the runs, mm
+    """
     count, ends = len(runs.nodes), runs.edges
     both = np.concatenate([ends, ends[:, ::-1]]).T
-    ways = csr_array((np.tile(runs.lengths, 2), (both[0], both[1])), shape=(count, count))
-    found = np.zeros(len(pairs), dtype=np.bool_)
-    for part in blocks(len(pairs), 16 * count):
-        start, row = np.unique(ends[pairs[part, 0]], return_inverse=True)
-        far = dijkstra(ways, indices=start, limit=AROUND * reach[part].max())  # (s, n)
-        away = far[row.reshape(-1, 2, 1), ends[pairs[part, 1]][:, None]]  # (p, 2, 2)
-        found[part] = away.min(axis=(1, 2)) < AROUND * reach[part]
-    return found
+    lengths = csr_array((np.tile(runs.lengths, 2), (both[0], both[1])), shape=(count, count))
+    ways = np.empty(on_first.shape)
+    for part in blocks(len(first), 16 * count):
+        start, row = np.unique(ends[first[part]], return_inverse=True)
+        far = dijkstra(lengths, indices=start, limit=limit)  # (s, n)
+        away = far[row.reshape(-1, 2, 1), ends[second[part]][:, None]]  # (p, 2, 2)
+        found = np.full(on_first[part].shape, np.inf)
+        for one, other in product((0, 1), repeat=2):
+            to_one = np.abs(on_first[part] - one * runs.lengths[first[part], None])
+            to_other = np.abs(on_second[part] - other * runs.lengths[second[part], None])
+            found = np.minimum(found, to_one + away[:, one, other, None] + to_other)
+        ways[part] = found
+    return ways
