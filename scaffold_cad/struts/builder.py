@@ -357,7 +357,7 @@ def _assembled(
         wall, left_out = outer.options.wall, crowded | outer.crowded
         passed, thin = with_walls_along(passed, outer.curves, left_out, wall)
         crowded[thin] = True
-        tell_thin(thin, wall)
+        tell_thin(thin, wall, runs.nodes)
     open_ones = ~passed.closed
     for side, first in enumerate((passed.offsets[:-1], passed.offsets[1:] - 1)):
         x[passed.half_runs[open_ones, side]] = passed.x[first[open_ones]]

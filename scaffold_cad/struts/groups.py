@@ -11,7 +11,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Floats, Ints, place_text
 from scaffold_cad.struts.blending.blend import Stars
 from scaffold_cad.struts.blending.nodes import blends
-from scaffold_cad.struts.hollow.insides import LEAST, tell_thin
+from scaffold_cad.struts.hollow.insides import LEAST, fitting_wall, tell_thin
 from scaffold_cad.struts.hollow.walls import walls_at
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.options import BLEND
@@ -143,11 +143,13 @@ def with_walls(
     """
     for share in INNER_FILLETS:
         found = list(with_blends(group, replace(stars, blends=share * stars.blends)))
-        is_thin = walls_at(outer.blended, found, len(outer.crowded)) < LEAST * wall
-        is_thin &= ~outer.crowded
+        least = walls_at(outer.blended, found, len(outer.crowded))
+        is_thin = (least < LEAST * wall) & ~outer.crowded
+        is_last = share == INNER_FILLETS[-1]
+        if is_last and is_thin.any():
+            _tell_thinnest(outer, np.flatnonzero(is_thin), least, wall)
         for each in found:
-            if share == INNER_FILLETS[-1]:
-                tell_thin(each.nodes[is_thin[each.nodes]], wall)
+            if is_last:
                 yield _without_room(each, is_thin)
             elif not is_thin[each.nodes].all():
                 yield each[np.flatnonzero(~is_thin[each.nodes])]
@@ -155,6 +157,20 @@ def with_walls(
         if len(left) == 0:
             return
         group, stars = group[left], stars[left]
+
+
+def _tell_thinnest(outer: RoundStruts, nodes: Ints, least: Floats, wall: float) -> None:
+    """Log nodes whose walls would be too thin, the thinnest first, and what that one has room for.
+
+    Parameters
+    ----------
+    least : (n,) the walls reached, mm
+    """
+    nodes = nodes[np.argsort(least[nodes], kind="stable")]
+    (group,) = (each for each in outer.blended if nodes[0] in each.nodes)
+    which = group.originals.which[group.shape_of[group.nodes == nodes[0]]]
+    fitting = fitting_wall(group.originals.skins[which], wall)
+    tell_thin(nodes, wall, outer.runs.nodes, fitting)
 
 
 def _without_room(blended: BlendedNodes, is_thin: Bools) -> BlendedNodes:

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Floats, Ints
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, place_text
 from scaffold_cad.base.blocks import CACHE, cut
 from scaffold_cad.base.counts import tracked
 from scaffold_cad.base.threads import in_order
@@ -40,6 +40,8 @@ LEAST = 0.95
 THICKEST = (1.25, 0.03)
 """Greatest wall of an inside that is taken: parts of the wall, and of the node's greatest radius.
 Smoother surfaces keep walls as well, but cut off what is narrow: tips between struts."""
+THINNER = (0.9, 0.75, 0.6, 0.45)
+"""Parts of a wall that no inside leaves that are tried for one that some inside does."""
 AIM = 1.01
 """What walls are to be at samples, over what is asked for: between samples they can be thinner."""
 PUSH = 1.5
@@ -122,20 +124,23 @@ def limits_beside(runs: Runs, made: list[BlendedNodes], limits: Floats) -> Float
     return limits
 
 
-def insides(skins: Skins, wall: float) -> list[tuple[Ints, Solved]]:
+def insides(
+    skins: Skins, wall: float, recipes: tuple[InsideRecipe, ...] = RECIPES
+) -> list[tuple[Ints, Solved]]:
     """Return the insides that are proved and not thin, those of one layout together, by row.
 
     Parameters
     ----------
     skins : the outer surfaces
     wall : thickness, mm
+    recipes : tried one after the other
     """
     best: list[Solved] = []
     count = len(skins)
     score, trial, place = np.full(count, -np.inf), np.full(count, -1), np.zeros(count, np.intp)
     open_nodes = np.arange(count)
     outside = skins.shapes.layout
-    for recipe in RECIPES:
+    for recipe in recipes:
         if len(open_nodes) == 0:
             break
         if recipe.layout.along_arc == 1 < outside.along_arc:
@@ -313,16 +318,38 @@ def _moved_in(outside: Layout, control: Floats, layout: Layout, wall: float) -> 
     return np.asarray(inside.reshape(3, len(control), -1))
 
 
-def tell_thin(nodes: Ints, wall: float) -> None:
-    """Log nodes whose walls would be too thin."""
+def fitting_wall(skins: Skins, wall: float) -> float:
+    """Return a wall, mm, less than `wall`, that a smooth inside leaves; 0 if none is found."""
+    for share in THINNER:
+        tried = float(f"{share * wall:.3g}")
+        if insides(skins, tried, RECIPES[:2]):  # the others seldom help, and take longer
+            return tried
+    return 0.0
+
+
+def tell_thin(nodes: Ints, wall: float, places: Points, fitting: float | None = None) -> None:
+    """Log nodes whose walls would be too thin.
+
+    Parameters
+    ----------
+    nodes : the first is the one whose place is told
+    places : (n,) of all nodes, mm
+    fitting : wall that this one has room for, mm; 0 if there is none, None if that is not known
+    """
     if len(nodes):
         one = len(nodes) == 1
+        thinner = "a thinner wall, " if fitting is None else ""
+        if fitting:
+            thinner = f"a wall of {fitting:g} mm{'' if one else ' there'}, "
         _log.warning(
-            "no inside of %s %s leaves a wall of %g mm; %s crowded: need a thinner wall, "
+            "no inside of %s %s leaves a wall of %g mm%s at %s; %s crowded: need %s"
             "thicker struts or wider angles for %s",
             "node" if one else "nodes",
             ", ".join(map(str, nodes.tolist())),
             wall,
+            "" if one else ", the first",
+            place_text(places[nodes[0]]),
             "it is" if one else "they are",
+            thinner,
             "a smooth one" if one else "smooth ones",
         )

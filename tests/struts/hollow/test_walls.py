@@ -11,7 +11,7 @@ from OCP.BRepAdaptor import BRepAdaptor_Surface
 from scipy.spatial import cKDTree
 
 from scaffold_cad import Skeleton, delaunay_foam, round_struts, to_brep, write
-from scaffold_cad.base.arrays import Floats
+from scaffold_cad.base.arrays import Floats, place_text
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.struts.hollow.gaps import Gaps, surface_samples
@@ -175,7 +175,9 @@ def test_nodes_whose_wall_no_inside_leaves_are_told(caplog: pytest.LogCaptureFix
     struts = round_struts(Skeleton(nodes, edges, 2.0), wall=1.7, ends="open")
     assert struts.inner is not None
     assert np.flatnonzero(struts.inner.crowded & ~struts.crowded).tolist() == [0]
-    assert "no inside of node 0 leaves a wall of" in caplog.text
+    place = place_text(foam.nodes[1])
+    assert f"no inside of node 0 leaves a wall of 1.7 mm at {place}; it is crowded" in caplog.text
+    assert "need a wall of 1.53 mm, thicker struts" in caplog.text
     found = walls(struts).nodes
     assert np.flatnonzero(np.isfinite(found)).tolist() == [7]
     assert np.nanmin(found) >= 0.95 * 1.7
