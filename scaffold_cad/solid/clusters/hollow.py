@@ -26,6 +26,7 @@ from scaffold_cad.solid.clusters.growth import Core
 from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.spans import CUT, Spans
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
+from scaffold_cad.struts.curves.proof import proved
 from scaffold_cad.struts.meshes.surface import inside_of
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.runs import Runs, ball_ends
@@ -36,6 +37,9 @@ are whole."""
 
 AROUND = CUT + 0.05
 """How far past spans walls are looked at, in the strut's radii: their cuts, rings and all."""
+
+LEAST_BEND = 1.5
+"""Bend of a curve of equal links, in its radii, from which on the first one has no fold."""
 
 THIN = 0.9
 """Part of the wall below which cells beside it are made smaller."""
@@ -123,18 +127,62 @@ def hollow(
 
 
 def tell_closed(struts: RoundStruts, outside: _Made) -> None:
-    """Warn of open ends that came to be closed, as they are in fields."""
-    count = len(struts.runs.nodes)
-    is_end = (struts.runs.valency == 1) & ~ball_ends(struts.skeleton, struts.runs)
-    closed = np.flatnonzero(outside.nodes[:count] & is_end)
-    if struts.options.ends == "open" and len(closed):
+    """Warn of open ends that came to be closed, as they are in fields, and say why."""
+    runs = struts.runs
+    is_end = (runs.valency == 1) & ~ball_ends(struts.skeleton, runs)
+    closed = np.flatnonzero(outside.nodes[: len(runs.nodes)] & is_end)
+    if struts.options.ends != "open" or len(closed) == 0:
+        return
+    folds = _folds_beside(struts, closed, outside.pieces)
+    bent, others = closed[folds >= 0], closed[folds < 0]
+    if len(bent):
+        circle = folds[folds >= 0][0]
+        _log.warning(
+            "%s closed, as the curve beside bends too tightly: node %d at %s%s, near %s, where the "
+            "radius is %.3g mm; need a bend of %.3g radii or more, or a longer straight end",
+            counted(len(bent), "open end is", "open ends are"),
+            bent[0],
+            place_text(runs.nodes[bent[0]]),
+            " first" if len(bent) > 1 else "",
+            place_text(struts.curves.centers[circle]),
+            struts.curves.radii[circle],
+            LEAST_BEND,
+        )
+    if len(others):
         _log.warning(
             "%s other struts, or nearly so, and closed: node %d at %s%s; need more room around",
-            counted(len(closed), "open end overlaps", "open ends overlap"),
-            closed[0],
-            place_text(struts.runs.nodes[closed[0]]),
-            " first" if len(closed) > 1 else "",
+            counted(len(others), "open end overlaps", "open ends overlap"),
+            others[0],
+            place_text(runs.nodes[others[0]]),
+            " first" if len(others) > 1 else "",
         )
+
+
+def _folds_beside(struts: RoundStruts, ends: Ints, in_field: Bools) -> Ints:
+    """Return the most bent circle of the folded piece that takes each end into a field.
+
+    Parameters
+    ----------
+    ends : (e,) extremities
+    in_field : (p,) pieces of curves that are in fields
+
+    Returns
+    -------
+    (e,) numbers of circles, -1 where the pieces beside are not folded, or there are none
+    """
+    runs, curves = struts.runs, struts.curves
+    folded, found = ~proved(curves), np.full(len(ends), -1)
+    leaves = runs.incidence.half_edges[runs.incidence.offsets[ends]]
+    for row, leaf in enumerate(leaves.tolist()):
+        for curve, side in np.argwhere(curves.half_runs == leaf ^ 1).tolist():
+            pieces = np.flatnonzero(curves.curve_of_piece == curve)[:: 1 - 2 * side]
+            is_left = ~in_field[pieces]
+            bad = pieces[: is_left.argmax() if is_left.any() else len(pieces)]
+            bad = bad[folded[bad]]
+            if len(bad):
+                circles = curves.pieces[bad[0]] + np.arange(2)
+                found[row] = circles[length(curves.bends[circles]).argmax()]
+    return found
 
 
 def _nodes_of(triangles: Ints, outside: _Made, inside: _Made) -> Ints:
