@@ -35,7 +35,7 @@ from scaffold_cad.solid import manifolds, solidified
 from scaffold_cad.struts import RoundStruts, round_struts
 
 if TYPE_CHECKING:
-    from build123d import Shape, Solid
+    from build123d import Face, Shape, Solid
     from manifold3d import Manifold
     from typing_extensions import Unpack
 
@@ -68,7 +68,18 @@ MOST_STRUTS = 5000
 did not end in 400 s."""
 
 STRUT_TIME = 0.033
-"""What OCCT takes to cut a strut, s: 0.021 to 0.035 in blocks of 60 to 4 100, and in tubes."""
+"""What OCCT takes to cut a strut, s, before its faces are known: 0.018 to 0.03 in blocks of 60 to
+4 100, up to 0.08 where the inside of the skin is curved."""
+
+FACE_TIME = 0.003
+"""What OCCT takes to cut and to look at a face of struts, s: 0.002 to 0.0035."""
+
+CURVED_TIME = 0.1
+"""What it takes besides for a strut that passes through a curved skin, s: 0.05 in cylinders, 0.09
+in spheres, 0.16 in tori."""
+
+MESH_TIME = 0.003
+"""What OCCT takes for the triangles of a face of hollow or square struts, s: 0.002 to 0.0043."""
 
 MOST_FACETS = 60_000
 """Most faces of a union of struts that OCCT is given."""
@@ -124,8 +135,9 @@ def lattice_solid(
 
     Its faces are those of the body, the same moved inwards by the skin, whole cylinders and the
     like in quarters, and those of the struts: round ones are true cylinders up to where they meet
-    the skin. It can be written as STEP. OCCT takes some 20 to 35 ms per strut, and more than 5 000
-    are refused. Where it fails, `lattice_part` makes the same of triangles.
+    the skin. It can be written as STEP. OCCT takes some 20 to 35 ms per strut, up to 80 where the
+    skin is curved, and more than 5 000 are refused. Where it fails, `lattice_part` makes the same
+    of triangles.
 
     Parameters
     ----------
@@ -245,25 +257,48 @@ def filled_solid(
 
 
 def _check_count(count: int) -> None:
-    """Raise if OCCT cannot cut so many struts in minutes; log what it takes otherwise."""
-    seconds = STRUT_TIME * count
+    """Raise if OCCT cannot cut so many struts in minutes."""
     if count > MOST_STRUTS:
         raise BrepError(
-            f"the body has {count} struts, for which OCCT takes some {seconds / 60:.0f} minutes if "
-            f"it ends at all; need {MOST_STRUTS} or fewer, such as larger cells ({_MESH})"
+            f"the body has {count} struts, for which OCCT takes some "
+            f"{STRUT_TIME * count / 60:.0f} minutes if it ends at all; need {MOST_STRUTS} or "
+            f"fewer, such as larger cells ({_MESH})"
         )
-    _log.info("OCCT takes some %.0f s for %s", seconds, counted(count, "strut"))
 
 
 def _check_facets(count: int) -> None:
-    """Raise if OCCT cannot cut so many facets in minutes; log what it takes otherwise."""
+    """Raise if OCCT cannot cut so many facets in minutes."""
     if count > MOST_FACETS:
         raise BrepError(
             f"the union of struts that overlap has {counted(count, 'face')}, for which OCCT takes "
             f"some {FACET_TIME * count / 60:.0f} minutes; need {MOST_FACETS} or fewer, such as "
             f"fewer struts that overlap ({_MESH})"
         )
-    _log.info("OCCT takes some %.0f s for %s", FACET_TIME * count, counted(count, "face"))
+
+
+def _tell_time(hollow: HollowSolid, struts: Skeleton, frame: Shape, *, meshed: bool) -> None:
+    """Log what OCCT takes to cut struts.
+
+    Parameters
+    ----------
+    frame : their faces
+    meshed : whether it also makes triangles of them
+    """
+    facets, others = _flat_and_curved(frame)
+    skin = [sum(face.area for face in faces) for faces in _flat_and_curved(hollow.inner)]
+    crossed, _ = MeshRegion(hollow.surface).crossings(struts.nodes, struts.edges)
+    seconds = FACET_TIME * len(facets) + (FACE_TIME + MESH_TIME * meshed) * len(others)
+    seconds += CURVED_TIME * len(np.unique(crossed)) * skin[1] / sum(skin)
+    text = counted(len(struts.edges), "strut"), counted(len(facets) + len(others), "face")
+    _log.info("OCCT takes some %g s for %s of %s", float(f"{seconds:.2g}"), *text)
+
+
+def _flat_and_curved(shape: Shape) -> tuple[list[Face], list[Face]]:
+    """Return the faces of a shape that are plane, and the others."""
+    parts: tuple[list[Face], list[Face]] = [], []
+    for face in shape.faces():
+        parts[face.geom_type.name != "PLANE"].append(face)
+    return parts
 
 
 def _one_solid(body: Shape) -> Solid:
@@ -329,8 +364,11 @@ def _united(hollow: HollowSolid, model: Model, overlaps: Overlaps) -> tuple[str,
         raise BrepError(f"{error} ({_MESH})") from None
     if len(edges):
         _check_facets(len(frame.faces()))
+    by_faces = _is_meshed_by_faces(model, united=len(edges) > 0)
+    _tell_time(hollow, model.skeleton, frame, meshed=by_faces)
     # Both are what the struts take up inside the skin: of triangles, and of exact faces.
-    left = (inside - _meshed(model, frame, united=len(edges) > 0)).volume()
+    solid = _of_faces(frame) if by_faces else solidified(model).manifold
+    left = (inside - solid).volume()
     wanted = inside.volume() - left
     if left < OFF * wanted:
         raise BrepError(f"the struts fill the body; need thinner ones, or larger cells ({_MESH})")
@@ -348,12 +386,15 @@ def _united(hollow: HollowSolid, model: Model, overlaps: Overlaps) -> tuple[str,
     return "", part
 
 
-def _meshed(model: Model, frame: Shape, *, united: bool) -> Manifold:
-    """Return struts as triangles that have the volume of their faces.
+def _is_meshed_by_faces(model: Model, *, united: bool) -> bool:
+    """Return whether triangles of struts that have the volume of their faces are made of these.
 
     Polygons of round struts have their circles' volume; walls of few sides have more, and bilinear
     faces of square struts need more than two triangles.
     """
-    if isinstance(model, RoundStruts) and model.inner is None and not united:
-        return solidified(model).manifold
+    return not isinstance(model, RoundStruts) or model.inner is not None or united
+
+
+def _of_faces(frame: Shape) -> Manifold:
+    """Return struts as triangles that are near to their faces."""
     return manifolds.to_manifold(brep.tessellated(frame, WALL_ANGLE))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+import re
 from pathlib import Path
 from typing import Any
 
@@ -26,10 +28,11 @@ from build123d import (
     make_face,
 )
 
-from scaffold_cad import Skeleton, write
+from scaffold_cad import Skeleton, round_struts, write
 from scaffold_cad.brep import read_brep
 from scaffold_cad.errors import BrepError, OptionError
 from scaffold_cad.filling import lattice_part, lattice_solid, strut_part, strut_solid
+from scaffold_cad.filling.solids import filled_solid, hollow_solid
 from scaffold_cad.parts import LatticeFill
 
 RADIUS = 0.6
@@ -207,3 +210,28 @@ def test_what_cannot_be_is_refused(
 ) -> None:
     with pytest.raises(error, match=message):
         lattice_solid(body(), "bcc", 8.0, **{"radius": RADIUS, **options})
+
+
+def promised(body: Any, caplog: pytest.LogCaptureFixture, **options: Any) -> tuple[float, int]:
+    """Return the seconds that are logged before struts of a body are cut, and how many faces."""
+    hollow, cross = hollow_solid(body, 1.0), [[-9, 0, 0], [9, 0, 0], [0, 0, -9], [0, 0, 9]]
+    struts = round_struts(Skeleton(cross, [[0, 1], [2, 3]], RADIUS).joined(1e-6), **options)
+    caplog.clear()
+    with caplog.at_level(logging.INFO, "scaffold_cad.filling"):
+        filled_solid(hollow, lambda _: struts.skeleton, lambda _: struts)
+    (text,) = [each.message for each in caplog.records if "OCCT takes" in each.message]
+    match = re.fullmatch(r"OCCT takes some ([\d.]+) s for 4 struts of (\d+) faces", text)
+    assert match
+    return float(match[1]), int(match[2])
+
+
+def test_times_told_are_longer_for_curved_skins_and_hollow_struts(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    flat, faces = promised(Box(14, 14, 14), caplog)
+    assert flat == pytest.approx(0.003 * faces, abs=0.05)
+    curved, _ = promised(Sphere(7), caplog)
+    assert curved == pytest.approx(0.003 * faces + 4 * 0.1, abs=0.05)
+    hollow, more = promised(Box(14, 14, 14), caplog, wall=0.2)
+    assert more > 1.8 * faces
+    assert hollow == pytest.approx(0.006 * more, abs=0.05)
