@@ -91,7 +91,7 @@ def without_crumbs(part: Manifold) -> Manifold:
     if not crumbs.any():
         return part
     _log.info(
-        "%s of %.3g mm³ left out, as at %s: the surface cuts them off",
+        "%s of %.3g mm³ left out, as at %s: cut off by the surface",
         counted(int(crumbs.sum()), "loose crumb"),
         float(volumes[crumbs].sum()),
         _place_of(mesh, pieces, crumbs),

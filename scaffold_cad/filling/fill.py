@@ -124,6 +124,7 @@ def fill(
     check_radius(radius)
     if on is None:
         struts, sizes = _endless(space, cell, size, origin, axes)
+        report_small(space.bounds, cell, sizes)
         if is_full(cell, sizes, radius):
             _log.warning(
                 "the struts fill the region: a radius of %g mm is too large for its cells", radius
@@ -188,7 +189,6 @@ def _endless(
     if callable(size):
         raise OptionError("the cell size is a function without a map; need one (on=BoxMap(...))")
     sizes = cell_size(cell, size)
-    report_small(space.bounds, cell, sizes)
     frame = cell.axes if axes is None else cell.axes @ as_axes(axes)
     counts, corner = cells_around(space.bounds, cell, sizes, origin, frame)
     return repeated(cell, sizes, counts, corner, frame), sizes

@@ -17,6 +17,7 @@ from scaffold_cad.errors import SkeletonError
 from scaffold_cad.filling.cleaning import NUDGE_DIRECTION
 from scaffold_cad.filling.fill import struts_around
 from scaffold_cad.lattice import CellMap, UnitCell
+from scaffold_cad.lattice.crumbs import report_small
 from scaffold_cad.lattice.maps.grading import CellSize
 from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.struts import Struts
@@ -57,6 +58,8 @@ def lattice_reaching(
     known = as_cell(cell)
     low = region.bounds[0]
     corner = low if origin is None else as_vector(origin, "origin")
+    if on is None and not callable(size):
+        report_small(region.bounds, known, cell_size(known, size))
 
     def reaching(nudge: float) -> Skeleton:
         if on is not None or callable(size):

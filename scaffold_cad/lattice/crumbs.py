@@ -36,7 +36,7 @@ def without_crumbs(struts: Struts, cell: UnitCell, size: Floats) -> Struts:
         lost = np.unique(piece[~keep])
         place = place_text(struts.middles[~keep][0])
         _log.info(
-            "%s of %s left out, as at %s: the surface cuts them off",
+            "%s of %s left out, as at %s: cut off by the surface",
             counted(len(lost), "loose crumb"),
             counted(len(keep) - int(keep.sum()), "strut"),
             place,

@@ -16,7 +16,7 @@ from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.base.regions import Keep
 from scaffold_cad.base.vectors import rotate
 from scaffold_cad.errors import MeshError, OptionError, SkeletonError
-from scaffold_cad.filling import fill
+from scaffold_cad.filling import fill, lattice_part
 from scaffold_cad.filling.innercell import solid_density
 from scaffold_cad.lattice import CylinderMap, UnitCell, cells, tile, unit_cell
 from scaffold_cad.lattice.meshregion import MeshRegion
@@ -418,6 +418,9 @@ def test_a_region_smaller_than_a_cell_is_said(caplog: pytest.LogCaptureFixture) 
     caplog.clear()
     fill([[0, 0, 0], [3, 3, 3]], "bcc", 8.0, 0.3)
     assert [record.levelname for record in caplog.records] == ["WARNING"]
+    caplog.clear()
+    lattice_part(trimesh.creation.box((3, 3, 3)), "bcc", 8.0, 0.6, skin=0.5)
+    assert "the region, 3 x 3 x 3 mm, is smaller than a cell of 'bcc'" in caplog.text
 
 
 def test_an_open_mesh_is_refused() -> None:
