@@ -55,7 +55,9 @@ def spans_of(low: Points, high: Points) -> Spans:
     return Spans(_packed(lows), _packed(highs) | SPARE_BITS)
 
 
-def overlapping_boxes(low: Points, high: Points) -> Iterator[tuple[Ints, Ints]]:
+def overlapping_boxes(
+    low: Points, high: Points, count: Count | None = None
+) -> Iterator[tuple[Ints, Ints]]:
     """Yield blocks of pairs i < j of boxes that overlap, or nearly so; each pair comes once.
 
     Boxes that touch overlap. Boxes farther apart along any axis than two millionths of the extent
@@ -64,13 +66,14 @@ def overlapping_boxes(low: Points, high: Points) -> Iterator[tuple[Ints, Ints]]:
     Parameters
     ----------
     low, high : (n, 3) float64, mm; lowest and highest corner of each box
+    count : counts the boxes whose pairs were yielded
 
     Notes
     -----
     O(n log n) for boxes in general position.
     """
     order = order_in_space(low, high)
-    for i, j in overlapping_neighbors(low[order], high[order]):
+    for i, j in overlapping_neighbors(low[order], high[order], count):
         first, second = order[i], order[j]
         yield np.minimum(first, second), np.maximum(first, second)
 

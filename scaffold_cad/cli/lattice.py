@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import logging
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from scaffold_cad.base.arguments import as_number
 from scaffold_cad.brep import BREP_SUFFIXES, read_brep
@@ -40,10 +40,8 @@ from scaffold_cad.filling.solids import HollowSolid, filled_solid, hollow_solid
 from scaffold_cad.io.write import check_writable, write
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.scaffold import Scaffold, build_scaffold
+from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts import RoundStruts, round_struts
-
-if TYPE_CHECKING:
-    from scaffold_cad.skeleton import Skeleton
 
 LATTICE_SIDES = 8
 """Sides of round struts where none are given: few, for a lattice has thousands of struts."""
@@ -175,9 +173,11 @@ def run(options: argparse.Namespace) -> None:
     if options.layer is not None:
         _write_layers(part, options)
         return
-    product = _product(part, body, options, Progress())
+    progress = Progress()
+    product = _product(part, body, options, progress)
     made = isinstance(product, Scaffold | RoundStruts)
-    write(product, options.output, **(_written_with(options) if made else {}))
+    with progress.stage("file", *_amount(product)):
+        write(product, options.output, **(_written_with(options) if made else {}))
     _log.info("%s written", options.output)
 
 
@@ -199,6 +199,16 @@ def _write_layers(part: TriangleMesh | None, options: argparse.Namespace) -> Non
         latticelayers.write(options, box_mesh(options.box))
     else:
         latticelayers.write(options, options.box)
+
+
+def _amount(product: Any) -> tuple[int, str]:
+    """Return how much is written, and of what."""
+    skeleton = getattr(product, "skeleton", product)
+    if isinstance(skeleton, Skeleton):
+        return len(skeleton.edges), "struts"
+    if hasattr(product, "num_tri"):
+        return product.num_tri(), "triangles"
+    return len(product.faces()), "faces"
 
 
 def _written_with(options: argparse.Namespace) -> dict[str, Any]:

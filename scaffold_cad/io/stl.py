@@ -10,6 +10,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Points
 from scaffold_cad.base.blocks import CACHE, cut
+from scaffold_cad.base.counts import counting
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._binary import as_doubles
 from scaffold_cad.io._mesh import Faces, skeleton_of_mesh
@@ -194,8 +195,10 @@ def join_stl(files: Iterable[Path], path: Path) -> None:
 
 def _chunks(mesh: TriangleMesh) -> Iterator[np.ndarray]:
     vertices = mesh.vertices.astype("<f4")
-    for triangles in cut(mesh.triangles, TRIANGLE_BYTES, CACHE):
-        yield vertices[triangles]
+    with counting("triangles written", len(mesh.triangles)) as count:
+        for triangles in cut(mesh.triangles, TRIANGLE_BYTES, CACHE):
+            yield vertices[triangles]
+            count.done += len(triangles)
 
 
 def _normals(corners: np.ndarray) -> np.ndarray:

@@ -15,6 +15,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points
 from scaffold_cad.base.blocks import CACHE, blocks, uneven_blocks
 from scaffold_cad.base.boxes import overlapping_boxes
+from scaffold_cad.base.counts import counting
 from scaffold_cad.base.ranges import steps
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import dot, length, normalize, triple
@@ -167,13 +168,13 @@ def _near_boxes(pieces: Pieces) -> Iterator[tuple[Ints, Ints]]:
     bounds = np.append(by_run, len(order)), np.append(np.cumsum(new_run)[by_body] - 1, len(by_run))
     lows, highs = np.minimum.reduceat(low, by_run), np.maximum.reduceat(high, by_run)
     ends = pieces.nodes[order[by_body]]  # (b, 2)
-    for one, other in overlapping_boxes(
-        np.minimum.reduceat(low, by_body), np.maximum.reduceat(high, by_body)
-    ):
-        apart = _share_nodes(ends[one], ends[other])
-        for i, j in _parts(one[~apart], other[~apart], bounds[1], lows, highs):
-            for k, m in _parts(i, j, bounds[0], low, high):
-                yield np.minimum(order[k], order[m]), np.maximum(order[k], order[m])
+    boxes = np.minimum.reduceat(low, by_body), np.maximum.reduceat(high, by_body)
+    with counting("struts and nodes tested for overlaps", len(by_body)) as count:
+        for one, other in overlapping_boxes(*boxes, count):
+            apart = _share_nodes(ends[one], ends[other])
+            for i, j in _parts(one[~apart], other[~apart], bounds[1], lows, highs):
+                for k, m in _parts(i, j, bounds[0], low, high):
+                    yield np.minimum(order[k], order[m]), np.maximum(order[k], order[m])
 
 
 def _parts(

@@ -6,6 +6,7 @@ import io
 import re
 import time
 from collections.abc import Iterator
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -13,7 +14,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from scaffold_cad.base.counts import running, tracked
+from scaffold_cad.base.counts import Count, running, tracked
 from scaffold_cad.cli import main
 from scaffold_cad.cli.progress import PERIOD, QUIET_TIME, Progress
 from scaffold_cad.io import read_skeleton
@@ -403,6 +404,44 @@ def test_a_long_stage_without_counts_shows_the_time_it_took() -> None:
         time.sleep(QUIET_TIME + 2 * PERIOD)
     shown = terminal.getvalue().split("\r\x1b[K")
     assert re.fullmatch(r"solid: 100 struts, \d s so far", shown[1])
+
+
+@pytest.mark.parametrize(
+    ("options", "stages"),
+    [
+        (["--round"], ["struts: 64 struts", "file: 64 struts"]),
+        (["--beams"], ["file: 64 struts"]),
+        (["--trim"], ["lattice: 8 cells", "file: 1628 triangles"]),
+    ],
+)
+def test_making_and_writing_are_stages(
+    options: list[str], stages: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shown = []
+
+    def noted(_: Progress, name: str, count: int, unit: str) -> AbstractContextManager[None]:
+        shown.append(f"{name}: {count} {unit}")
+        return nullcontext()
+
+    monkeypatch.setattr(Progress, "stage", noted)
+    assert main([*BCC, *options, "--box", "16x16x16", "-o", str(tmp_path / "box.3mf")]) == 0
+    assert shown == stages
+
+
+def test_struts_tested_for_overlaps_and_triangles_written_are_counted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun: dict[str, Count] = {}
+    made = Count.__init__
+
+    def noted(count: Count, name: str, total: int) -> None:
+        made(count, name, total)
+        begun[name] = count
+
+    monkeypatch.setattr(Count, "__init__", noted)
+    assert main([*BCC, "--round", "--box", "8x8x8", "-o", str(tmp_path / "cell.stl")]) == 0
+    for name in ("struts and nodes tested for overlaps", "triangles written"):
+        assert begun[name].done == begun[name].total > 8
 
 
 def test_nothing_is_shown_of_short_stages_nor_in_a_pipe() -> None:
