@@ -9,10 +9,11 @@ from collections.abc import Iterable
 from itertools import product
 
 import numpy as np
-from build123d import Face, Kind, Shape, Solid
+from build123d import Face, Kind, Location, Shape, Solid
 from OCP.BRep import BRep_Builder, BRep_Tool
 from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
 from OCP.BRepClass3d import BRepClass3d
+from OCP.BRepLib import BRepLib
 from OCP.BRepTools import BRepTools
 from OCP.Geom import (
     Geom_OffsetSurface,
@@ -47,17 +48,46 @@ def moved_inwards(solid: Solid, distance: float) -> list[Solid]:
     """Return what OCCT makes of a solid whose faces are moved inwards, in the order to be tried.
 
     Where faces meet in an inner corner they are extended first, and joined by rounds second. Faces
-    that go around an axis are parted in sectors.
+    that go around an axis are parted in sectors. OCCT moves the faces of one shell: voids are made
+    larger by themselves and cut out.
     """
+    outer = BRepClass3d.OuterShell_s(solid.wrapped)
+    voids = [shell for shell in solid.shells() if not shell.wrapped.IsSame(outer)]
+    if not voids:
+        return _moved(solid, -distance)
     found = []
+    grown = [_moved(_filled(void), distance)[:1] for void in voids]
+    for inner in _moved(_filled(Shape.cast(outer)), -distance):
+        left = without(inner, [one for some in grown for one in some])
+        if all(grown) and len(left) == 1 and left[0].is_valid:
+            found += left
+    return found
+
+
+def _filled(shell: Shape) -> Solid:
+    """Return the solid that a shell encloses, whichever way it faces."""
+    made = BRep_Builder(), TopoDS_Solid()
+    made[0].MakeSolid(made[1])
+    made[0].Add(made[1], shell.wrapped)
+    BRepLib.OrientClosedSolid_s(made[1])
+    return Solid(made[1])
+
+
+def _moved(solid: Solid, distance: float) -> list[Solid]:
+    """Return what OCCT makes of a solid of one shell whose faces are moved outwards.
+
+    It fails for whole spheres whose center is not at the origin: the solid is brought there.
+    """
+    found, center = [], solid.center()
+    centered = solid.moved(Location(-center))
     for kind in (Kind.INTERSECTION, Kind.ARC):
         try:
-            inner = solid.offset_3d(None, -distance, kind=kind)
+            inner = centered.offset_3d(None, distance, kind=kind)
         except (RuntimeError, ValueError, AssertionError, AttributeError):  # OCCT gives up
             continue
         loosest = ShapeAnalysis_ShapeTolerance().Tolerance(inner.wrapped, 1)
         if len(inner.solids()) == 1 and inner.is_valid and loosest <= LOOSEST:
-            found.append(_in_sectors(inner.solids()[0]))
+            found.append(_in_sectors(inner.solids()[0]).moved(Location(center)))
     return found
 
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad import brep
 from scaffold_cad.base.arguments import as_number, checks_keywords
-from scaffold_cad.base.arrays import Frozen, place_text
+from scaffold_cad.base.arrays import Frozen
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.builders import built
 from scaffold_cad.base.radii import Radius
@@ -157,9 +157,9 @@ def lattice_solid(
     SkeletonError
         If no strut is in the body.
     BrepError
-        If `body` has voids, OCCT cannot move its faces inwards, there are more than 5 000 struts or
-        60 000 facets, struts overlap and are refused, or OCCT cannot unite struts and skin wherever
-        the lattice is put.
+        If OCCT cannot move the faces of `body` inwards, there are more than 5 000 struts or 60 000
+        facets, struts overlap and are refused, the skin around a void of `body` hangs loose, or
+        OCCT cannot unite struts and skin wherever the lattice is put.
     MissingBackendError
         If build123d or manifold3d is not installed.
 
@@ -228,11 +228,10 @@ def hollow_solid(body: Shape, skin: float) -> HollowSolid:
     OptionError
         If `skin` is out of its range or fills the body, or `body` is not one solid.
     BrepError
-        If the body has voids, or OCCT cannot move its faces inwards.
+        If OCCT cannot move the faces of the body inwards.
     """
     thickness = as_number(skin, "skin")
     solid = _one_solid(body)
-    _check_no_voids(solid)
     outer = brep.tessellated(solid)
     check_seen(outer, skin=thickness)
     return HollowSolid(solid, outer, *_hollow(solid, outer, thickness))
@@ -314,16 +313,6 @@ def _one_solid(body: Shape) -> Solid:
     return solid
 
 
-def _check_no_voids(solid: Solid) -> None:
-    """Raise if a solid has voids: OCCT moves the faces of one shell."""
-    _, *voids = sorted(solid.shells(), key=lambda shell: -shell.bounding_box().diagonal)
-    if voids:
-        near = place_text(np.array(tuple(voids[0].center())))
-        raise BrepError(
-            f"the body has {counted(len(voids), 'void')}, as at {near}; need one without ({_MESH})"
-        )
-
-
 def _hollow(solid: Solid, outer: TriangleMesh, skin: float) -> tuple[Solid, Manifold]:
     """Return what is inside the skin of a solid, and its triangles.
 
@@ -381,6 +370,8 @@ def _united(hollow: HollowSolid, model: Model, overlaps: Overlaps) -> tuple[str,
     part, loose = brep.with_voids(hollow.solid, voids)
     if not part.is_valid:
         return "the solid is not valid", None
+    if loose and len(hollow.solid.shells()) > 1:
+        return "a piece hangs loose between them, such as the skin around a void of the body", None
     if loose:
         _log.info("%s of struts left out: the skin is out of their reach", counted(loose, "piece"))
     return "", part
