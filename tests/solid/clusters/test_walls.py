@@ -96,7 +96,9 @@ def test_small_triangles_that_would_fold_are_evened() -> None:
 
 
 def test_walls_that_cross_from_the_first_are_left_so() -> None:
-    through = TriangleMesh(BELOW.vertices + [[0, 0, 8], [0, 0, 0], [0, 0, 0]], BELOW.triangles)
+    through = TriangleMesh(
+        BELOW.vertices + np.array([[0, 0, 8], [0, 0, 0], [0, 0, 0]]), BELOW.triangles
+    )
     walls = Walls.between(VALLEY, through, np.array([0, 1]))
     made = thickened(walls, WALL, 1.0, 1.0)
     assert len(self_intersections(made)) > 0
