@@ -11,13 +11,13 @@ from scipy.sparse.csgraph import dijkstra
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, place_text
 from scaffold_cad.base.blocks import blocks
-from scaffold_cad.base.segments import nearest_on_segments
+from scaffold_cad.base.segments import distance_to_side, nearest_on_segments
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import length
 from scaffold_cad.solid.clusters.spans import Spans, radii_at
 from scaffold_cad.struts.apart import EXACT, Slack, crossings, meeting
 from scaffold_cad.struts.model import RoundStruts
-from scaffold_cad.struts.pieces import capsules
+from scaffold_cad.struts.pieces import Pieces, capsules
 from scaffold_cad.struts.runs import Runs
 
 AROUND = 2.0
@@ -29,6 +29,9 @@ CLOSED = 2.0 - 2.0**0.5
 
 PLACES = 9
 """How many places of a span are looked at, whether it is near another there."""
+
+PAIR_BYTES = 200
+"""What a place and a run take where they are looked at."""
 
 _log = logging.getLogger(__name__)
 
@@ -78,10 +81,35 @@ def tell_united(struts: RoundStruts, spans: Spans, fillets: Floats) -> None:
     first, second = of_curve[pairs].T
     other = (first < 0) | (first != second)
     other &= ~among(pairs, near_runs(struts), len(runs.edges))
-    i, j = i[other], j[other]
+    left, places = _near_each_other(runs, spans, pieces, i[other], j[other], start, end)
+    if len(left) == 0:
+        return
+    edges = [int((runs.run_of_edge == run).argmax()) for run in left[0]]
+    _log.warning(
+        "%s each other without touching, and are united: edges %d and %d, near %s%s; "
+        "need more room between them, more sides, or a smaller blend",
+        counted(len(left), "pair of struts passes", "pairs of struts pass"),
+        *edges,
+        place_text(places[0]),
+        ", first" if len(left) > 1 else "",
+    )
+
+
+def _near_each_other(
+    runs: Runs, spans: Spans, pieces: Pieces, i: Ints, j: Ints, start: Points, end: Points
+) -> tuple[Edges, Points]:
+    """Return the pairs of runs (p, 2) that are near where nothing joins them, and where, (p, 3).
+
+    Parameters
+    ----------
+    pieces : of spans, thicker than these by half of what is closed between two of them
+    i, j : (q,) spans that meet so
+    start, end : (s, 3) of the axes of spans
+    """
     on_i, on_j = _places(start[i], end[i], start[j], end[j])
     reach = (pieces.radius[i] + pieces.radius[j])[:, None]
     apart = length(on_i - on_j)
+    tail = runs.nodes[runs.edges[spans.run, 0]]
     along_i, along_j = length(on_i - tail[i, None]), length(on_j - tail[j, None])
     longest = AROUND * float(reach.max(initial=0.0))
     ways = _ways(runs, spans.run[i], spans.run[j], along_i, along_j, longest)
@@ -89,19 +117,22 @@ def tell_united(struts: RoundStruts, spans: Spans, fillets: Floats) -> None:
     order = np.argsort(apart[row, place], kind="stable")
     row, place = row[order], place[order]
     pairs = np.sort(spans.run[np.stack([i, j], axis=1)[row]], axis=1)
-    left, here = np.unique(pairs, axis=0, return_index=True)
-    if len(left) == 0:
-        return
-    edges = [int((runs.run_of_edge == run).argmax()) for run in left[0]]
-    where = row[here[0]], place[here[0]]
-    _log.warning(
-        "%s each other without touching, and are united: edges %d and %d, near %s%s; "
-        "need more room between them, more sides, or a smaller blend",
-        counted(len(left), "pair of struts passes", "pairs of struts pass"),
-        *edges,
-        place_text((on_i[where] + on_j[where]) / 2),
-        ", first" if len(left) > 1 else "",
-    )
+    middles: Points = (on_i + on_j)[row, place] / 2
+    free = ~_in_another(runs, middles, pairs)
+    left, here = np.unique(pairs[free], axis=0, return_index=True)
+    return left, middles[free][here]
+
+
+def _in_another(runs: Runs, places: Points, pairs: Edges) -> Bools:
+    """Return which of some places (q, 3) are inside of another run than two, (q, 2), shape (q,)."""
+    start, end = np.moveaxis(runs.nodes[runs.edges], 1, 0)
+    found = np.zeros(len(places), dtype=np.bool_)
+    for part in blocks(len(places), PAIR_BYTES * len(start)):
+        own = places[part, None]
+        within: Bools = distance_to_side(start - own, end - own) < runs.radii.min(axis=1)  # (q, k)
+        np.put_along_axis(within, pairs[part], values=False, axis=1)
+        found[part] = within.any(axis=1)
+    return found
 
 
 def _places(
