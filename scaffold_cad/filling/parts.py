@@ -187,14 +187,27 @@ def filled_part(
         lattice = solid.manifold
         if skin is None:
             return Attempt(lattice ^ outer, reaching, solid.united_edges)
-        part = without_pockets(outer - (inner - lattice), max(skin, hollow.drain or 0.0))
+        closed = outer - (inner - lattice)
+        part = without_pockets(closed, max(skin, hollow.drain or 0.0))
         if hollow.drain is not None:
+            _check_drain(hollow.drain, closed, part)
             part = drained(part, hollow.surface, skin, hollow.drain, drain_places)
         return Attempt(part, reaching, solid.united_edges)
 
     whole = first_clean("part", made, NUDGES, extent)
     _report_full(whole, outer)
     return whole if skin is not None else without_crumbs(whole)
+
+
+def _check_drain(drain: float, closed: Manifold, part: Manifold) -> None:
+    """Raise an `OptionError` if all voids are pockets to holes so wide, which are filled."""
+    before, after = (min(piece.volume() for piece in each.decompose()) for each in (closed, part))
+    if before < 0 <= after:
+        width = (6 / np.pi * -before) ** (1 / 3)
+        raise OptionError(
+            f"drain holes of {drain:g} mm are wider than all voids: the largest is as a ball of "
+            f"{width:.3g} mm; need narrower ones"
+        )
 
 
 def _report_full(part: Manifold, outer: Manifold) -> None:

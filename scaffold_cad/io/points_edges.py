@@ -44,6 +44,12 @@ def read_points_edges(path: Path) -> RawSkeleton:
     document = {key.strip().lower(): value for key, value in read_document(path).items()}
     points = _rows(path, document, POINTS, (2, 3))
     edges = _rows(path, document, EDGES, (2,))
+    flat = next((k for k, row in enumerate(points) if len(row) != len(points[0])), None)
+    if flat is not None:
+        raise FormatError(
+            f"{path} has {points[flat]} as point {flat}, and {points[0]} as point 0; "
+            "need as many numbers in each"
+        )
     places = np.reshape([[*row, 0.0][:3] for row in points], (-1, 3)) * _unit(path, document)
     pairs = np.reshape(np.asarray(edges), (-1, 2))
     if (pairs != np.round(pairs)).any() or (np.abs(pairs) > 2**53).any():

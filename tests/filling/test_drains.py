@@ -72,7 +72,8 @@ def test_holes_that_are_chosen_keep_from_edges_and_have_the_area_of_their_circle
     [
         (4.0, [100, 0, 0], r"\[100, 0, 0\] mm of a drain hole is 85 mm from the surface"),
         (4.0, [15, 12, 0], r"4 mm at \[15, 12, 0\] mm goes 2 mm past the surface"),
-        (30.0, [0, 0, 8], r"30 mm at \[0, 0, 8\] mm goes 3 mm past the surface; need"),
+        (23.0, [6, 0, 8], r"23 mm at \[6, 0, 8\] mm goes 2.5 mm past the surface; need"),
+        (30.0, [0, 0, 8], r"30 mm are wider than all voids: the largest is as a ball of 2\d"),
     ],
 )
 def test_holes_without_room_are_refused(diameter: float, place: object, message: str) -> None:

@@ -81,6 +81,11 @@ POINTS = {"points": [[0, 0, 0], [9, 0, 0]], "edges": [[0, 1]]}
         ("x.json", json.dumps({**POINTS, "unit": "ell"}), "has the unit 'ell'; need mm, cm, m"),
         ("x.json", json.dumps({**POINTS, "radii": [1, 2, 3]}), r"has radii of shape \(3,\); need"),
         ("x.json", json.dumps({"points": [[0, 0, 0]]}), "has no list of edges; need one called"),
+        (
+            "x.json",
+            json.dumps({**POINTS, "points": [[0, 0, 0], [9, 0]]}),
+            r"has \[9.0, 0.0\] as point 1, and \[0.0, 0.0, 0.0\] as point 0; need as many",
+        ),
         ("x.json", json.dumps({**POINTS, "edges": [[0, 1, 2]]}), 'as row 0 of "edges"; need'),
         ("x.graph", PYSKELTON.replace(b"\n0 1\n", b"\n0 7\n"), "line 7: '0 7'; need two numbers"),
         ("x.graph", PYSKELTON + b"3\n", "has 4 radii of 3 nodes; need a radius a node"),

@@ -21,8 +21,8 @@ INSIDE = 23
 """The same of the surface inside, where walls are measured: not at the same places."""
 AT_ONCE = 512
 """Points whose feet are looked for at once."""
-MARGIN = 0.03
-"""Part of the least distance by which points that are left must seem to be further away."""
+MARGIN = (0.007, 0.5)
+"""Parts of how far a point seems to be, and of what bends make of it, that it may be nearer."""
 UPRIGHT = 0.9999
 """Least cosine of a perpendicular to the normal at its foot."""
 LEANING = 0.99
@@ -59,15 +59,15 @@ class Gaps:
         """
         gaps, normals = np.empty(points.shape[:2]), np.empty(points.shape)
         for place, (row, inside) in enumerate(zip(rows.tolist(), points, strict=True)):
-            nearest, gaps[place] = self._beside(row, inside)
+            nearest, gaps[place], _ = self._beside(row, inside)
             normals[place] = self._normals[row, nearest]
         return gaps, normals
 
-    def _beside(self, row: int, points: Floats) -> tuple[Ints, Floats]:
-        """Return the samples nearest to points (q, 3), and how far these are, mm, both (q,).
+    def _beside(self, row: int, points: Floats) -> tuple[Ints, Floats, Floats]:
+        """Return the samples nearest to points (q, 3), and how far these are, mm, all (q,).
 
         The distance is that from the paraboloid there, to the second order of how far aside the
-        sample is.
+        sample is. What its bends make of the distance comes last.
         """
         place = np.asarray(self._trees[row].query(points)[1], dtype=np.intp)
         way = self._points[row, place] - points
@@ -76,7 +76,8 @@ class Gaps:
         bends = self._bends[row, place]
         bends = bends / np.maximum(1.0 + bends * height[:, None], MOST_BENT)
         most = MOST_BENT * np.abs(height)
-        return place, height + np.clip((bends * aside**2).sum(axis=1) / 2, -most, most)
+        bent = np.clip((bends * aside**2).sum(axis=1) / 2, -most, most)
+        return place, height + bent, bent
 
     def least(self, inside: Solved) -> Floats:
         """Return the least distance of samples of the surfaces inside, (U,), mm."""
@@ -124,14 +125,15 @@ class Gaps:
     def _range(self, row: int, points: Floats) -> tuple[float, float]:
         """Return the least distance of points (q, 3) inside of a surface, mm; < 0 outside.
 
-        And the greatest, as it seems. Those that seem nearest are looked at first, and no more
-        where all others seem further away.
+        And the greatest, as it seems. Those that may be nearest are looked at first, and no more
+        where all others are further away.
         """
-        place, seems = self._beside(row, points)
-        order = np.argsort(seems, kind="stable")
+        place, seems, bent = self._beside(row, points)
+        may_be = seems - MARGIN[0] * np.abs(seems) - MARGIN[1] * np.abs(bent)
+        order = np.argsort(may_be, kind="stable")
         least = np.inf
         for some in cut(order, row=1, within=AT_ONCE):
-            if seems[some[0]] > least + MARGIN * abs(least):
+            if may_be[some[0]] > least:
                 break
             least = min(least, float(self._distances(row, points[some], place[some]).min()))
         return least, float(seems.max(initial=0.0))
