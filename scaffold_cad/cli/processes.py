@@ -10,6 +10,7 @@ import numpy as np
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice import PeriodicLattice
 from scaffold_cad.printability import PROCESSES
+from scaffold_cad.printability.gaps import free_ends
 from scaffold_cad.printability.struts import as_wide, radius_for, strut_findings
 from scaffold_cad.printability.thickness import thickness_asked
 from scaffold_cad.skeleton import Skeleton
@@ -43,7 +44,10 @@ def check_struts(options: argparse.Namespace, skeleton: Skeleton, apothem: float
         return
     process = PROCESSES[options.process]
     wide = as_wide(skeleton, apothem)
-    for finding in strut_findings(wide, thickness_asked(wide), process, apothem):
+    flat = free_ends(wide)
+    if getattr(options, "ends", None) == "round" or getattr(options, "product", None) == "frame":
+        flat[:] = False
+    for finding in strut_findings(wide, thickness_asked(wide), process, flat, apothem):
         if finding.verdict == "failure":
             raise OptionError(f"not printable by {process.name}: {finding.advice}")
         if finding.verdict == "warning":

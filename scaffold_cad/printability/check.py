@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_direction, as_flag, check_kind, checks_keywords
@@ -11,6 +12,7 @@ from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.mesh.welding import welded
 from scaffold_cad.printability.direction import direction_findings
 from scaffold_cad.printability.drainage import drainage_finding
+from scaffold_cad.printability.gaps import flat_ends
 from scaffold_cad.printability.match import match_finding
 from scaffold_cad.printability.part import part_findings
 from scaffold_cad.printability.processes import USUAL_MATERIAL, Process, process_named
@@ -110,7 +112,10 @@ def check_printability(
         thickness = thickness_of(skeleton, mesh)
         if given and surface.closed:
             findings.append(match_finding(skeleton, mesh, thickness.surrounded))
-        findings += strut_findings(skeleton, thickness, process, apothem)
+        flat = np.zeros(skeleton.edges.shape, dtype=np.bool_)
+        if surface.closed:
+            flat = flat_ends(skeleton, mesh)
+        findings += strut_findings(skeleton, thickness, process, flat, apothem)
     findings += direction_findings(surface, facets, upwards, process, skeleton, supports)
     findings.append(drainage_finding(surface, process))
     findings += part_findings(

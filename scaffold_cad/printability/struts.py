@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Ints, Points, UnitVectors, place_text
-from scaffold_cad.base.boxes import overlapping_boxes
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, place_text
 from scaffold_cad.base.summaries import counted
-from scaffold_cad.base.vectors import dot, length, normalize
+from scaffold_cad.printability.gaps import narrow_gaps
 from scaffold_cad.printability.processes import Process
 from scaffold_cad.printability.report import MOST_PLACES, Finding
 from scaffold_cad.printability.thickness import Thickness
@@ -22,18 +20,23 @@ RADIUS_STEP = 1e-3
 
 
 def strut_findings(
-    skeleton: Skeleton, thickness: Thickness, process: Process, apothem: float = 1.0
+    skeleton: Skeleton,
+    thickness: Thickness,
+    process: Process,
+    flat: Bools,
+    apothem: float = 1.0,
 ) -> Iterator[Finding]:
     """Yield what there is to say of struts with the radii of `skeleton`, at least one.
 
     Parameters
     ----------
     thickness : of the struts, as measured in a mesh or as asked for
+    flat : (m, 2) which ends of struts are flat, see `narrow_gaps`
     apothem : what the radii asked for were multiplied by
     """
     yield _diameter(skeleton, thickness, process, apothem)
     yield _slenderness(skeleton, thickness.diameters, process)
-    yield _gap(skeleton, process)
+    yield _gap(skeleton, process, flat)
 
 
 def as_wide(skeleton: Skeleton, apothem: float) -> Skeleton:
@@ -111,142 +114,9 @@ def _slenderness(skeleton: Skeleton, thinnest: Floats, process: Process) -> Find
     )
 
 
-@dataclass(frozen=True, eq=False)
-class Gaps:
-    """Pairs of struts without a common node that come closer than a limit."""
-
-    first: Ints
-    second: Ints
-    """The struts of each pair, shapes (p,)."""
-    widths: Floats
-    """Room between their surfaces, < 0 where they overlap, shape (p,), mm."""
-    places: Points
-    """The middle of the gap, shape (p, 3), mm."""
-
-
-def narrow_gaps(skeleton: Skeleton, limit: float) -> Gaps:
-    """Return the pairs of struts whose round surfaces come closer than `limit`, mm.
-
-    A strut's radius goes evenly from that of its one node to that of its other.
-    """
-    start, end = np.moveaxis(skeleton.nodes[skeleton.edges], 1, 0)
-    reach = skeleton.edge_radii.max(axis=1)[:, None] + limit / 2
-    blocks = [
-        _gaps_of(skeleton, i, j, limit)
-        for i, j in overlapping_boxes(
-            np.minimum(start, end) - reach, np.maximum(start, end) + reach
-        )
-    ]
-    if not blocks:
-        none = np.zeros(0, dtype=np.intp)
-        return Gaps(none, none, np.zeros(0), np.zeros((0, 3)))
-    return Gaps(
-        np.concatenate([block.first for block in blocks]),
-        np.concatenate([block.second for block in blocks]),
-        np.concatenate([block.widths for block in blocks]),
-        np.concatenate([block.places for block in blocks]),
-    )
-
-
-def _gaps_of(skeleton: Skeleton, i: Ints, j: Ints, limit: float) -> Gaps:
-    """Return those of the pairs i, j that are gaps narrower than `limit`."""
-    ends = skeleton.edges
-    apart = (ends[i][:, :, None] != ends[j][:, None, :]).all(axis=(1, 2))
-    i, j = i[apart], j[apart]
-    widths, places = _nearest_surfaces(_Cones.of(skeleton, i), _Cones.of(skeleton, j))
-    near = widths < limit
-    return Gaps(i[near], j[near], widths[near], places[near])
-
-
-@dataclass(frozen=True, eq=False)
-class _Cones:
-    """Struts whose radius goes evenly from one end to the other."""
-
-    start: Points
-    """First end of the axis, shape (k, 3), mm."""
-    axis: UnitVectors
-    """From there to the other, shape (k, 3)."""
-    lengths: Floats
-    """Shape (k,), mm."""
-    radii: Floats
-    """At the first end, shape (k,), mm."""
-    slope: Floats
-    """What the radius grows by along the axis, shape (k,)."""
-
-    @classmethod
-    def of(cls, skeleton: Skeleton, edges: Ints) -> _Cones:
-        start, end = np.moveaxis(skeleton.nodes[skeleton.edges[edges]], 1, 0)
-        lengths = length(end - start)
-        near, far = skeleton.edge_radii[edges].T
-        slope = np.divide(far - near, lengths, out=np.zeros_like(near), where=lengths > 0)
-        return cls(start, normalize(end - start), lengths, near, slope)
-
-    def at(self, along: Floats) -> tuple[Points, Floats]:
-        """Return places on the axes and the radii there, of distances from the start (k,)."""
-        return self.start + along[:, None] * self.axis, self.radii + along * self.slope
-
-    def nearest(self, points: Points) -> Floats:
-        """Return where on the axis the surface is nearest to points (k, 3), (k,)."""
-        foot = dot(points - self.start, self.axis)
-        beside = length(points - self.start - foot[:, None] * self.axis)
-        steep = np.abs(self.slope) >= 1.0
-        tilt = self.slope / np.sqrt(np.where(steep, 1.0, 1.0 - self.slope**2))
-        along = np.where(steep, np.copysign(np.inf, self.slope), foot + beside * tilt)
-        return np.clip(along, 0.0, self.lengths)
-
-
-def _nearest_surfaces(a: _Cones, b: _Cones) -> tuple[Floats, Points]:
-    """Return the room between the surfaces of pairs, (k,), and where it is, (k, 3).
-
-    The distance of two places on the axes less the radii there is a convex function: it is least
-    where both its slopes are 0, or else at an end of one of the two.
-    """
-    zero = np.zeros(len(a.lengths))
-    tried = [
-        _level(a, b),
-        *((end, b.nearest(a.at(end)[0])) for end in (zero, a.lengths)),
-        *((a.nearest(b.at(end)[0]), end) for end in (zero, b.lengths)),
-    ]
-    widths, places = np.full(len(zero), np.inf), np.zeros((len(zero), 3))
-    for along_a, along_b in tried:
-        (on_a, radii_a), (on_b, radii_b) = a.at(along_a), b.at(along_b)
-        room = length(on_a - on_b) - radii_a - radii_b
-        nearer = room < widths
-        widths[nearer], places[nearer] = room[nearer], ((on_a + on_b) / 2)[nearer]
-    return widths, places
-
-
-def _level(a: _Cones, b: _Cones) -> tuple[Floats, Floats]:
-    """Return where on the axes of pairs the distance of surfaces has no slope, (k,) each.
-
-    There the line from one place to the other is at the angles to the axes that the surfaces ask
-    for. Ends are returned where the axes are parallel, or no line is at these angles.
-    """
-    cosine = dot(a.axis, b.axis)
-    normal = np.cross(a.axis, b.axis)
-    squared = dot(normal, normal)  # of the sine
-    between = a.start - b.start
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        # The line is x a + y b + z normal, 1 long.
-        x = (a.slope + cosine * b.slope) / squared
-        y = -(b.slope + cosine * a.slope) / squared
-        z = np.sqrt((1.0 - x * a.slope + y * b.slope) / squared)
-        apart = np.abs(dot(between, normal)) / (z * squared)
-        z = np.copysign(z, dot(between, normal))
-        line = x[:, None] * a.axis + y[:, None] * b.axis + z[:, None] * normal
-        rest = apart[:, None] * line - between
-        along, across = dot(rest, a.axis), dot(rest, b.axis)
-        on_a, on_b = (along - cosine * across) / squared, (cosine * along - across) / squared
-    found = np.isfinite(on_a) & np.isfinite(on_b)
-    return (
-        np.clip(np.where(found, on_a, 0.0), 0.0, a.lengths),
-        np.clip(np.where(found, on_b, 0.0), 0.0, b.lengths),
-    )
-
-
-def _gap(skeleton: Skeleton, process: Process) -> Finding:
+def _gap(skeleton: Skeleton, process: Process, flat: Bools) -> Finding:
     needed = process.least_gap
-    gaps = narrow_gaps(skeleton, needed)
+    gaps = narrow_gaps(skeleton, needed, flat)
     overlapping = int((gaps.widths <= 0).sum())
     open_rows = np.flatnonzero(gaps.widths > 0)
     value = {"needed_mm": needed, "least_mm": None, "narrow": len(open_rows)}

@@ -20,8 +20,8 @@ from scaffold_cad.errors import OptionError
 from scaffold_cad.io.stacks import write_layers
 from scaffold_cad.io.stl import facets_of, join_stl
 from scaffold_cad.layers.regions import Region, closed
+from scaffold_cad.printability.gaps import free_ends, narrow_gaps
 from scaffold_cad.printability.processes import process_named
-from scaffold_cad.printability.struts import narrow_gaps
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.solid.rounds import SIDES, check_sides
 from scaffold_cad.tiles.slicing import Planes, joined_layers, sliced
@@ -153,7 +153,7 @@ class Check:
         process, skeleton = process_named(self.process), tile.skeleton
         thickness = 2.0 * skeleton.edge_radii.min(axis=1)  # (m,)
         slenderness = skeleton.lengths / thickness
-        gaps = narrow_gaps(skeleton, process.least_gap)
+        gaps = narrow_gaps(skeleton, process.least_gap, free_ends(skeleton))
         # A pair belongs to the tile of its first strut.
         widths = gaps.widths[tile.own[np.minimum(gaps.first, gaps.second)]]
         overlapping = overlapping_struts(build_scaffold(skeleton, **self.options))

@@ -43,9 +43,9 @@ from scaffold_cad.printability import (
     read_triangles,
 )
 from scaffold_cad.printability.direction import floating_groups
+from scaffold_cad.printability.gaps import free_ends, narrow_gaps
 from scaffold_cad.printability.nesting import winding_numbers
 from scaffold_cad.printability.page import page
-from scaffold_cad.printability.struts import narrow_gaps
 from scaffold_cad.scaffold.stars import Section
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid.manifolds import manifold_triangles
@@ -336,10 +336,13 @@ def test_slender_struts_are_warned_of() -> None:
     assert (finding.verdict, finding.value["greatest"]) == ("warning", pytest.approx(50.0))
 
 
+BALLS = np.zeros((2, 2), dtype=bool)
+
+
 @pytest.mark.parametrize(("apart", "count"), [(2.6, 0), (2.4, 1), (2.0001, 1)])
 def test_the_gap_between_two_struts_is_measured(apart: float, count: int) -> None:
     nodes = np.array([[0, 0, 0], [10, 0, 0], [5, -5, apart], [5, 5, apart]], dtype=float)
-    gaps = narrow_gaps(Skeleton(nodes, TWO_STRUTS.edges, 1.0), 0.5)
+    gaps = narrow_gaps(Skeleton(nodes, TWO_STRUTS.edges, 1.0), 0.5, BALLS)
     assert len(gaps.widths) == count
     assert gaps.widths == pytest.approx([apart - 2.0] * count)
     assert gaps.places.tolist() == [[5, 0, apart / 2]] * count
@@ -347,7 +350,7 @@ def test_the_gap_between_two_struts_is_measured(apart: float, count: int) -> Non
 
 def test_the_gap_beside_a_tapered_strut_takes_the_radius_there() -> None:
     nodes = np.array([[0, 0, 0], [10, 0, 0], [5, -5, 3], [5, 5, 3]], dtype=float)
-    gaps = narrow_gaps(Skeleton(nodes, TWO_STRUTS.edges, [0.5, 1.5, 1, 1]), 1.5)
+    gaps = narrow_gaps(Skeleton(nodes, TWO_STRUTS.edges, [0.5, 1.5, 1, 1]), 1.5, BALLS)
     assert gaps.widths == pytest.approx([3 * math.sqrt(1 - 0.1**2) - 2])  # across the slope
 
 
@@ -360,9 +363,59 @@ def test_the_gap_between_tapered_struts_is_where_their_surfaces_are_nearest(lean
     first, second = (a + share * (b - a) for a, b in nodes.reshape(2, 2, 3))
     radius = (0.5 + share).reshape(-1)
     wanted = np.linalg.norm(first[:, None] - second, axis=2) - radius[:, None] - radius
-    assert narrow_gaps(struts, 1.0).widths == pytest.approx([wanted.min()], abs=1e-4)
+    assert narrow_gaps(struts, 1.0, BALLS).widths == pytest.approx([wanted.min()], abs=1e-4)
     turned = Skeleton(nodes, [[3, 2], [1, 0]], 1.0).with_edge_radii(radii[:, ::-1])
-    assert narrow_gaps(turned, 1.0).widths == pytest.approx([wanted.min()], abs=1e-4)
+    assert narrow_gaps(turned, 1.0, BALLS).widths == pytest.approx([wanted.min()], abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("second", "wanted"),
+    [
+        ([[10.3, 0, 0], [20, 0, 0]], 0.3),  # end to end
+        ([[10.3, 0.4, 0], [20, 0.4, 0]], 0.3),
+        ([[10.3, 2.4, 0], [20, 2.4, 0]], math.hypot(0.3, 0.4)),  # rim to rim
+        ([[12, -9, 0], [12, 9, 0]], 1.0),  # end to side
+        ([[9, 0, 1.5], [9, 0, 9]], 0.5),  # side to end
+        ([[10, 0, 0], [20, 0, 0]], 0.0),
+    ],
+)
+def test_the_gap_beside_flat_ends_is_that_of_the_ends_as_they_are(
+    second: list[list[float]], wanted: float
+) -> None:
+    struts = Skeleton([[0, 0, 0], [10, 0, 0], *second], TWO_STRUTS.edges, 1.0)
+    assert narrow_gaps(struts, 1.2, free_ends(struts)).widths == pytest.approx([wanted], abs=1e-6)
+    if wanted:
+        sls = replace(SLS, least_gap=1.2)
+        gap = check_printability(round_struts(struts), sls)["strut_gap"].value
+        assert (gap["least_mm"], gap["overlapping"]) == (pytest.approx(wanted, abs=1e-6), 0)
+
+
+def test_the_gap_beside_balls_at_ends_is_that_of_the_balls() -> None:
+    struts = Skeleton([[0, 0, 0], [10, 0, 0], [12.3, 0, 0], [20, 0, 0]], TWO_STRUTS.edges, 1.0)
+    solid = round_struts(struts, ends="round")
+    hollow = round_struts(struts, ends="round", wall=0.2)
+    for made in (solid, hollow):
+        gap = check_printability(made, replace(SLS, least_gap=0.5))["strut_gap"]
+        assert gap.value["least_mm"] == pytest.approx(0.3)
+
+
+def test_gaps_before_some_flat_ends_are_those_of_each_pair_alone() -> None:
+    random = np.random.default_rng(8)
+    pairs = random.uniform(-3, 3, (20, 4, 3))
+    pairs[:, 2:, 2] += 3.0
+    radii, flat = random.uniform(0.2, 1.5, (40, 2)), random.random((40, 2)) < 0.5
+    order = random.permutation(40)
+    places = pairs + 100.0 * np.arange(20)[:, None, None] * [1, 0, 0]
+    edges = np.arange(80).reshape(-1, 2)
+    together = Skeleton(places.reshape(-1, 3), edges[order], 1.0).with_edge_radii(radii[order])
+    gaps = narrow_gaps(together, 50.0, flat[order])
+    assert len(gaps.widths) == 20
+    found = np.empty(20)
+    found[order[gaps.first] // 2] = gaps.widths
+    for k, nodes in enumerate(pairs):
+        own = slice(2 * k, 2 * k + 2)
+        alone = Skeleton(nodes, TWO_STRUTS.edges, 1.0).with_edge_radii(radii[own])
+        assert narrow_gaps(alone, 50.0, flat[own]).widths == pytest.approx([found[k]], abs=1e-6)
 
 
 @settings(max_examples=30)
@@ -371,7 +424,7 @@ def test_no_gap_is_lost_by_the_search_by_boxes(seed: int) -> None:
     random = np.random.default_rng(seed)
     nodes = random.uniform(0, 12, (24, 3))
     skeleton = Skeleton(nodes, np.arange(24).reshape(-1, 2), random.uniform(0.1, 1.0, 24))
-    gaps = narrow_gaps(skeleton, 1.0)
+    gaps = narrow_gaps(skeleton, 1.0, np.zeros((12, 2), dtype=bool))
     found = {
         tuple(sorted(pair)) for pair in zip(gaps.first.tolist(), gaps.second.tolist(), strict=True)
     }

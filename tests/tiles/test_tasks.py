@@ -21,6 +21,7 @@ from scaffold_cad import (
 )
 from scaffold_cad.errors import FormatError, MeshError
 from scaffold_cad.io import read_triangles
+from scaffold_cad.printability.gaps import free_ends
 from scaffold_cad.printability.processes import PROCESSES
 from scaffold_cad.printability.struts import strut_findings
 from scaffold_cad.printability.thickness import thickness_asked
@@ -160,9 +161,8 @@ def test_findings_of_all_tiles_are_those_of_the_whole(tmp_path: Path) -> None:
     work = Check("sls")
     run_tiles(tiles(foam, block=7.0), work, tmp_path).joined(work, tmp_path / "all.json")
     found = json.loads((tmp_path / "all.json").read_text("utf-8"))
-    wanted = {
-        one.name: one.value for one in strut_findings(foam, thickness_asked(foam), PROCESSES["sls"])
-    }
+    findings = strut_findings(foam, thickness_asked(foam), PROCESSES["sls"], free_ends(foam))
+    wanted = {one.name: one.value for one in findings}
     assert found["struts"] == len(foam.edges)
     assert found["thin"] == wanted["strut_diameter"]["thin"]
     assert found["least_diameter_mm"] == wanted["strut_diameter"]["least_mm"]

@@ -389,7 +389,10 @@ def filament_volume(path: Path, folder: Path) -> float:
 
 
 def _said(command: list[str]) -> str:
-    run = subprocess.run(command, capture_output=True, text=True, timeout=300, check=True)
+    # Some repeat bytes of the file's header.
+    run = subprocess.run(
+        command, capture_output=True, encoding="utf-8", errors="replace", timeout=300, check=True
+    )
     return run.stdout + run.stderr
 
 

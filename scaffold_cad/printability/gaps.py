@@ -1,0 +1,102 @@
+"""Gaps between struts without a common node: pairs whose surfaces come close to each other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
+from scaffold_cad.base.boxes import overlapping_boxes
+from scaffold_cad.base.vectors import any_perpendicular, four_around, normalize
+from scaffold_cad.lattice.meshregion import MeshRegion
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.printability.frusta import Frusta, between_balls, between_flat_ends
+from scaffold_cad.skeleton import Skeleton
+
+PAST = 0.02
+"""Distance past an end at which a flat one has nothing, in radii."""
+WITHIN = 0.95
+"""Distance from the axis of places past an end that walls of hollow struts are around, in radii."""
+
+
+@dataclass(frozen=True, eq=False)
+class Gaps:
+    """Pairs of struts without a common node that come closer than a limit."""
+
+    first: Ints
+    second: Ints
+    """The struts of each pair, shapes (p,)."""
+    widths: Floats
+    """Room between their surfaces, < 0 where they overlap, shape (p,), mm."""
+    places: Points
+    """The middle of the gap, shape (p, 3), mm."""
+
+
+def free_ends(skeleton: Skeleton) -> Bools:
+    """Return which ends of struts are at nodes that nothing else is at, (m, 2)."""
+    free: Bools = skeleton.valency[skeleton.edges] == 1
+    return free
+
+
+def flat_ends(skeleton: Skeleton, mesh: TriangleMesh) -> Bools:
+    """Return past which extremities there is nothing of a closed mesh of the struts, (m, 2)."""
+    flat = free_ends(skeleton)
+    edges, ends = np.nonzero(flat)  # (k,) each
+    nodes = skeleton.nodes[skeleton.edges[edges]]  # (k, 2, 3)
+    rows = np.arange(len(edges))
+    radii = skeleton.edge_radii[edges, ends][:, None]
+    outward = normalize(nodes[rows, ends] - nodes[rows, 1 - ends])
+    x = any_perpendicular(outward)
+    ahead = nodes[rows, ends] + PAST * radii * outward  # (k, 3)
+    around = WITHIN * radii[:, None] * four_around(x, np.cross(outward, x))  # (k, 4, 3)
+    places = np.concatenate([ahead[:, None], ahead[:, None] + around], axis=1)  # (k, 5, 3)
+    inside = MeshRegion(mesh).contains(places.reshape(-1, 3)).reshape(-1, 5)
+    flat[edges, ends] = ~inside.any(axis=1)
+    return flat
+
+
+def narrow_gaps(skeleton: Skeleton, limit: float, flat: Bools) -> Gaps:
+    """Return the pairs of struts whose round surfaces come closer than `limit`, mm.
+
+    A strut's radius goes evenly from that of its one node to that of its other. An end that is
+    not flat is a ball.
+
+    Parameters
+    ----------
+    flat : (m, 2) which ends are flat
+    """
+    start, end = np.moveaxis(skeleton.nodes[skeleton.edges], 1, 0)
+    reach = skeleton.edge_radii.max(axis=1)[:, None] + limit / 2
+    blocks = [
+        _gaps_of(skeleton, i, j, limit, flat)
+        for i, j in overlapping_boxes(
+            np.minimum(start, end) - reach, np.maximum(start, end) + reach
+        )
+    ]
+    if not blocks:
+        none = np.zeros(0, dtype=np.intp)
+        return Gaps(none, none, np.zeros(0), np.zeros((0, 3)))
+    return Gaps(
+        np.concatenate([block.first for block in blocks]),
+        np.concatenate([block.second for block in blocks]),
+        np.concatenate([block.widths for block in blocks]),
+        np.concatenate([block.places for block in blocks]),
+    )
+
+
+def _gaps_of(skeleton: Skeleton, i: Ints, j: Ints, limit: float, flat: Bools) -> Gaps:
+    """Return those of the pairs i, j that are gaps narrower than `limit`."""
+    ends = skeleton.edges
+    apart = (ends[i][:, :, None] != ends[j][:, None, :]).all(axis=(1, 2))
+    i, j = i[apart], j[apart]
+    widths, places = between_balls(Frusta.of(skeleton, i), Frusta.of(skeleton, j))
+    # Balls at the ends hold what is flat there: pairs that they keep apart are apart.
+    near = widths < limit
+    i, j, widths, places = i[near], j[near], widths[near], places[near]
+    some = np.flatnonzero(flat[i].any(axis=1) | flat[j].any(axis=1))
+    widths[some], places[some] = between_flat_ends(
+        Frusta.of(skeleton, i[some]), Frusta.of(skeleton, j[some]), flat[i[some]], flat[j[some]]
+    )
+    near = widths < limit
+    return Gaps(i[near], j[near], widths[near], places[near])
