@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.insets import inset
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -28,8 +30,11 @@ def inside_of(surface: TriangleMesh, outer: Manifold, skin: float) -> Manifold:
     MeshError
         If the body is tightly curved and has too many triangles.
     """
+    full = OptionError(f"skin is {skin:g} mm, which fills the body; need less")
+    if 2 * skin >= np.ptp(surface.vertices, axis=0).min():  # which erosion takes long to find
+        raise full
     inner = inset(surface, skin)
     solid = manifolds.eroded(outer, skin) if inner is None else manifolds.to_manifold(inner)
     if solid.is_empty():
-        raise OptionError(f"skin is {skin:g} mm, which fills the body; need less")
+        raise full
     return solid
