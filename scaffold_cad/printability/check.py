@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_direction, as_flag, check_kind, checks_keywords
@@ -112,9 +111,7 @@ def check_printability(
         thickness = thickness_of(skeleton, mesh)
         if given and surface.closed:
             findings.append(match_finding(skeleton, mesh, thickness.surrounded))
-        flat = np.zeros(skeleton.edges.shape, dtype=np.bool_)
-        if surface.closed:
-            flat = flat_ends(skeleton, mesh)
+        flat = flat_ends(skeleton, mesh)
         findings += strut_findings(skeleton, thickness, process, flat, apothem)
     findings += direction_findings(surface, facets, upwards, process, skeleton, supports)
     findings.append(drainage_finding(surface, process))

@@ -12,7 +12,7 @@ from scaffold_cad.skeleton import Skeleton
 
 STEPS = 1000
 """Most steps to the places where two frusta are nearest to each other."""
-SETTLED = 1e-9
+SETTLED = 1e-8
 """Part of the size of frusta by which places that are nearest move in a step at most."""
 TOUCHING = 1e-5
 """Part of the size of frusta below which what is between them is nothing."""
@@ -41,6 +41,11 @@ class Frusta:
         near, far = skeleton.edge_radii[edges].T
         slope = np.divide(far - near, lengths, out=np.zeros_like(near), where=lengths > 0)
         return cls(start, normalize(end - start), lengths, near, slope)
+
+    def __getitem__(self, rows: Ints | Bools) -> Frusta:
+        """Return some of them."""
+        start, axis = self.start[rows], self.axis[rows]
+        return Frusta(start, axis, self.lengths[rows], self.radii[rows], self.slope[rows])
 
     def at(self, along: Floats) -> tuple[Points, Floats]:
         """Return places on the axes and the radii there, of distances from the start (k,)."""
@@ -110,14 +115,17 @@ def between_balls(a: Frusta, b: Frusta) -> tuple[Floats, Points]:
     return widths, places
 
 
-def between_flat_ends(a: Frusta, b: Frusta, flat_a: Bools, flat_b: Bools) -> tuple[Floats, Points]:
+def between_flat_ends(
+    a: Frusta, b: Frusta, flat_a: Bools, flat_b: Bools, near: Points
+) -> tuple[Floats, Points]:
     """Return the room between pairs of which some ends are flat, (k,), mm, and where, (k, 3).
 
     Parameters
     ----------
     flat_a, flat_b : (k, 2) which ends are flat; the others have a ball
+    near : (k, 3) where the room would be if all had
     """
-    on_a, on_b = _nearest_places(a, b)
+    on_a, on_b = _nearest_places(a, b, near)
     widths, places = length(on_a - on_b), (on_a + on_b) / 2
     widths[widths < TOUCHING * (a.lengths + b.lengths)] = 0.0
 
@@ -137,17 +145,17 @@ def between_flat_ends(a: Frusta, b: Frusta, flat_a: Bools, flat_b: Bools) -> tup
     return widths, places
 
 
-def _nearest_places(a: Frusta, b: Frusta) -> tuple[Points, Points]:
+def _nearest_places(a: Frusta, b: Frusta, near: Points) -> tuple[Points, Points]:
     """Return the places of pairs of frusta that are nearest to each other, (k, 3) both.
 
-    Both go to what is nearest to the middle between them, ahead by how far they came in the last
-    step, which is how such steps settle soonest (Beck and Teboulle, A Fast Iterative
-    Shrinkage-Thresholding Algorithm, 2009; begun again where they turn back: O'Donoghue and
-    Candès, 2015).
+    From a place `near` them both go to what is nearest to the middle between them, ahead by how
+    far they came in the last step, which is how such steps settle soonest (Beck and Teboulle, A
+    Fast Iterative Shrinkage-Thresholding Algorithm, 2009; begun again where they turn back:
+    O'Donoghue and Candès, 2015).
     """
-    # (2, k, 3): on a, on b
-    now = np.stack([a.at(a.lengths / 2)[0], b.at(b.lengths / 2)[0]])
-    ahead, speed = now.copy(), np.ones(len(a.lengths))
+    now = np.stack([a.nearest(near), b.nearest(near)])  # (2, k, 3): on a, on b
+    found, rows = now.copy(), np.arange(len(a.lengths))
+    ahead, speed = now, np.ones(len(rows))
     settled = SETTLED * (a.lengths + b.lengths + a.radii + b.radii)
     for _ in range(STEPS):
         middle = ahead.mean(axis=0)
@@ -156,11 +164,15 @@ def _nearest_places(a: Frusta, b: Frusta) -> tuple[Points, Points]:
         speed[back] = 1.0
         faster = (1.0 + np.sqrt(1.0 + 4.0 * speed**2)) / 2.0
         ahead = new + ((speed - 1.0) / faster)[:, None] * (new - now)
-        moved = length(new - now).max(axis=0)
+        moves = length(new - now).max(axis=0) > settled[rows]
         now, speed = new, faster
-        if (moved <= settled).all():
+        found[:, rows] = now
+        if not moves.all():
+            a, b, rows = a[moves], b[moves], rows[moves]
+            ahead, now, speed = ahead[:, moves], now[:, moves], speed[moves]
+        if len(rows) == 0:
             break
-    return now[0], now[1]
+    return found[0], found[1]
 
 
 def _level(a: Frusta, b: Frusta) -> tuple[Floats, Floats]:

@@ -5,19 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
 from scaffold_cad.base.boxes import overlapping_boxes
-from scaffold_cad.base.vectors import any_perpendicular, four_around, normalize
-from scaffold_cad.lattice.meshregion import MeshRegion
+from scaffold_cad.base.vectors import dot, normalize
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.printability.frusta import Frusta, between_balls, between_flat_ends
 from scaffold_cad.skeleton import Skeleton
 
-PAST = 0.02
-"""Distance past an end at which a flat one has nothing, in radii."""
-WITHIN = 0.95
-"""Distance from the axis of places past an end that walls of hollow struts are around, in radii."""
+AROUND = 1.5
+"""Distance from a node up to which triangles are of its end, in radii: corners of squares are."""
+OFF = 0.02
+"""Distance of a flat end's triangles from its node, in radii: files round coordinates."""
+FACING = 0.7
+"""Least cosine of a flat end's normal to the strut: curves end beside the line of their nodes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,19 +42,24 @@ def free_ends(skeleton: Skeleton) -> Bools:
 
 
 def flat_ends(skeleton: Skeleton, mesh: TriangleMesh) -> Bools:
-    """Return past which extremities there is nothing of a closed mesh of the struts, (m, 2)."""
+    """Return which extremities have triangles of the mesh across the node, facing away, (m, 2)."""
     flat = free_ends(skeleton)
     edges, ends = np.nonzero(flat)  # (k,) each
-    nodes = skeleton.nodes[skeleton.edges[edges]]  # (k, 2, 3)
+    if len(edges) == 0:
+        return flat
+    nodes, radii = skeleton.nodes[skeleton.edges[edges]], skeleton.edge_radii[edges, ends]
     rows = np.arange(len(edges))
-    radii = skeleton.edge_radii[edges, ends][:, None]
-    outward = normalize(nodes[rows, ends] - nodes[rows, 1 - ends])
-    x = any_perpendicular(outward)
-    ahead = nodes[rows, ends] + PAST * radii * outward  # (k, 3)
-    around = WITHIN * radii[:, None] * four_around(x, np.cross(outward, x))  # (k, 4, 3)
-    places = np.concatenate([ahead[:, None], ahead[:, None] + around], axis=1)  # (k, 5, 3)
-    inside = MeshRegion(mesh).contains(places.reshape(-1, 3)).reshape(-1, 5)
-    flat[edges, ends] = ~inside.any(axis=1)
+    tips = nodes[rows, ends]  # (k, 3)
+    outward = normalize(tips - nodes[rows, 1 - ends])
+    corners = mesh.vertices[mesh.triangles]  # (t, 3, 3)
+    distances, nearest = map(np.asarray, KDTree(tips).query(corners.mean(axis=1)))
+    some = np.flatnonzero(distances <= AROUND * radii[nearest])
+    first, second, third = np.moveaxis(corners[some], 1, 0)
+    tip = nearest[some]
+    normals = normalize(np.cross(second - first, third - first))
+    across = np.abs(dot(normals, first - tips[tip])) <= OFF * radii[tip]
+    there = tip[across & (dot(normals, outward[tip]) > FACING)]
+    flat[edges, ends] = np.bincount(there, minlength=len(edges)) > 0
     return flat
 
 
@@ -95,8 +102,7 @@ def _gaps_of(skeleton: Skeleton, i: Ints, j: Ints, limit: float, flat: Bools) ->
     near = widths < limit
     i, j, widths, places = i[near], j[near], widths[near], places[near]
     some = np.flatnonzero(flat[i].any(axis=1) | flat[j].any(axis=1))
-    widths[some], places[some] = between_flat_ends(
-        Frusta.of(skeleton, i[some]), Frusta.of(skeleton, j[some]), flat[i[some]], flat[j[some]]
-    )
+    a, b = (Frusta.of(skeleton, k[some]) for k in (i, j))
+    widths[some], places[some] = between_flat_ends(a, b, flat[i[some]], flat[j[some]], places[some])
     near = widths < limit
     return Gaps(i[near], j[near], widths[near], places[near])

@@ -43,14 +43,14 @@ from scaffold_cad.printability import (
     read_triangles,
 )
 from scaffold_cad.printability.direction import floating_groups
-from scaffold_cad.printability.gaps import free_ends, narrow_gaps
+from scaffold_cad.printability.gaps import flat_ends, free_ends, narrow_gaps
 from scaffold_cad.printability.nesting import winding_numbers
 from scaffold_cad.printability.page import page
 from scaffold_cad.scaffold.stars import Section
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid.manifolds import manifold_triangles
 from tests.meshes import CUBE, INSIDE_OUT_CUBE, OPEN_CUBE, TORUS, TWO_CUBES
-from tests.skeletons import ELBOW, JACK, K4, NAMED, STRUT, TWO_STRUTS, star
+from tests.skeletons import ELBOW, JACK, K4, NAMED, STRUT, TWO_STRUTS, polyline, star
 from tests.validation.printability import (
     FAULTS,
     POWDER,
@@ -388,6 +388,27 @@ def test_the_gap_beside_flat_ends_is_that_of_the_ends_as_they_are(
         sls = replace(SLS, least_gap=1.2)
         gap = check_printability(round_struts(struts), sls)["strut_gap"].value
         assert (gap["least_mm"], gap["overlapping"]) == (pytest.approx(wanted, abs=1e-6), 0)
+
+
+@pytest.mark.parametrize(
+    ("options", "flat"),
+    [
+        ({}, 2),
+        ({"wall": 0.1, "ends": "open"}, 2),
+        ({"wall": 0.3, "ends": "flat"}, 2),
+        ({"ends": "round"}, 0),
+        ({"wall": 0.1, "ends": "round"}, 0),
+    ],
+)
+def test_flat_ends_are_those_that_a_mesh_closes_across_the_node(
+    options: dict[str, Any], flat: int
+) -> None:
+    along = np.linspace(0, 3, 13)
+    nodes = np.column_stack([3000 + 10 * np.cos(along), 10 * np.sin(along), 5 * along])
+    helix = Skeleton(nodes, polyline(13), 1.5)
+    made = round_struts(helix, **options)
+    mesh = manifold_triangles(to_solid(made))
+    assert flat_ends(helix, mesh).sum() == flat
 
 
 def test_the_gap_beside_balls_at_ends_is_that_of_the_balls() -> None:
