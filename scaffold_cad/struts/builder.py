@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -39,6 +39,7 @@ from scaffold_cad.struts.room import allotted
 from scaffold_cad.struts.runs import Runs, ball_collars, ball_ends, balls_of, straight_runs
 from scaffold_cad.struts.sharp.balls import with_balls
 from scaffold_cad.struts.sharp.builder import sharp_struts
+from scaffold_cad.struts.twists import untwisted
 
 
 @checks_keywords()
@@ -161,12 +162,15 @@ def _built(
     limits = limits_beside(runs, solved, limits)
     done = np.zeros(len(runs.nodes), dtype=np.bool_)
     done[[node for part in solved for node in part.nodes.tolist()]] = True
-    for group, stars in zip(plan.groups, plan.wanted, strict=True):
+    wanted = list(zip(plan.groups, plan.wanted, strict=True))
+    for group, stars in reversed(wanted):  # bends last: they are turned as what is beside them is
         left = np.flatnonzero(~done[group.nodes])
         if len(left) == 0:
             continue
         rest = group[left]
         asked = replace(stars[left], most=limits[rest.half_runs])
+        if like is not None and rest.half_runs.shape[1] == 2:
+            asked = untwisted(runs, rest, asked, _begins(runs, solved), like)
         if outer is None or wall is None:
             solved += with_blends(rest, asked)
         else:
@@ -178,6 +182,14 @@ def _built(
         lost = lost if blended is None else lost | blended
         return _built(skeleton, options, like, outer, lost)
     return replace(struts, like=like)
+
+
+def _begins(runs: Runs, solved: Iterable[BlendedNodes]) -> UnitVectors:
+    """Return where the rings of half-runs begin, across them, (2 k, 3); zeros at other nodes."""
+    x = np.zeros((len(runs.tails), 3))
+    for group in solved:
+        x[group.half_runs] = group.shapes.collar_corners[group.shape_of][:, :, 0]
+    return x
 
 
 @dataclass(frozen=True, eq=False)
@@ -337,13 +349,12 @@ def _assembled(
     outer: RoundStruts | None,
 ) -> RoundStruts:
     """Return the struts, once it is known which nodes are crowded."""
-    collar, x = np.minimum(plan.joints.wanted, plan.limits), np.zeros((len(runs.tails), 3))
+    collar, x = np.minimum(plan.joints.wanted, plan.limits), _begins(runs, solved)
     collar += ball_collars(skeleton, runs)
     crowded = np.zeros(len(skeleton.nodes), dtype=np.bool_)
     for group in solved:
         made, which = group.shapes, group.shape_of
         collar[group.half_runs] = made.collar_distances[which]
-        x[group.half_runs] = made.collar_corners[which][:, :, 0]
         crowded[group.nodes[~made.sound[which]]] = True
     bends = np.full(len(skeleton.nodes), np.nan)
     bends[plan.elbows.nodes] = reached = plan.elbows.radii(collar)

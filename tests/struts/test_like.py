@@ -7,10 +7,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from scaffold_cad import RoundStruts, Skeleton, read_skeleton, round_struts
+from scaffold_cad import RoundStruts, Skeleton, read_skeleton, round_struts, self_intersections
 from scaffold_cad.errors import OptionError, PartitionError
 from scaffold_cad.solid.clusters.fewest import fewest_sides
-from scaffold_cad.struts.meshes.surface import triangulated
+from scaffold_cad.struts.meshes.surface import sized_rings, triangulated
+from scaffold_cad.struts.options import Joints
 from tests.crossings import check_as_written
 from tests.test_examples import EXAMPLES
 
@@ -184,3 +185,36 @@ def test_struts_that_come_near_each_other_keep_the_sides_of_the_first() -> None:
     assert (fewest_sides(near, 16), fewest_sides(far, 16)) == (32, 16)
     assert fewest_sides(round_struts(pair(1.0), like=near), 16) == 32
     assert fewest_sides(round_struts(pair(0.05), like=far), 16) == 16
+
+
+@pytest.mark.parametrize("joints", ["blend", "curve"])
+def test_struts_beside_straight_joints_twist_no_more_than_in_the_first(joints: Joints) -> None:
+    nodes = np.array([[0, 0, 0], [0, 0, 40], [0, 0, 70], [25, 0, 90], [-20, 15, 95], [-5, -25, 99]])
+    edges = [[0, 1], [1, 2], [2, 3], [2, 4], [2, 5]]
+    radii = np.array([[6, 5], [5, 5], [3, 2], [2, 2], [3, 3]])  # a cone ends at the joint
+    tree = Skeleton(nodes, edges, 1.0).with_edge_radii(radii)
+    first = round_struts(tree, joints=joints)
+    shift = triangulated(first, 16).shift
+    before = sized_rings(first, 16, shift).twist
+    for way in ([0.03, 0, 0], [-0.03, -0.01, 0], [0, 0.05, 0.0]):
+        swayed = tree.moved(nodes + nodes[:, 2:] * way)
+        struts = round_struts(swayed, joints=joints, like=first)
+        twist = sized_rings(struts, 16, shift).twist
+        np.testing.assert_allclose(twist, before, atol=np.radians(3))
+        assert len(self_intersections(triangulated(struts, 16).mesh)) == 0
+
+
+def test_a_bend_between_branches_may_go_through_straight_to_the_other_side() -> None:
+    def frame(aside: float) -> Skeleton:
+        fork = np.array([[0, 0, 0], [-9, 0, 9], [-9, 0, -9], [0, -9, 0]])
+        nodes = np.concatenate([fork, [[30, 0, aside]], [60, 0, 0] - fork])
+        edges = [[0, 1], [0, 2], [0, 3], [0, 4], [4, 5], [5, 6], [5, 7], [5, 8]]
+        return Skeleton(nodes, edges, 1.5)
+
+    first = round_struts(frame(-4.0), joints="blend")
+    shift = triangulated(first, 16).shift
+    before = sized_rings(first, 16, shift).twist
+    for aside in (-0.5, 0.5, 4.0):
+        struts = round_struts(frame(aside), joints="blend", like=first)
+        twist = sized_rings(struts, 16, shift).twist
+        np.testing.assert_allclose(twist, before, atol=np.radians(10))

@@ -242,7 +242,7 @@ def curves(runs: Runs, joints: CurvedJoints, collar: Floats, x: Floats) -> Curve
         joints.curved,
         np.full(len(both), np.nan),
     )
-    return _turned(made, np.where(both[:, :1] >= 0, x[both[:, 0] ^ 1], 0.0))
+    return _turned(made, np.where(both[..., None] >= 0, x[both ^ 1], 0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -321,9 +321,12 @@ def _turned(made: Curves, x: Floats) -> Curves:
 
     Parameters
     ----------
-    x : (c, 3) where the first circle of each begins, 0 for anywhere
+    x : (c, 2, 3) where the first and the last circle of each begin, 0 for anywhere; the first one
+        counts if both do
     """
-    first, start = made.pieces, made.offsets[:-1]
+    first, start, end = made.pieces, made.offsets[:-1], made.offsets[1:] - 1
+    from_end = ~x[:, 0].any(axis=1) & x[:, 1].any(axis=1)
+    last, x = x[:, 1], x[:, 0]
     counts = np.diff(made.offsets) - 1
     tangents = made.tangents
     x = np.where(np.any(x, axis=1, keepdims=True), x, any_perpendicular(tangents[start]))
@@ -336,10 +339,11 @@ def _turned(made: Curves, x: Floats) -> Curves:
     ahead = np.zeros(len(tangents))
     ahead[first + 1] = made.speeds
     along = np.cumsum(ahead) - np.repeat(np.cumsum(ahead)[start], counts + 1)  # (s,) mm
-    end = made.offsets[1:] - 1
+    wanted = np.where(made.closed[:, None], x, last)  # (c, 3)
     y = np.cross(tangents[end], turned[end])
-    missing = np.where(made.closed, np.arctan2(dot(x, y), dot(x, turned[end])), 0.0)  # (c,)
-    rate = np.repeat(missing / along[end], counts + 1)
-    turned = rotate(turned, tangents, rate * along)
+    missing = np.arctan2(dot(wanted, y), dot(wanted, turned[end]))  # (c,)
+    rate = np.repeat(np.where(made.closed, missing, 0.0) / along[end], counts + 1)
+    whole = np.repeat(np.where(from_end, missing, 0.0), counts + 1)
+    turned = rotate(turned, tangents, rate * along + whole)
     turned[end[made.closed]] = x[made.closed]
     return replace(made, x=turned, twists=rate)
