@@ -9,6 +9,7 @@ import signal
 import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from functools import partial
 from multiprocessing import get_context
@@ -112,6 +113,9 @@ def _guarded(
         return BAD_INPUT
     except MemoryError:
         tell(f"out of memory; need a smaller skeleton{fewer}")
+        return BAD_INPUT
+    except BrokenProcessPool:  # joblib's error, for tiles, is one too
+        tell("a process was killed, as systems do where memory runs out; need a smaller --jobs")
         return BAD_INPUT
     except OSError as error:  # of standard output: files raise a FormatError
         return unprinted(error)

@@ -7,7 +7,10 @@ import os
 import shlex
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 import pytest
@@ -56,6 +59,27 @@ def test_a_refused_file_is_named_and_ends_no_other(
     assert main(["build", "bad.json", "strut.json", "-o", "out", "--format", "stl"]) == 2
     assert "bad.json" in capsys.readouterr().err
     assert [path.name for path in (folder / "out").iterdir()] == ["strut.stl"]
+
+
+class Killed(ThreadPoolExecutor):
+    """Processes of which the first is killed."""
+
+    def __init__(self, *_: object) -> None:
+        super().__init__(1)
+
+    def map(self, *_: object, **__: object) -> NoReturn:
+        raise BrokenProcessPool
+
+
+def test_a_killed_process_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("scaffold_cad.cli.running.ProcessPoolExecutor", Killed)
+    words = ["build", "angle.json", "strut.json", "-o", "out", "--format", "stl", "--jobs", "2"]
+    assert main(words) == 2
+    told = capsys.readouterr().err
+    assert told.startswith("scaffold-cad: a process was killed")
+    assert "need a smaller --jobs" in told
 
 
 def test_info_of_several_files_names_each(capsys: pytest.CaptureFixture[str]) -> None:
