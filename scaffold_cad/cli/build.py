@@ -45,7 +45,7 @@ def add_parser(
     processes.add_process(parser)
     shapes.add_arguments(parser)
     hexahedra.add_arguments(parser)
-    tiled.add_arguments(parser, of="an .stl file")
+    tiled.add_arguments(parser, of="an .stl file", jobs="tiles, or on files")
     parser.set_defaults(run=run)
 
 

@@ -48,7 +48,7 @@ def add_parser(
     parser.add_argument(
         "--skin", type=float, metavar="S", help="thickness of a closed wall of that part, mm"
     )
-    tiled.add_arguments(parser, of="the layers of struts")
+    tiled.add_arguments(parser, of="the layers of struts", jobs="tiles, or on files")
     parser.set_defaults(run=run)
 
 

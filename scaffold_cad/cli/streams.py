@@ -30,7 +30,9 @@ def add_output(parser: argparse.ArgumentParser, about: str) -> None:
         help=f"{about}; - for standard output, or a folder, with --format",
     )
     parser.add_argument(
-        "--format", metavar="FMT", help="format of - or of the files in a folder, such as stl"
+        "--format",
+        metavar="FMT",
+        help="format of - or of the files in a folder: a suffix of OUT without its dot",
     )
 
 

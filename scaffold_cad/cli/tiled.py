@@ -27,7 +27,7 @@ _log = logging.getLogger(__name__)
 
 
 def add_arguments(
-    parser: argparse.ArgumentParser, *, of: str, block: str = "of a tile, mm"
+    parser: argparse.ArgumentParser, *, of: str, block: str = "of a tile, mm", jobs: str = "tiles"
 ) -> None:
     """Add the arguments of tiles.
 
@@ -35,6 +35,7 @@ def add_arguments(
     ----------
     of : what is made tile by tile
     block : what `--block` is the size of, and its unit
+    jobs : what processes work on
     """
     tiles = parser.add_argument_group("tiles")
     tiles.add_argument(
@@ -49,7 +50,7 @@ def add_arguments(
         "--jobs",
         type=int,
         metavar="N",
-        help="processes that work on tiles, or on files (default: 1)",
+        help=f"processes that work on {jobs} (default: 1)",
     )
 
 

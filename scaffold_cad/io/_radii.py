@@ -37,7 +37,7 @@ def lost_radii(skeleton: Skeleton, kept: KeptRadii) -> str:
     if kept == "nodes" and (own != of_nodes).any():
         struts = counted(int((own != of_nodes).any(axis=1).sum()), "strut")
         most = float((of_nodes / own).max())
-        return f"holds a radius for each node: {struts} become up to {most:.3g} times as thick"
+        return f"holds a radius for each node, which makes {struts} up to {most:.3g} times as thick"
     lost = []
     if kept in ("means", "nodes and means") and (own[:, 0] != own[:, 1]).any():
         lost.append(counted(int((own[:, 0] != own[:, 1]).sum()), "taper"))

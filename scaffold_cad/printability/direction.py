@@ -282,7 +282,7 @@ def _best(facets: Facets, stand: Standing, direction: UnitVectors, process: Proc
     best = best_direction(facets, process, direction)
     other = standing(facets, best, process)
     text = f"({', '.join(f'{value:.3g}' for value in best + 0.0)}) up: height {other.height:.4g} mm"
-    if process.overhang_angle > 0:
+    if other.support_area < stand.support_area:
         text += f", supports {other.support_area:.4g} mm² instead of {stand.support_area:.4g}"
     return Finding(
         "best_direction",

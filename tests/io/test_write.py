@@ -108,7 +108,7 @@ UNEVEN = Skeleton(
             ),
         ),
         (".vtu", "holds a radius for each member, the mean of both ends: 1 taper lost"),
-        (".swc", "holds a radius for each node: 2 struts become up to 3 times as thick"),
+        (".swc", "holds a radius for each node, which makes 2 struts up to 3 times as thick"),
         (".obj", "holds no radii; need radius= to read it"),
     ],
 )

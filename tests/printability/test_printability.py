@@ -483,6 +483,7 @@ def test_a_table_hangs_over_but_not_upside_down() -> None:
     turned = check_printability(table, "fdm", direction="best")
     assert turned["supports"].verdict == "ok"
     assert turned["plate_contact"].value["area_mm2"] == pytest.approx(100.0)
+    assert "supports" not in turned["best_direction"].text  # no better than it is
 
 
 @pytest.mark.parametrize("seed", range(6))
