@@ -199,13 +199,6 @@ def draw_stick_woman() -> None:
     stage.save("stick_woman")
 
 
-def draw_spiral() -> None:
-    """Draw the spiral that leaves a node of valency 3."""
-    stage = Stage((-0.35, -1.0, 0.75), 1000, 700)
-    stage.add_mesh(build_scaffold(skeleton("spiral")).mesh, SAND, 0.18)
-    stage.save("spiral")
-
-
 def draw_partitions() -> None:
     """Draw the partitions of spheres around 3, 4 and 8 branches."""
     stage = Stage((-0.15, -1.0, 0.35), 1200, 500)
@@ -430,28 +423,6 @@ def draw_layers() -> None:
     _save(_sheet(pictures, columns=3), "layers")
 
 
-def draw_round_stick_woman() -> None:
-    """Draw the stick woman of round struts, which overlap in places."""
-    stage = Stage((-0.32, -1.0, 0.16), 780, 1060)
-    stage.add(_faceted(to_solid(round_struts(skeleton("stick_woman"), ends="round"))), SAND)
-    stage.save("round_stick_woman")
-
-
-def draw_round_octet() -> None:
-    """Draw eight octet cells, with nodes of valencies up to 12, of round struts."""
-    struts = round_struts(tile("octet", 20.0, 2, radius=1.3))
-    stage = Stage((-0.42, -1.0, 0.5), 740, 740)
-    stage.add(_faceted(to_solid(struts, sides=32)), BLUE)
-    stage.save("round_octet")
-
-
-def draw_round_star() -> None:
-    """Draw eight round struts around a node, with flat ends."""
-    stage = Stage((-0.15, -1.0, 0.35), 740, 740)
-    stage.add(_faceted(to_solid(round_struts(skeleton("star_8"), blend=1.0), sides=48)), SAND)
-    stage.save("round_star")
-
-
 def draw_sharp_nodes() -> None:
     """Draw pipes whose nodes are sharp: braces on a chord, a cross of one radius and a miter."""
     nodes = [[0, 0, 0], [-9, 0, 0], [12, 0, 0], [-7, 0, 9], [7, 0, 9], [12, 0, 12], [12, 8, 0]]
@@ -597,14 +568,10 @@ def draw_page() -> None:
 
 PICTURES: dict[str, Callable[[], None]] = {
     "stick_woman": draw_stick_woman,
-    "spiral": draw_spiral,
     "partitions": draw_partitions,
     "overlapping_tree": draw_overlapping_tree,
     "twist": draw_twist,
     "lattice": draw_lattice,
-    "round_stick_woman": draw_round_stick_woman,
-    "round_octet": draw_round_octet,
-    "round_star": draw_round_star,
     "sharp_nodes": draw_sharp_nodes,
     "united": draw_united,
     "cells": draw_cells,
