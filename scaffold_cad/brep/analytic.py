@@ -184,6 +184,12 @@ class BrepFaces(Frozen):
     traces: tuple[Traces, ...] = ()
     """Of uses whose parameters do not change evenly, table after table."""
 
+    @property
+    def face_of_use(self) -> Ints:
+        """The face of each use, shape (u,)."""
+        face = np.repeat(np.arange(len(self.kinds)), np.diff(self.loops))
+        return np.repeat(face, np.diff(self.uses))
+
 
 @dataclass(frozen=True, eq=False)
 class AnalyticBrep(Frozen):
@@ -222,8 +228,7 @@ class AnalyticBrep(Frozen):
             If an edge is not; it is named, and where it begins.
         """
         faces = self.faces
-        loop = np.repeat(np.arange(len(faces.uses) - 1), np.diff(faces.uses))
-        face = np.repeat(np.arange(len(faces.kinds)), np.diff(faces.loops))[loop]
+        face = faces.face_of_use
         # A face that is seen from inside runs along its edges the other way round.
         along = faces.forward == faces.outward[face]
         count = len(self.edges.ends)

@@ -252,9 +252,7 @@ def _rows_of(counts: Ints, order: Ints) -> Ints:
 def by_edges(brep: AnalyticBrep) -> AnalyticBrep:
     """Return the same with a shell, and a solid, for all faces that edges connect."""
     faces = brep.faces
-    loop = np.repeat(np.arange(len(faces.uses) - 1), np.diff(faces.uses))
-    face = np.repeat(np.arange(len(faces.kinds)), np.diff(faces.loops))[loop]
-    links = np.stack([face, len(faces.kinds) + faces.edge], axis=1)
+    links = np.stack([faces.face_of_use, len(faces.kinds) + faces.edge], axis=1)
     labels = component_labels(links, len(faces.kinds) + len(brep.edges.ends))
     _, shell = np.unique(labels[: len(faces.kinds)], return_inverse=True)
     shell = shell.reshape(-1)
@@ -272,8 +270,7 @@ def with_voids(brep: AnalyticBrep, void: Bools) -> AnalyticBrep:
     rank[order] = np.arange(len(order))
     faces, bodies = brep.faces, int((~void).sum())
     shell = rank[faces.shell]
-    loop = np.repeat(np.arange(len(faces.uses) - 1), np.diff(faces.uses))
-    of_use = shell[np.repeat(np.arange(len(shell)), np.diff(faces.loops))[loop]]
+    of_use = shell[faces.face_of_use]
     low, high = np.full((2, len(void), 3), np.inf)
     ends = brep.vertices[brep.edges.ends[faces.edge]]  # (u, 2, 3)
     lows, highs = _boxes(brep)

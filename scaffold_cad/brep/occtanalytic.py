@@ -32,6 +32,7 @@ from OCP.Geom2d import Geom2d_BSplineCurve, Geom2d_Curve, Geom2d_Line
 from OCP.gp import gp_Ax2, gp_Ax3, gp_Dir, gp_Dir2d, gp_Pnt, gp_Pnt2d
 from OCP.TopoDS import TopoDS_Edge, TopoDS_Face, TopoDS_Solid, TopoDS_Vertex, TopoDS_Wire
 
+from scaffold_cad.base.arrays import Floats
 from scaffold_cad.brep.analytic import AnalyticBrep, BrepFaces, Curve, Knots, Surface
 from scaffold_cad.brep.arcsides import arc_parameters
 from scaffold_cad.brep.occt import (
@@ -47,6 +48,10 @@ from scaffold_cad.brep.occt import (
 
 POLE = 1e-9
 """Distance of a latitude from ±π/2 at which it is that of a pole, rad."""
+
+OFF_FACES = 2e-9
+"""How far edges are off their faces at most, in radii of the edge or the face: the sides of patches
+off their circles, for example (see `ARC_ERROR` of `struts.blending.quarter`)."""
 
 
 def make_shape(brep: AnalyticBrep, kind: str) -> Shape:
@@ -77,8 +82,9 @@ def make_shape(brep: AnalyticBrep, kind: str) -> Shape:
 def _faces(brep: AnalyticBrep) -> list[TopoDS_Face]:
     """Return the faces, each turned so that it is seen from outside."""
     builder, faces = BRep_Builder(), brep.faces
-    vertices = _vertices(brep)
-    edges = _edges(brep, vertices)
+    tolerances = _tolerances(brep)
+    vertices = _vertices(brep, tolerances)
+    edges = _edges(brep, vertices, tolerances)
     splines = {**dict(_arc_splines(brep)), **dict(_traces(brep))}
     starts, loops = faces.uses.tolist(), faces.loops.tolist()
     made = []
@@ -104,29 +110,42 @@ def _faces(brep: AnalyticBrep) -> list[TopoDS_Face]:
     return made
 
 
-def _vertices(brep: AnalyticBrep) -> list[tuple[TopoDS_Vertex, TopoDS_Vertex]]:
+def _tolerances(brep: AnalyticBrep) -> Floats:
+    """Return the tolerance of each vertex, (v,), mm; that of an edge is the larger of its ends'."""
+    edges, faces = brep.edges, brep.faces
+    radii = np.zeros(len(faces.kinds))
+    radii[: len(faces.sizes)] = faces.sizes[:, 0]
+    size = np.zeros(len(edges.ends))
+    size[edges.kinds == Curve.CIRCLE] = edges.radii
+    np.maximum.at(size, faces.edge, radii[faces.face_of_use])
+    found = np.full(len(brep.vertices), TOLERANCE)
+    np.maximum.at(found, edges.ends, OFF_FACES * size[:, None])
+    return found + brep.slacks
+
+
+def _vertices(brep: AnalyticBrep, tolerances: Floats) -> list[tuple[TopoDS_Vertex, TopoDS_Vertex]]:
     """Return each vertex as it begins an edge, and as it ends one."""
     builder = BRep_Builder()
     vertices = []
-    for (x, y, z), slack in zip(brep.vertices.tolist(), brep.slacks.tolist(), strict=True):
+    for (x, y, z), tolerance in zip(brep.vertices.tolist(), tolerances.tolist(), strict=True):
         vertex = TopoDS_Vertex()
-        builder.MakeVertex(vertex, gp_Pnt(x, y, z), TOLERANCE + slack)
+        builder.MakeVertex(vertex, gp_Pnt(x, y, z), tolerance)
         vertices.append((vertex, vertex.Reversed()))
     return vertices
 
 
 def _edges(
-    brep: AnalyticBrep, vertices: list[tuple[TopoDS_Vertex, TopoDS_Vertex]]
+    brep: AnalyticBrep, vertices: list[tuple[TopoDS_Vertex, TopoDS_Vertex]], tolerances: Floats
 ) -> list[TopoDS_Edge]:
     """Return the edges; they share their vertices."""
     builder = BRep_Builder()
     edges = []
-    slacks = brep.slacks[brep.edges.ends].max(axis=1)
-    for (start, end), slack, (curve, first, last) in zip(
-        brep.edges.ends.tolist(), slacks.tolist(), _curves(brep), strict=True
+    greatest = tolerances[brep.edges.ends].max(axis=1)
+    for (start, end), tolerance, (curve, first, last) in zip(
+        brep.edges.ends.tolist(), greatest.tolist(), _curves(brep), strict=True
     ):
         edge = TopoDS_Edge()
-        builder.MakeEdge(edge, curve, TOLERANCE + slack)
+        builder.MakeEdge(edge, curve, tolerance)
         builder.Range(edge, first, last)
         builder.Add(edge, vertices[start][0])
         builder.Add(edge, vertices[end][1])
@@ -266,9 +285,7 @@ def _first_parameter(brep: AnalyticBrep, edge: int) -> float:
 def _arc_splines(brep: AnalyticBrep) -> Iterator[tuple[int, Geom2d_Curve]]:
     """Yield the uses of circles at the sides of patches, and their curves in the parameters."""
     faces, edges = brep.faces, brep.edges
-    use_count = np.diff(faces.uses)
-    face_of_loop = np.repeat(np.arange(len(faces.kinds)), np.diff(faces.loops))
-    face = np.repeat(face_of_loop, use_count)
+    face = faces.face_of_use
     is_arc = edges.kinds[faces.edge] == Curve.CIRCLE
     first_patch = len(faces.axes.origin)
     for table in faces.patches:

@@ -190,3 +190,13 @@ def test_open_shells_are_named_by_their_edge() -> None:
     wrong = replace(faces, faces=replace(faces.faces, forward=forward))
     with pytest.raises(BrepError, match=r"edge \d+ from \[.*\] mm is used .* times forward and"):
         wrong.check_closed()
+
+
+@pytest.mark.parametrize("options", [{}, {"nodes": "ball"}, {"nodes": "sharp"}, {"wall": 40.0}])
+def test_solids_of_large_radii_are_valid(options: dict[str, Any]) -> None:
+    turns = np.array([0, 0.3, 0.6])
+    spring = np.stack([9000 + 900 * np.cos(turns), 900 * np.sin(turns), 300 * turns], axis=1)
+    nodes = [*(600 * TRIPOD.nodes), *spring]
+    edges = [*TRIPOD.edges, [4, 5], [5, 6]]
+    frame = Skeleton(nodes, edges, 1.0).with_edge_radii([500, 400, 300, 90, 90])
+    assert to_brep(round_struts(frame, **options)).is_valid

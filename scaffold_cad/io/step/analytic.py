@@ -247,8 +247,7 @@ def _write_patch_points(
     """
     faces, edges = brep.faces, brep.edges
     grid = np.zeros(table.control.shape[:3], dtype=np.intp)
-    loop_face = np.repeat(np.arange(len(faces.kinds)), np.diff(faces.loops))
-    patch = np.repeat(loop_face, np.diff(faces.uses)) - first
+    patch = faces.face_of_use - first
     start_of_curves = sum(edges.counts[:2])
     for numbers in poles:
         curve = faces.edge - start_of_curves
