@@ -117,7 +117,8 @@ def mixed_brep(struts: RoundStruts) -> AnalyticBrep:
     either = np.full(len(ends), EITHER)
     if len(struts.sockets.nodes):
         void, circles[:, 1] = bored(struts, void, ends, circles[:, 1], either, inner.first_name)
-    rings = end_rings(struts, ends, circles, either, outer.first_name)
+    both = np.full(len(ends), BODY)  # its faces are of the outside and of the inside
+    rings = end_rings(struts, ends, circles, both, outer.first_name)
     return _told(_solids(extended(outer.faces, turned(void), rings)))
 
 

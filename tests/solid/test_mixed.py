@@ -283,3 +283,11 @@ def test_facets_of_hollow_clusters_keep_the_wall(skeleton: Skeleton, wall: float
     walls = distances(np.concatenate([inside.vertices, inside.triangles_center]), outside)
     assert walls.min() > 0.95 * wall
     assert np.median(walls) == pytest.approx(wall, rel=0.02)
+
+
+def test_open_struts_beside_those_that_cross_are_solids_of_their_own() -> None:
+    tube = [[0, 0, 30], [0, 0, 50]]
+    both = Skeleton([*CROSSING.nodes, *tube], [*CROSSING.edges, [4, 5]], 1.0)
+    solids = to_brep(round_struts(both, wall=0.6, ends="open"), overlaps="unite").solids()
+    assert [solid.is_valid for solid in solids] == [True, True]
+    assert min(solid.volume for solid in solids) == pytest.approx(np.pi * 0.84 * 20)
