@@ -69,7 +69,7 @@ class StrutOptions:
         if isinstance(self.bend, str):
             check_choice(self.bend, "bend", ("blend", "torus"), or_else="a radius in mm")
         else:
-            as_number(self.bend, "bend")
+            as_number(self.bend, "bend", hint=", 'blend' or 'torus'")
         check_choice(self.nodes, "nodes", get_args(Nodes))
         if self.is_sharp:
             self._check_sharp()

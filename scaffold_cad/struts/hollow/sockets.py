@@ -23,6 +23,7 @@ from scaffold_cad.base.arrays import (
 from scaffold_cad.brep.analytic import AnalyticBrep, Axes, BrepEdges, BrepFaces, Surface
 from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.struts.hollow.longends import SPARE
 from scaffold_cad.struts.runs import ball_ends, straight_runs
 
 TURN = 2 * np.pi
@@ -60,7 +61,7 @@ def sockets_of(
     Raises
     ------
     OptionError
-        If a node is not an extremity or is a ball, or its edge has no room for the socket; it is
+        If a node is not an extremity or is a ball, or its strut has no room for the socket; it is
         named.
     """
     rows = sorted((given or {}).items())
@@ -69,23 +70,28 @@ def sockets_of(
     wrong = [node for node in nodes.tolist() if node not in set(skeleton.extremities.tolist())]
     if wrong:
         raise OptionError(f"sockets has node {wrong[0]}, which is not an end of a strut; need one")
-    half = skeleton.incidence.half_edges[skeleton.incidence.offsets[nodes]]
-    outer, other = (skeleton.edge_radii.reshape(-1)[each] for each in (half, half ^ 1))
-    for row in np.flatnonzero(ball_ends(skeleton, straight_runs(skeleton))[nodes])[:1].tolist():
+    runs = straight_runs(skeleton)
+    half = runs.incidence.half_edges[runs.incidence.offsets[nodes]]  # (q,)
+    outer = runs.radii.reshape(-1)[half]
+    for row in np.flatnonzero(ball_ends(skeleton, runs)[nodes])[:1].tolist():
         node = nodes[row]
         raise OptionError(
             f"the socket at node {node} at {place_text(skeleton.nodes[node])} is in a ball of "
             f"radius {skeleton.radii[node]:g} mm; need the {outer[row]:g} mm of its strut, whose "
             "end is open"
         )
-    lengths = skeleton.lengths[half >> 1]
-    at_shoulder = outer + (other - outer) * np.minimum(depths / lengths, 1.0)
-    for node, place, radius, depth, length, size, inside in zip(
+    taken = np.zeros(len(skeleton.nodes))
+    taken[nodes] = depths
+    lengths = runs.lengths[half >> 1]
+    room = lengths - taken[runs.tails[half ^ 1]]
+    at_shoulder = runs.radii_at(half, np.minimum(depths, lengths))
+    for node, place, radius, depth, length, left, size, inside in zip(
         nodes.tolist(),
         [place_text(point) for point in skeleton.nodes[nodes]],
         radii.tolist(),
         depths.tolist(),
         lengths.tolist(),
+        room.tolist(),
         np.minimum(outer, at_shoulder).tolist(),
         (at_shoulder - wall).tolist(),
         strict=True,
@@ -93,12 +99,12 @@ def sockets_of(
         if not 0 < radius < size:
             raise OptionError(
                 f"the socket at node {node} at {place} has radius {radius:g} mm; need > 0 "
-                f"and less than the {size:g} mm of its strut"
+                f"and less than the {size:g} mm of its strut, down to the shoulder"
             )
-        if not 0 < depth < length:
+        if not 0 < depth < left - SPARE * length:
             raise OptionError(
-                f"the socket at node {node} at {place} is {depth:g} mm deep; need > 0 "
-                f"and less than the {length:g} mm of its strut"
+                f"the socket at node {node} at {place} is {depth:g} mm deep; need > 0 and less "
+                f"than the {left:g} mm that its strut has for it"
             )
         if abs(radius - inside) < 1e-6 * size:
             raise OptionError(

@@ -40,6 +40,20 @@ def test_sockets_have_their_radius_and_depth(sockets: dict[int, tuple[float, flo
     assert walls(struts).least == pytest.approx(min(1.0, *(5 - r for r, _ in sockets.values())))
 
 
+def test_sockets_are_deeper_than_the_links_of_a_straight_strut() -> None:
+    sockets = {0: (3.0, 9.0), 1: (4.5, 8.0)}
+    whole, split = (
+        round_struts(tube, wall=1.0, ends="open", sockets=sockets)
+        for tube in (TUBE, TUBE.subdivided(4))
+    )
+    assert to_brep(split).volume == pytest.approx(to_brep(whole).volume, rel=1e-9)
+
+
+def test_sockets_that_meet_are_refused() -> None:
+    with pytest.raises(OptionError, match=r"node 0 at .* 11 mm deep; need > 0 and less than the 9"):
+        round_struts(TUBE, wall=1.0, ends="open", sockets={0: (4.5, 11.0), 1: (4.5, 11.0)})
+
+
 def test_nodes_keep_their_wall_beside_sockets(tmp_path: Path) -> None:
     struts = round_struts(ELBOWS, wall=1.5, ends="open", sockets={1: (5.0, 12.0), 3: (4.8, 8.0)})
     write(struts, tmp_path / "lug.step")
