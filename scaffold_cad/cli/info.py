@@ -11,8 +11,7 @@ from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.base.summaries import range_text, size_text
 from scaffold_cad.cli import source
 from scaffold_cad.errors import FormatError
-from scaffold_cad.io import read_raw, read_triangles
-from scaffold_cad.io._raw import RawSkeleton
+from scaffold_cad.io import RawSkeleton, read_raw, read_triangles
 from scaffold_cad.io.reading import with_repairs
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.mesh.welding import welded

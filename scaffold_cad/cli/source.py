@@ -19,8 +19,7 @@ from scaffold_cad.base.vectors import mirror, rotate
 from scaffold_cad.cli import fields, sizes
 from scaffold_cad.cli.sizes import AXES
 from scaffold_cad.errors import FormatError, OptionError
-from scaffold_cad.io import BYTES_PER_EDGE, read_assembly, read_raw, read_triangles
-from scaffold_cad.io._raw import RawSkeleton
+from scaffold_cad.io import BYTES_PER_EDGE, RawSkeleton, read_assembly, read_raw, read_triangles
 from scaffold_cad.io.reading import in_millimeters, repairing, strictly, with_repairs
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.products.assembly import Assembly, assembly_solid, log_united

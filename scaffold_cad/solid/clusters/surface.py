@@ -235,24 +235,30 @@ def _surface(
             mesh, failed = _joined(clusters, shell, field, factor)
         if len(failed) == 0:
             own = ends < count
-            around = shell.made.node
             if fields is not None:
                 report_thickened(fields, factor)
             report_filled(voids)
             return _Surface(
-                mesh,
-                ends[own],
-                shell.rings[own],
-                clusters.nodes,
-                clusters.pieces,
-                clusters.reached,
-                around,
-                clusters.spans,
-                len(shell.made.mesh.vertices),
-                left,
+                mesh=mesh,
+                ends=ends[own],
+                rings=shell.rings[own],
+                nodes=clusters.nodes,
+                pieces=clusters.pieces,
+                fillets=clusters.reached,
+                node=shell.made.node,
+                spans=clusters.spans,
+                exact=len(shell.made.mesh.vertices),
+                left=left,
             )
         _log.debug("%d of %d seams failed", len(failed), len(rest.cuts.node))
         core, seeds = grown(struts, clusters, failed)
+    return _whole_field(struts, sides, fillets, core, sags, factor)
+
+
+def _whole_field(
+    struts: RoundStruts, sides: int, fillets: Floats, core: Core, sags: Sags | None, factor: float
+) -> _Surface:
+    """Return the surface of solid struts as one field, see `_surface`."""
     _log.info(
         "%s too little room for rings of their own: made as a field",
         counted(len(struts.skeleton.edges), "strut has", "struts have"),
@@ -262,9 +268,18 @@ def _surface(
     mesh, voids = without_voids(field_of(fields, sides, sags, factor), fields.middles)
     report_filled(voids)
     none = np.zeros((0, sides), dtype=np.intp)
-    nodes, pieces = np.ones_like(core.nodes), np.ones_like(core.pieces)
-    every = whole_runs(struts.runs)
-    return _Surface(mesh, none[:, 0], none, nodes, pieces, fillets, none[:, 0], every, 0, None)
+    return _Surface(
+        mesh=mesh,
+        ends=none[:, 0],
+        rings=none,
+        nodes=np.ones_like(core.nodes),
+        pieces=np.ones_like(core.pieces),
+        fillets=fillets,
+        node=none[:, 0],
+        spans=whole_runs(struts.runs),
+        exact=0,
+        left=None,
+    )
 
 
 def field_of(

@@ -116,7 +116,8 @@ def thickened(struts: Walls, wall: float, between: float, factor: float) -> Tria
 
     Parameters
     ----------
-    part : of the wall, that is between two polygons
+    wall : that is asked for, mm
+    between : the part of it that is between two polygons
     factor : what lengths are multiplied with in a file, in whose 32-bit numbers triangles are
         looked at
     """
