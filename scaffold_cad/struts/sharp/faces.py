@@ -134,13 +134,15 @@ def _add_node(
 def _uses(
     made: Seamed, shape: SharpShape, face: int, steps: Steps, number: list[int], size: float
 ) -> list[Use]:
-    """Return the uses of edges by a loop, their traces in rad and mm."""
+    """Return the uses of edges by a loop, their traces in rad and mm.
+
+    Those on balls are around longitude π: booleans of OCCT move curves to longitudes of 0 to 2π.
+    """
     uses = []
+    scale, start = ([1.0, size], 0.0) if face < shape.valency else ([1.0, 1.0], [np.pi, 0.0])
     for edge, way in steps:
         trace = made.edges[edge].traces[0 if way else 1]
-        if face < shape.valency:
-            trace = Trace(trace.control * [1.0, size], trace.pieces)
-        uses.append(Use(number[edge], way, trace))
+        uses.append(Use(number[edge], way, Trace(start + trace.control * scale, trace.pieces)))
     return uses
 
 
@@ -171,7 +173,7 @@ def _add_ball(
         if other.part == face:
             other.loops.append(uses)
             return
-    axes = place, frame.z, frame.x
+    axes = place, frame.z, -frame.x
     parts.faces.append(Face(Surface.SPHERE, axes, (size, 0.0), [uses], node, runs + node, face))
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from build123d import GeomType, import_step
+from build123d import Cylinder, GeomType, Plane, import_step
 
 from scaffold_cad import Skeleton, round_struts, to_brep, to_solid, write
 from scaffold_cad.errors import OptionError, SkeletonError
@@ -37,6 +37,18 @@ def test_each_strut_ends_in_a_circle_on_one_sphere(skeleton: Skeleton, tmp_path:
     assert {round(face.radius, 6) for face in spheres} == {round(ball, 6) for ball in balls}
     kinds = {edge.geom_type for edge in read.edges()} - {GeomType.LINE, GeomType.CIRCLE}
     assert not kinds
+
+
+@pytest.mark.parametrize("skeleton", [JACK, ELBOW], ids=["jack", "elbow"])
+def test_struts_between_balls_can_be_drilled(skeleton: Skeleton, tmp_path: Path) -> None:
+    struts = round_struts(skeleton, nodes="ball")
+    write(struts, tmp_path / "node.step")
+    place = [0.2, 0.8] @ skeleton.nodes[skeleton.edges[0]]
+    drill = Plane(tuple(place), z_dir=(0, 0, 1)) * Cylinder(0.3, 6.0)
+    rod = Plane(tuple(place), z_dir=tuple(skeleton.directions[0])) * Cylinder(1.0, 6.0)
+    hole = (rod & drill).volume
+    for body in (to_brep(struts), import_step(tmp_path / "node.step")):
+        assert body.volume - (body - drill).volume == pytest.approx(hole, rel=1e-3)
 
 
 @pytest.mark.parametrize("sides", [8, 16, 128, 256])
