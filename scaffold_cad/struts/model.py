@@ -76,8 +76,9 @@ class RoundStruts(Frozen, Shown):
     blended: tuple[BlendedNodes, ...]
     """Branch points and bends that have a blend, by valency."""
     collar: Floats
-    """Distance from each half-run's node at which its own surface begins, shape (2 k,), mm; at
-    extremities > 0 where they are balls."""
+    """Distance from each half-run's node at which it is alone, shape (2 k,), mm: where its own
+    surface begins, and a little beyond the edges of balls and sharp nodes; at extremities > 0 where
+    they are balls."""
     curves: Curves
     """Struts that run on smoothly through joints."""
     x: UnitVectors
