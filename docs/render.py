@@ -438,7 +438,7 @@ def draw_sharp_nodes() -> None:
 
 def draw_united() -> None:
     """Draw a B-rep of a node, which is exact, and of struts that cross, which has facets there."""
-    nodes = [[0, 0, 0], [31, 0, -3], [-8, 0, 6], [-8, 0, -6], [20, 0, 4], [25, -5, -9], [25, 5, 4]]
+    nodes = [[0, 0, 0], [31, 0, -3], [-8, 0, 6], [-8, 0, -6], [20, 0, 6], [25, -5, -9], [25, 5, 4]]
     edges = [[0, 1], [0, 2], [0, 3], [0, 4], [5, 6]]
     part = to_brep(round_struts(Skeleton(nodes, edges, 1.0)), overlaps="unite")
     stage = Stage((0.25, -1.0, 0.45), 900, 560)
