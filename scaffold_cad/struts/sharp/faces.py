@@ -136,7 +136,8 @@ def _uses(
 ) -> list[Use]:
     """Return the uses of edges by a loop, their traces in rad and mm.
 
-    Those on balls are around longitude π: booleans of OCCT move curves to longitudes of 0 to 2π.
+    Those on balls are around longitude π: OCCT takes longitudes of 0 to 2π when it unites faces of
+    one sphere, as booleans of build123d do at their end.
     """
     uses = []
     scale, start = ([1.0, size], 0.0) if face < shape.valency else ([1.0, 1.0], [np.pi, 0.0])
