@@ -170,7 +170,7 @@ def _to_held(edges: Edges, spans: Floats, held: Bools, longest: float) -> Floats
 def _level_step(places: Points, heights: Floats) -> float:
     """Return the difference below which heights of places count as equal, mm.
 
-    What 32-bit coordinates hide far from the origin is none.
+    Far from the origin, differences that 32-bit coordinates round away do not count.
     """
     hidden = SINGLE_STEP * float(np.abs(places).max())
     return LEVEL * float(np.ptp(heights)) + hidden + 1e-12

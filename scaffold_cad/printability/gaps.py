@@ -30,7 +30,7 @@ class Gaps:
     second: Ints
     """The struts of each pair, shapes (p,)."""
     widths: Floats
-    """Room between their surfaces, < 0 where they overlap, shape (p,), mm."""
+    """Room between their surfaces, 0 or less where they overlap, shape (p,), mm."""
     places: Points
     """The middle of the gap, shape (p, 3), mm."""
 

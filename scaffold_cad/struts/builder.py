@@ -170,7 +170,7 @@ def _built(
         rest = group[left]
         asked = replace(stars[left], most=limits[rest.half_runs])
         if like is not None and rest.half_runs.shape[1] == 2:
-            asked = untwisted(runs, rest, asked, _begins(runs, solved), like)
+            asked = untwisted(runs, rest, asked, _ring_starts(runs, solved), like)
         if outer is None or wall is None:
             solved += with_blends(rest, asked)
         else:
@@ -184,7 +184,7 @@ def _built(
     return replace(struts, like=like)
 
 
-def _begins(runs: Runs, solved: Iterable[BlendedNodes]) -> UnitVectors:
+def _ring_starts(runs: Runs, solved: Iterable[BlendedNodes]) -> UnitVectors:
     """Return where the rings of half-runs begin, across them, (2 k, 3); zeros at other nodes."""
     x = np.zeros((len(runs.tails), 3))
     for group in solved:
@@ -349,7 +349,7 @@ def _assembled(
     outer: RoundStruts | None,
 ) -> RoundStruts:
     """Return the struts, once it is known which nodes are crowded."""
-    collar, x = np.minimum(plan.joints.wanted, plan.limits), _begins(runs, solved)
+    collar, x = np.minimum(plan.joints.wanted, plan.limits), _ring_starts(runs, solved)
     collar += ball_collars(skeleton, runs)
     crowded = np.zeros(len(skeleton.nodes), dtype=np.bool_)
     for group in solved:

@@ -334,7 +334,7 @@ def tell_thin(nodes: Ints, wall: float, places: Points, fitting: float | None = 
     ----------
     nodes : the first is the one whose place is told
     places : (n,) of all nodes, mm
-    fitting : wall that this one has room for, mm; 0 if there is none, None if that is not known
+    fitting : the thickest wall that fits there, mm; 0 if none does, None if not looked for
     """
     if len(nodes):
         one = len(nodes) == 1
