@@ -35,7 +35,7 @@ REPORT = "report.json"
 """File of the report beside the tiles'."""
 
 LIMITS = {
-    "least_diameter": ("--min-diameter", "MM", "thinnest strut"),
+    "least_diameter": ("--min-diameter", "MM", "thinnest strut or wall"),
     "least_gap": ("--min-gap", "MM", "narrowest gap between struts"),
     "greatest_slenderness": ("--max-slenderness", "N", "length of a strut over its diameter"),
     "longest_bridge": ("--max-bridge", "MM", "longest level strut without support"),

@@ -21,6 +21,7 @@ from scaffold_cad.printability.struts import as_wide, strut_findings
 from scaffold_cad.printability.surface import surface_findings
 from scaffold_cad.printability.thickness import thickness_of
 from scaffold_cad.printability.triangletopology import TriangleTopology
+from scaffold_cad.printability.walls import wall_finding
 from scaffold_cad.products.surfaces import triangles_of
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.scaffold.stars import APOTHEM
@@ -115,6 +116,7 @@ def check_printability(
         findings += strut_findings(skeleton, thickness, process, flat, apothem)
     findings += direction_findings(surface, facets, upwards, process, skeleton, supports)
     findings.append(drainage_finding(surface, process))
+    findings.append(wall_finding(surface, process))
     findings += part_findings(
         surface,
         standing_size(mesh.vertices, upwards, process.build_volume),

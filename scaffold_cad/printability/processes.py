@@ -21,7 +21,7 @@ class Process:
     name: str
     """Such as "sls"."""
     least_diameter: float
-    """Thinnest strut that comes out whole, mm."""
+    """Thinnest strut or wall that comes out whole, mm."""
     least_gap: float
     """Narrowest gap between two struts that stays open, mm."""
     greatest_slenderness: float

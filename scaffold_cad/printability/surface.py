@@ -203,6 +203,8 @@ def _genus(surface: TriangleTopology, loops: int | None) -> Finding:
     text = counted(surface.genus, "handle")
     if loops is not None:
         text += f"; the skeleton has {counted(loops, 'loop')}"
-        if loops != surface.genus:
+        if surface.genus < loops:
             text += ", struts that overlap close or merge some"
+        elif surface.genus > loops:
+            text += ", struts that meet between nodes, or are hollow and open, add some"
     return Finding("genus", "mesh", "note", {"genus": surface.genus, "loops": loops}, text)

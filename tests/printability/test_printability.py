@@ -46,9 +46,12 @@ from scaffold_cad.printability.direction import floating_groups
 from scaffold_cad.printability.gaps import flat_ends, free_ends, narrow_gaps
 from scaffold_cad.printability.nesting import winding_numbers
 from scaffold_cad.printability.page import page
+from scaffold_cad.printability.triangletopology import TriangleTopology
+from scaffold_cad.printability.walls import thin_walls
 from scaffold_cad.scaffold.stars import Section
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid.manifolds import manifold_triangles
+from scaffold_cad.struts.options import Ends
 from tests.meshes import CUBE, INSIDE_OUT_CUBE, OPEN_CUBE, TORUS, TWO_CUBES
 from tests.skeletons import ELBOW, JACK, K4, NAMED, STRUT, TWO_STRUTS, polyline, star
 from tests.validation.printability import (
@@ -774,6 +777,7 @@ def test_the_keys_of_the_json_form_are_what_they_were() -> None:
         "plate_contact",
         "best_direction",
         "drainage",
+        "wall_thickness",
         "build_volume",
         "volume",
         "mass",
@@ -793,6 +797,48 @@ def test_the_page_holds_the_report_and_nothing_from_outside() -> None:
     assert layers["watertight"]["shown"]
     (marks,) = layers["watertight"]["parts"]
     assert len(b64decode(marks["points"])) == 4 * 3 * 4  # open edges, coordinates, bytes
+
+
+# -- walls ------------------------------------------------------------------------------------
+
+
+TRIPOD = star([[20.0, 0.0, 0.0], [0.0, 20.0, 0.0], [0.0, 0.0, 20.0]], 4.0)
+
+
+@pytest.mark.parametrize("wall", [0.3, 0.7, 1.0])
+@pytest.mark.parametrize("ends", ["open", "flat", "round"])
+def test_walls_of_hollow_struts_are_measured(wall: float, ends: Ends) -> None:
+    report = check_printability(round_struts(TRIPOD, wall=wall, ends=ends), "sls")
+    found = report["wall_thickness"]
+    assert found.verdict == ("failure" if wall < 0.8 else "ok")
+    if wall < 0.8:
+        assert found.value is not None
+        assert found.value["least_mm"] == pytest.approx(wall, rel=0.04)
+        assert f"{found.value['least_mm']:.3g} mm near" in found.text
+
+
+@pytest.mark.parametrize(("thickness", "limit"), [(0.5, 0.6), (0.5, 0.45), (3.0, 3.5)])
+@pytest.mark.parametrize("turn", [0, 0.3])
+def test_skins_are_measured_without_a_skeleton(thickness: float, limit: float, turn: float) -> None:
+    hull = to_solid(box(20, 16, 12)) - to_solid(
+        box(20 - 2 * thickness, 16 - 2 * thickness, 12 - 2 * thickness, thickness)
+    )
+    turned = hull.rotate((40 * turn, 70 * turn, 50 * turn))
+    surface = TriangleTopology(manifold_triangles(turned))
+    walls = thin_walls(surface, limit)
+    assert (len(walls.thickness) == len(surface.triangles)) == (thickness < limit)
+    assert walls.thickness == pytest.approx(thickness, abs=1e-5)
+
+
+def test_what_is_beside_an_edge_is_no_wall() -> None:
+    wedge = np.array([[0, 0, 0], [9, 0, 0], [9, 0, 2], [0, 9, 0], [9, 9, 0], [9, 9, 2]], float)
+    triangles = [[0, 2, 1], [3, 4, 5], [0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [0, 3, 5]]
+    mesh = TriangleMesh(wedge[:, [0, 1, 2]], [row[::-1] for row in [*triangles, [0, 5, 2]]])
+    assert check_printability(mesh)["wall_thickness"].verdict == "ok"
+
+
+def test_walls_of_an_open_surface_are_not_measured() -> None:
+    assert check_printability(OPEN_CUBE)["wall_thickness"].verdict == "note"
 
 
 # -- files ------------------------------------------------------------------------------------
