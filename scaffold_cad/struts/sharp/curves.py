@@ -3,18 +3,29 @@
 A pair of struts meets on generators of the one whose own ball is smaller: each leaves the other
 strut once, where a quadratic equation in the height on the generator says. For equal struts this is
 in the plane between them: of cylinders an ellipse. Struts leave the ball on circles; two that lie
-on one line meet on a circle, their rim. Circles cut the ball where its face had holes.
+on one line meet on a circle, their rim. Half a circle from pole to
+pole, its seam, closes the ball's face.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import cache
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, UnitVectors
-from scaffold_cad.base.vectors import any_perpendicular, dot, length
+from scaffold_cad.base.arrays import (
+    Bools,
+    Floats,
+    Frames,
+    Frozen,
+    Ints,
+    Points,
+    UnitVectors,
+    read_only,
+)
+from scaffold_cad.base.vectors import any_perpendicular, dot, length, normalize
 from scaffold_cad.struts.sharp.stars import SAME, SharpStars
 
 ONE_LINE = 1e-9
@@ -23,8 +34,11 @@ ONE_LINE = 1e-9
 NEVER = -1.0
 """What is returned for points that are not on the surface of the union, as they do not exist."""
 
-CUT_CHOICES = 48
-"""Axes that are tried for the cuts of a ball."""
+POLES, MERIDIANS = 48, 24
+"""Axes that are tried for a ball, and seams for each of them."""
+
+LATITUDES = 96
+"""Points of a seam at which it is looked for struts."""
 
 
 class Kind(IntEnum):
@@ -33,7 +47,7 @@ class Kind(IntEnum):
     PAIR = 0
     RIM = 1
     BALL = 2
-    CUT = 3
+    SEAM = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +60,7 @@ class StarCurves(Frozen):
     kind: Ints
     """`Kind` of each, shape (c,)."""
     one: Ints
-    """Strut on whose generators each is, shape (c,); for cuts -1."""
+    """Strut on whose generators each is, shape (c,); for seams -1."""
     other: Ints
     """The other strut of pairs and rims, else -1, shape (c,)."""
     center: Points
@@ -57,8 +71,9 @@ class StarCurves(Frozen):
     """Where circles begin, shape (c, 3)."""
     y: UnitVectors
     """A quarter turn on, shape (c, 3)."""
-    planes: UnitVectors
-    """Normals of the planes that cut each node's ball, 0 where none does, shape (M, 2, 3)."""
+    frames: Frames
+    """Each ball's x, y and z, its axis, rows; its seam is the meridian opposite of x. 0 where no
+    ball is seen, shape (M, 3, 3)."""
 
     @property
     def is_plane(self) -> Bools:
@@ -105,7 +120,7 @@ class StarCurves(Frozen):
         stars, node, kind = self.stars, self.node[curve], self.kind[curve]
         points, exists = self.points(curve, angle)
         along = stars.along(node, points)  # (q, N)
-        on_ball = (kind == Kind.BALL) | (kind == Kind.CUT)
+        on_ball = (kind == Kind.BALL) | (kind == Kind.SEAM)
         on_ball |= (kind == Kind.RIM) & stars.tangent[node, self.one[curve]]
         others = np.where(
             on_ball[:, None], stars.leave[node] - along, stars.beyond(node, points, along)
@@ -127,8 +142,7 @@ class StarCurves(Frozen):
         free = np.where(touches, np.inf, np.linalg.norm(points, axis=1) - 1.0)
         pair = kind == Kind.PAIR
         found = np.where(pair, np.minimum(found, np.minimum(ahead.min(axis=1), free)), found)
-        half = (kind == Kind.CUT) & self.planes[node, 1].any(axis=1)  # four meet in one axis
-        found = np.where(half, np.minimum(found, np.sin(angle)), found)
+        found = np.where(kind == Kind.SEAM, np.minimum(found, -np.cos(angle)), found)
         return np.where(exists, np.minimum(found, 1.0), NEVER)
 
 
@@ -151,7 +165,8 @@ def curves_of(stars: SharpStars) -> StarCurves:
     rimmed = np.zeros((count, valency), dtype=np.bool_)
     rimmed[node[rim][:, None], pair[rim]] = True
     lone = np.argwhere(~rimmed & ~stars.mitred[:, None])
-    planes, cuts = _cuts(stars, rimmed)
+    frames, seamed = _frames(stars, ~stars.mitred & ~rimmed.any(axis=1))
+    none = np.full(len(seamed), -1)
     parts = [
         (Kind.PAIR, node[~opposite], pair[~opposite]),
         (Kind.RIM, node[rim], pair[rim]),
@@ -167,72 +182,95 @@ def curves_of(stars: SharpStars) -> StarCurves:
     axis = stars.directions[own]
     return StarCurves(
         stars,
-        np.concatenate([nodes, cuts[0]]),
-        np.concatenate([kinds, np.full(len(cuts[0]), Kind.CUT)]),
-        np.concatenate([pairs[:, 0], np.full(len(cuts[0]), -1)]),
-        np.concatenate([pairs[:, 1], np.full(len(cuts[0]), -1)]),
-        np.concatenate([height[:, None] * axis, np.zeros((len(cuts[0]), 3))]),
-        np.concatenate([stars.radii[own] + stars.slopes[own] * height, np.ones(len(cuts[0]))]),
-        np.concatenate([stars.x[own], cuts[1]]),
-        np.concatenate([stars.y[own], cuts[2]]),
-        planes,
+        np.concatenate([nodes, seamed]),
+        np.concatenate([kinds, np.full(len(seamed), Kind.SEAM)]),
+        np.concatenate([pairs[:, 0], none]),
+        np.concatenate([pairs[:, 1], none]),
+        np.concatenate([height[:, None] * axis, np.zeros((len(seamed), 3))]),
+        np.concatenate([stars.radii[own] + stars.slopes[own] * height, np.ones(len(seamed))]),
+        np.concatenate([stars.x[own], frames[seamed, 0]]),
+        np.concatenate([stars.y[own], -frames[seamed, 2]]),
+        frames,
     )
 
 
-def _cuts(
-    stars: SharpStars, rimmed: Bools
-) -> tuple[UnitVectors, tuple[Ints, UnitVectors, UnitVectors]]:
-    """Return the planes that cut balls, (M, 2, 3), and their circles: node, x and y of each.
+def _frames(stars: SharpStars, shown: Bools) -> tuple[Frames, Ints]:
+    """Return the frames of balls, (M, 3, 3), and those nodes on whose ball a seam is seen.
 
-    The visible part of a ball that two struts touch lies within a lune. That of others is cut: in
-    two where one strut touches it, else in four, by half circles from where both planes meet.
+    The visible part of a ball that two struts touch lies within a lune: the seam is opposite, below
+    these struts. All other balls have a seam that keeps clear of circles and corners.
+
+    Parameters
+    ----------
+    shown : (M,) nodes of which a ball may be seen
     """
-    planes = np.zeros((len(stars), 2, 3))
-    nodes: list[int] = []
-    x: list[UnitVectors] = []
-    y: list[UnitVectors] = []
+    found = np.zeros((len(stars), 3, 3))
     touching = stars.tangent.sum(axis=1)
-    for node in np.flatnonzero((touching < 2) & ~stars.mitred & ~rimmed.any(axis=1)).tolist():
-        normals = _cut_planes(stars, node, touching[node] == 1)
-        planes[node, : len(normals)] = normals
-        axis, across = np.cross(normals[0], normals[-1]), normals[0]
-        if touching[node]:
-            behind = -stars.directions[node, np.argmax(stars.tangent[node])]
-            axis, ways = np.cross(behind, across), [behind]
+    for node in np.flatnonzero(shown).tolist():
+        axes = stars.directions[node]
+        if touching[node] < 2:
+            z, seam = _best_seam(axes, np.arccos(np.clip(stars.leave[node], -1.0, 1.0)))
         else:
-            ways = [normals[0], normals[1], -normals[0], -normals[1]]
-        nodes += [node] * len(ways)
-        x += [axis] * len(ways)
-        y += ways
-    shape = (len(nodes), 3)
-    made = np.array(nodes, dtype=np.intp), np.array(x).reshape(shape), np.array(y).reshape(shape)
-    return planes, made
+            axes = axes[stars.tangent[node]]
+            cosines = axes @ axes.T
+            one, other = np.unravel_index(np.argmin(cosines), cosines.shape)
+            z, seam = normalize(np.stack([axes[one] - axes[other], axes[one] + axes[other]]))
+        found[node] = -seam, np.cross(z, -seam), z
+    return found, np.flatnonzero(shown & (touching < 2))
 
 
-def _cut_planes(stars: SharpStars, node: int, touches: bool) -> UnitVectors:
-    """Return the normals of the planes that are furthest from all that they might touch, (p, 3)."""
-    axes, caps = stars.directions[node], np.arccos(np.clip(stars.leave[node], -1.0, 1.0))
-    if touches:
-        main = np.argmax(stars.tangent[node])
-        behind = axes[main]
-        axes, caps = np.delete(axes, main, 0), np.delete(caps, main)
-        start = any_perpendicular(behind[None])[0]
-        choices = _turned(behind, start, CUT_CHOICES)[:, None]  # (q, 1, 3)
-        poles = np.cross(behind, choices[:, 0])
-    else:
-        turns = [np.linalg.qr(np.random.default_rng(k).normal(size=(3, 3)))[0] for k in range(48)]
-        choices = np.array(turns)[:, :2]
-        poles = np.array(turns)[:, 2]
-    across = np.abs(np.arcsin(np.clip(choices @ axes.T, -1.0, 1.0)))  # (q, p, n)
-    margin = np.abs(across - caps).min(axis=(1, 2))
-    for way in (1.0, -1.0):
-        from_pole = np.arccos(np.clip(way * poles @ axes.T, -1.0, 1.0))
-        margin = np.minimum(margin, np.abs(from_pole - caps).min(axis=1))
-    return np.asarray(choices[np.argmax(margin)])
+def _best_seam(axes: UnitVectors, caps: Floats) -> tuple[UnitVectors, UnitVectors]:
+    """Return the axis z of a ball and the middle of its seam, away from circles and their corners.
+
+    Few visible pieces of a seam are better: one that ends in a pole never parts the ball's face.
+
+    Parameters
+    ----------
+    axes, caps : (N, 3), (N,) the struts' directions, and the angles of their circles from these
+    """
+    poles, meridians = _seam_choices()  # (q, 3), (q, s, 3)
+    across = np.arccos(np.clip(poles @ axes.T, -1.0, 1.0))  # (q, N)
+    holds = (across < caps) | (np.pi - across < caps)
+    margin = np.minimum(np.abs(across - caps), np.abs(np.pi - across - caps)).min(axis=1)[:, None]
+    beside = np.cross(poles[:, None], meridians)  # (q, s, 3)
+    touched = np.abs(np.abs(np.arcsin(np.clip(beside @ axes.T, -1.0, 1.0))) - caps)
+    touched[(meridians @ axes.T < 0) | holds[:, None]] = np.pi
+    margin = np.minimum(margin, touched.min(axis=2))
+    corners = _corners(axes, caps)
+    if len(corners):
+        away = np.abs(np.arcsin(np.clip(beside @ corners.T, -1.0, 1.0)))
+        margin = np.minimum(margin, np.where(meridians @ corners.T < 0, np.pi, away).min(axis=2))
+    height = np.pi * ((np.arange(LATITUDES) + 0.5) / LATITUDES - 0.5)[:, None]
+    low, along = (poles @ axes.T)[:, None, None], (meridians @ axes.T)[:, :, None]
+    inside = np.sin(height) * low + np.cos(height) * along > np.cos(caps)  # (q, s, l, N)
+    seen = np.asarray(~inside.any(axis=3))
+    pieces = (seen[..., 1:] & ~seen[..., :-1]).sum(axis=2) + seen[..., 0]
+    pole, meridian = divmod(int(np.argmax(margin / (1.0 + pieces))), MERIDIANS)
+    return poles[pole], meridians[pole, meridian]
 
 
-def _turned(axis: UnitVectors, start: UnitVectors, count: int) -> UnitVectors:
-    """Return directions across an axis, half a turn of them, (count, 3)."""
-    angle = np.pi * np.arange(count)[:, None] / count
-    turned: UnitVectors = np.cos(angle) * start + np.sin(angle) * np.cross(axis, start)
-    return turned
+@cache
+def _seam_choices() -> tuple[UnitVectors, Floats]:
+    """Return axes (q, 3), evenly spread over a half sphere, and those across them (q, s, 3)."""
+    turn = np.arange(POLES) + 0.5
+    height, angle = 1.0 - turn / POLES, np.pi * (1.0 + np.sqrt(5.0)) * turn
+    wide = np.sqrt(1.0 - height**2)
+    poles = np.stack([wide * np.cos(angle), wide * np.sin(angle), height], axis=1)
+    x = any_perpendicular(poles)[:, None]
+    turned = 2 * np.pi / MERIDIANS * np.arange(MERIDIANS)[:, None]
+    across = np.cos(turned) * x + np.sin(turned) * np.cross(poles[:, None], x)
+    return read_only(poles), read_only(across)
+
+
+def _corners(axes: UnitVectors, caps: Floats) -> UnitVectors:
+    """Return where circles on a ball meet, (c, 3)."""
+    one, other = np.triu_indices(len(axes), 1)
+    cosine = dot(axes[one], axes[other])
+    a, b = np.cos(caps[one]), np.cos(caps[other])
+    square = np.maximum(1.0 - cosine**2, ONE_LINE**2)
+    u, v = (a - b * cosine) / square, (b - a * cosine) / square
+    middle = u[:, None] * axes[one] + v[:, None] * axes[other]
+    room = (1.0 - dot(middle, middle)) / square
+    meets = (room > 0) & (square > ONE_LINE)
+    up = np.sqrt(room[meets])[:, None] * np.cross(axes[one], axes[other])[meets]
+    return np.concatenate([middle[meets] + up, middle[meets] - up])

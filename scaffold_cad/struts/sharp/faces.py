@@ -136,8 +136,7 @@ def _uses(
 ) -> list[Use]:
     """Return the uses of edges by a loop, their traces in rad and mm.
 
-    Those on balls are around longitude π: OCCT takes longitudes of 0 to 2π when it unites faces of
-    one sphere, as booleans of build123d do at their end.
+    Those on balls are around longitude π, as OCCT has longitudes of 0 to 2π.
     """
     uses = []
     scale, start = ([1.0, size], 0.0) if face < shape.valency else ([1.0, 1.0], [np.pi, 0.0])
@@ -167,14 +166,14 @@ def _add_ball(
     runs: int,
 ) -> None:
     """Add a loop to the face of a ball."""
-    frame = shape.balls[face]
+    x, _, z = shape.curves.frames[0]
     for other in reversed(parts.faces):
         if other.node != node:
             break
         if other.part == face:
             other.loops.append(uses)
             return
-    axes = place, frame.z, -frame.x
+    axes = place, z, -x
     parts.faces.append(Face(Surface.SPHERE, axes, (size, 0.0), [uses], node, runs + node, face))
 
 

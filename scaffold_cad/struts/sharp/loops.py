@@ -34,32 +34,34 @@ class Ordered:
 
 
 def loops_of(ends: Ints, sides: Ints) -> list[Loop] | None:
-    """Return the loops of faces, or None where they do not close."""
-    follows: dict[tuple[int, int], tuple[int, bool]] = {}
-    steps = []
+    """Return the loops of faces, or None where they do not close.
+
+    Where a seam, with one face on both sides, meets a circle, a loop goes on along the other one.
+    """
+    follows: dict[tuple[int, int, bool], tuple[int, bool]] = {}
     for edge, ((start, end), (left, right)) in enumerate(
         zip(ends.tolist(), sides.tolist(), strict=True)
     ):
         for face, tail, way in ((left, start, True), (right, end, False)):
-            if (face, tail) in follows:
+            if (face, tail, left == right) in follows:
                 return None
-            follows[face, tail] = edge, way
-            steps.append((face, tail))
-    tips = ends.tolist()
+            follows[face, tail, left == right] = edge, way
+    tips, seam = ends.tolist(), (sides[:, 0] == sides[:, 1]).tolist()
     loops: list[Loop] = []
-    used: set[tuple[int, int]] = set()
-    for face, start in steps:
-        if (face, start) in used:
-            continue
-        loop, at = [], start
-        while (face, at) in follows and (face, at) not in used:
-            used.add((face, at))
-            edge, way = follows[face, at]
+    used: set[tuple[int, int, bool]] = set()
+    for first in follows:
+        loop, at = [], first
+        while at in follows and at not in used:
+            used.add(at)
+            edge, way = follows[at]
             loop.append((edge, way))
-            at = tips[edge][1 if way else 0]
-        if at != start:
+            face, tip = at[0], tips[edge][1 if way else 0]
+            turned = face, tip, not seam[edge]
+            at = turned if turned in follows else (face, tip, seam[edge])
+        if at != first:
             return None
-        loops.append((face, tuple(loop)))
+        if loop:
+            loops.append((first[0], tuple(loop)))
     return loops
 
 

@@ -52,7 +52,7 @@ class Outlines(Frozen):
 
 
 def outlines_of(curves: StarCurves) -> Outlines:
-    """Return the visible pieces of curves; those of balls end where cuts meet them."""
+    """Return the visible pieces of curves; those of balls end where seams meet them."""
     count = len(curves.node)
     step = TURN / SAMPLES
     at = np.asarray(step * (np.arange(SAMPLES) + SHIFT), dtype=np.float64)
@@ -117,34 +117,30 @@ def _joined(curve: Ints, angle: Floats, begins: np.ndarray) -> Outlines:
 
 
 def _halved(curves: StarCurves, found: Outlines) -> Outlines:
-    """Return the pieces, those of balls cut by the planes that cut their ball."""
-    parts = [found]
-    for plane in range(2):
-        here = parts.pop()
-        normal = curves.planes[curves.node[here.curve], plane]  # (e, 3)
-        x, y, center = curves.x[here.curve], curves.y[here.curve], curves.center[here.curve]
-        radius = curves.radius[here.curve]
-        a, b, c = (
-            np.einsum("ex,ex->e", normal, each)
-            for each in (radius[:, None] * x, radius[:, None] * y, center)
-        )
-        size = np.hypot(a, b)
-        meets = (curves.kind[here.curve] == Kind.BALL) & (size > np.abs(c)) & (size > 0)
-        half = np.arccos(np.clip(-c / np.where(size > 0, size, 1.0), -1.0, 1.0))
-        middle = np.arctan2(b, a)
-        cuts = np.full((len(size), 4), np.nan)
-        for k, at in enumerate((middle - half, middle + half)):
-            offset = here.start + np.mod(at - here.start, TURN)
-            inside = meets & (offset > here.start) & (offset < here.end)
-            cuts[inside, 1 + k] = offset[inside]
-        cuts[:, 0], cuts[:, 3] = here.start, here.end
-        cuts.sort(axis=1)  # nan last
-        row, column = np.nonzero(~np.isnan(cuts[:, 1:]))
-        pieces = Outlines(here.curve[row], cuts[row, column], cuts[row, column + 1])
-        order = np.lexsort((pieces.start, pieces.curve))
-        parts.append(pieces.chosen(order))
+    """Return the pieces, those of balls cut where the seam of their ball meets them."""
+    x, y, center = curves.x[found.curve], curves.y[found.curve], curves.center[found.curve]
+    radius = curves.radius[found.curve]
+    frame = curves.frames[curves.node[found.curve]]  # (e, 3, 3)
+    # Toward the ball's x and y, what a circle's x, its y and its center are: (2, 3, e).
+    circle = np.stack([radius[:, None] * x, radius[:, None] * y, center])
+    along, (a, b, c) = np.einsum("ecx,kex->cke", frame[:, :2], circle)
+    size = np.hypot(a, b)
+    meets = (curves.kind[found.curve] == Kind.BALL) & (size > np.abs(c)) & (size > 0)
+    half = np.arccos(np.clip(-c / np.where(size > 0, size, 1.0), -1.0, 1.0))
+    middle = np.arctan2(b, a)
+    cuts = np.full((len(size), 4), np.nan)
+    for k, at in enumerate((middle - half, middle + half)):
+        offset = found.start + np.mod(at - found.start, TURN)
+        inside = meets & (offset > found.start) & (offset < found.end)
+        inside &= along[0] * np.cos(at) + along[1] * np.sin(at) + along[2] < 0
+        cuts[inside, 1 + k] = offset[inside]
+    cuts[:, 0], cuts[:, 3] = found.start, found.end
+    cuts.sort(axis=1)  # nan last
+    row, column = np.nonzero(~np.isnan(cuts[:, 1:]))
+    pieces = Outlines(found.curve[row], cuts[row, column], cuts[row, column + 1])
+    order = np.lexsort((pieces.start, pieces.curve))
     # A whole circle that is cut has no end at its first angle.
-    return _without_first(parts[0], found)
+    return _without_first(pieces.chosen(order), found)
 
 
 def _without_first(pieces: Outlines, before: Outlines) -> Outlines:

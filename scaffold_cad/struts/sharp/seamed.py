@@ -14,6 +14,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points, UnitVectors
 from scaffold_cad.base.vectors import length, normalize
 from scaffold_cad.errors import BrepError
+from scaffold_cad.struts.sharp.ballfaces import in_turn
 from scaffold_cad.struts.sharp.curves import Kind, StarCurves
 from scaffold_cad.struts.sharp.interpolation import FAIR, NEAR, PIECES, checked, interpolated
 from scaffold_cad.struts.sharp.loops import Loop, Steps, seam_angles
@@ -106,6 +107,11 @@ def seamed(shape: SharpShape, seams: tuple[int, ...]) -> Seamed:
         here = sorted(cuts.get(edge, []))
         angles = [start]
         number = [int(shape.ends[edge, 0])]
+        if here and (shape.ends == number[0]).sum() == 2 and number[0] == shape.ends[edge, 1]:
+            # Closed and with no other there: it begins at the first seam.
+            angles, end = [here[0][0]], here[0][0] + end - start
+            curve = shape.outlines.curve[[edge]]
+            vertices[number[0]] = shape.curves.points(curve, np.array(angles))[0][0]
         for angle, strut in here:
             if angle - angles[-1] > SAME_PLACE:
                 angles.append(angle)
@@ -188,7 +194,19 @@ def _edge(
     slopes = curves.stars.slopes[0, [curves.one[curve], curves.other[curve]]]
     is_ellipse = bool(curves.is_plane[curve]) and not slopes.any()
     even = round_one or is_ellipse
-    control, pieces, off = _fitted(shape, curve, start, end, sides, even)
+    is_seam = curves.kind[curve] == Kind.SEAM
+    if is_seam:
+        low, high = start - np.pi, end - np.pi  # latitudes, where the face begins and ends
+        traces = [Trace(np.array([[at, low], [at, high]]), 0) for at in (np.pi, -np.pi)]
+        control, pieces, off = np.zeros((0, 7)), 0, 0.0
+    else:
+        control, pieces, off = _fitted(shape, curve, start, end, sides, even)
+        traces = [
+            Trace(control[[0, -1], some], 0)
+            if round_one and side < shape.valency
+            else Trace(control[:, some], pieces)
+            for side, some in zip(sides, (slice(3, 5), slice(5, 7)), strict=True)
+        ]
     if round_one:
         axes = np.stack(
             [curves.center[curve], np.cross(curves.x[curve], curves.y[curve]), curves.x[curve]]
@@ -202,13 +220,6 @@ def _edge(
         axes, radii, first = np.zeros((3, 3)), np.zeros(2), 0.0
     is_spline = not (round_one or is_ellipse)
     begin = float(np.mod(first, 2 * np.pi))
-    columns = slice(3, 5), slice(5, 7)
-    traces = [
-        Trace(control[[0, -1], some], 0)
-        if round_one and side < shape.valency
-        else Trace(control[:, some], pieces)
-        for side, some in zip(sides, columns, strict=True)
-    ]
     return SharpEdge(
         np.array(ends, dtype=np.intp),
         axes,
@@ -328,14 +339,13 @@ def _track(shape: SharpShape, side: int, points: Points) -> Floats:
     """Return points (q, 3) in the parameters of a face, (q, 2)."""
     if side < shape.valency:
         zero = np.zeros(len(points), dtype=np.intp)
-        angle = shape.curves.stars.angles(zero, zero + side, points)
+        angle = _running(shape.curves.stars.angles(zero, zero + side, points))
         height = points @ shape.curves.stars.directions[0, side]
     else:
-        frame = shape.balls[side]
-        east = np.cross(frame.z, frame.x)
-        angle = np.arctan2(points @ east, points @ frame.x)
-        height = np.arcsin(np.clip(points @ frame.z, -1.0, 1.0))
-    return np.stack([_running(angle), height], axis=1)
+        x, y, z = (points @ shape.curves.frames[0].T).T
+        angle = in_turn(_running(np.arctan2(y, x)))
+        height = np.arcsin(np.clip(z, -1.0, 1.0))
+    return np.stack([angle, height], axis=1)
 
 
 def _running(angle: Floats) -> Floats:

@@ -18,7 +18,7 @@ from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points
 from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.base.vectors import normalize, sums_by_row
-from scaffold_cad.struts.sharp.ballfaces import BallFace, apart, ball_frames
+from scaffold_cad.struts.sharp.ballfaces import apart
 from scaffold_cad.struts.sharp.curves import Kind, StarCurves, curves_of
 from scaffold_cad.struts.sharp.loops import Loop, clearance, loops_of, ordered
 from scaffold_cad.struts.sharp.outlines import SAMPLES, Outlines, outlines_of
@@ -58,14 +58,12 @@ class SharpShape(Frozen):
     """First and last vertex of each edge, shape (e, 2)."""
     sides: Ints
     """Face to the left and to the right of each edge, seen from outside, shape (e, 2): strut i as
-    i, part k of the ball as N + k."""
+    i, piece k of the ball as N + k."""
     loops: tuple[Loop, ...]
     """Each loop's face and its edges with whether it runs along them, counter-clockwise; the loop
     around each strut's axis comes first, in the order of the struts."""
     islands: tuple[Loop, ...]
     """Loops around pieces of struts that are apart from the rest of their strut."""
-    balls: dict[int, BallFace]
-    """The frame of each face of the ball."""
     heights: Floats
     """How far up each strut its edges reach at most, shape (N,)."""
 
@@ -130,7 +128,7 @@ def _alone(curves: StarCurves, star: int) -> tuple[StarCurves, Ints]:
         curves.radius[keep],
         curves.x[keep],
         curves.y[keep],
-        curves.planes[rows],
+        curves.frames[rows],
     )
     return alone, number
 
@@ -149,27 +147,17 @@ def _sides(curves: StarCurves, outlines: Outlines, points: Points) -> Ints:
     half = ALONG // 2
     middle, ahead = points[:, half], points[:, half + 1] - points[:, half - 1]
     normal = stars.normals(node, one, middle)
-    on_ball = kind == Kind.CUT
-    normal[on_ball] = middle[on_ball]
+    on_seam = kind == Kind.SEAM
+    normal[on_seam] = middle[on_seam]
     left = normalize(np.cross(normal, ahead))
     facing = stars.directions[node, one]
     # Beyond the edge on its generators is the face of `one`: whether it is to the left.
     own = np.einsum("ex,ex->e", left, facing) > 0
     valency = stars.radii.shape[1]
-    parts = [
-        valency + _part(curves, node, middle + sign * 1e-3 * left * on_ball[:, None])
-        for sign in (1.0, -1.0)
-    ]
-    far = np.where(other >= 0, other, parts[0])
+    far = np.where(other >= 0, other, valency)
     found = np.where(own[:, None], np.stack([one, far], 1), np.stack([far, one], 1))
-    found[on_ball] = np.stack(parts, axis=1)[on_ball]
+    found[on_seam] = valency
     return np.asarray(found, dtype=np.intp)
-
-
-def _part(curves: StarCurves, node: Ints, points: Points) -> Ints:
-    """Return the part of the ball, between its cuts, in which points (e, 3) are, (e,)."""
-    beyond = np.einsum("epx,ex->ep", curves.planes[node], points) > 0
-    return np.asarray(beyond @ np.array([1, 2]), dtype=np.intp)
 
 
 def _shape(
@@ -199,10 +187,10 @@ def _shape(
     if found is None:
         return None
     known_loops = ordered(own, found, points, valency)
-    parts = ball_frames(own, sides, points, valency)
-    if known_loops is None or parts is None:
+    if known_loops is None:
         return None
-    loops, sides, balls = apart(known_loops.loops, sides, parts, points, valency)
+    seam = own.kind[outlines.curve] == Kind.SEAM
+    loops, sides = apart(known_loops.loops, sides, own.frames[0], points, seam, valency)
     along = np.einsum("nx,epx->epn", own.stars.directions[0], points)
     touches = (sides[:, :, None] == np.arange(valency)).any(axis=1)  # (e, N)
     heights = np.where(touches[:, None], along, -np.inf).max(axis=(0, 1))
@@ -218,7 +206,6 @@ def _shape(
         sides,
         loops,
         known_loops.islands,
-        balls,
         heights,
         clear,
     )

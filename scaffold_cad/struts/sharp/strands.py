@@ -1,7 +1,7 @@
 """Strands of a sharp shape: its edges from corner to corner, and which are those of another shape.
 
-A corner is a vertex in which edges of more than one curve meet. What only a cut of the ball divides
-is one strand; the cuts are in none.
+A corner is a vertex in which edges of more than one curve meet. What only the seam of the ball
+divides is one strand; the seam is in none.
 """
 
 from __future__ import annotations
@@ -43,14 +43,14 @@ class Strands(Frozen):
     corners: Ints
     """First and last vertex, -1 for those without corners, shape (s, 2)."""
     of_edge: Ints
-    """Strand of each edge of the shape, -1 for cuts, shape (e,)."""
+    """Strand of each edge of the shape, -1 for seams, shape (e,)."""
     vertices: Points
     """Where the corners are, shape (v, 3)."""
 
     def placed(self, edge: Ints, angle: Floats) -> tuple[Ints, Floats]:
         """Return where vertices, and points at angles (q,) of edges (q,), are: strands, and shares.
 
-        Vertices of cuts alone are on strand -1. Both are (v + q,).
+        Vertices of seams alone are on strand -1. Both are (v + q,).
         """
         outlines, ends = self.shape.outlines, self.shape.ends
         own, count = np.flatnonzero(self.of_edge >= 0), len(self.shape.vertices)
@@ -136,7 +136,7 @@ def strands_of(shape: SharpShape) -> Strands:
 
 
 def _paths(shape: SharpShape, own: Ints, is_corner: Bools) -> list[list[int]]:
-    """Return the edges of each strand, in the order of their curve; `own` are no cuts."""
+    """Return the edges of each strand, in the order of their curve; `own` are no seams."""
     curve, ends = shape.outlines.curve.tolist(), shape.ends.tolist()
     begins = {(curve[edge], ends[edge][0]): edge for edge in own.tolist()}
     at_corner = is_corner[shape.ends[own, 0]]
@@ -154,7 +154,7 @@ def _paths(shape: SharpShape, own: Ints, is_corner: Bools) -> list[list[int]]:
 
 
 def _corners(shape: SharpShape, own: Ints) -> Bools:
-    """Return which vertices are corners, (v,); `own` edges are no cuts."""
+    """Return which vertices are corners, (v,); `own` edges are no seams."""
     ends, count = shape.ends[own], len(shape.vertices)
     low, high = np.full(count, len(shape.curves.node)), np.full(count, -1)
     curve = np.repeat(shape.outlines.curve[own][:, None], 2, axis=1)

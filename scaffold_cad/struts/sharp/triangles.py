@@ -148,7 +148,7 @@ def _island(
 
 
 def _outline(shape: SharpShape, edges: SampledEdges) -> set[tuple[int, int]]:
-    """Return the sides of the ball's faces, the ball to their left; cuts are not among them."""
+    """Return the sides of the ball's faces, the ball to their left; seams are not among them."""
     found = set()
     for (left, right), path in zip(shape.sides.tolist(), edges.edges, strict=True):
         if (left >= shape.valency) == (right >= shape.valency):

@@ -6,14 +6,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from build123d import Face, GeomType, Plane, Shape, Solid, import_step
+from build123d import Cylinder, Face, GeomType, Plane, Shape, Solid, import_step
 from OCP.BRepAdaptor import BRepAdaptor_Surface
 
 from scaffold_cad import Skeleton, round_struts, tile, to_brep, write
+from scaffold_cad.base.arrays import Floats
 from scaffold_cad.errors import BrepError
 from scaffold_cad.struts.breps.faces import brep_of_struts
 from tests.struts.sharp.nodes import BEND, LENGTH, NODES, node, random_node
-from tests.struts.stars import TRIPOD
+from tests.struts.stars import CUBIC, TRIPOD
 
 
 def fused(skeleton: Skeleton) -> Shape:
@@ -48,7 +49,8 @@ def test_a_node_has_the_volume_and_area_of_the_union_by_occt(name: str, tmp_path
     write(struts, tmp_path / "node.step")
     read = import_step(tmp_path / "node.step")
     assert read.is_valid
-    assert read.volume == pytest.approx(solid.volume, rel=1e-6)
+    # OCCT traces circles on spheres to 1e-5 when it reads a file.
+    assert read.volume == pytest.approx(solid.volume, rel=1e-5)
     assert len(read.faces()) == len(solid.faces())
 
 
@@ -92,7 +94,7 @@ def test_struts_are_one_cylinder_each_of_their_radius(tmp_path: Path) -> None:
     [
         ("tetrahedral", "ELLIPSE(", 6),
         ("thin tee", "B_SPLINE_CURVE_WITH_KNOTS(", 2),
-        ("ball", "SPHERICAL_SURFACE(", 4),
+        ("ball", "SPHERICAL_SURFACE(", 1),
         ("cones", "CONICAL_SURFACE(", 3),
     ],
 )
@@ -148,6 +150,18 @@ def test_struts_without_room_are_refused_by_name() -> None:
     narrow = node(np.array([[1, 0, 0], [1, 0.02, 0], [0, 0, 1]]))
     with pytest.raises(BrepError, match="3 of 3 struts overlap others or their nodes"):
         to_brep(round_struts(narrow, nodes="sharp"))
+
+
+@pytest.mark.parametrize(
+    ("ways", "ball"), [(CUBIC, 1.6), (TRIPOD, 1.6), (CUBIC, 3.0), (TRIPOD, None)]
+)
+def test_balls_are_one_face_that_can_be_drilled(ways: Floats, ball: float | None) -> None:
+    struts = round_struts(node(ways, ball=ball), nodes="ball" if ball else "sharp")
+    solid, tool = to_brep(struts), Plane((0.5, -0.35, 0.1), z_dir=(1, 2, 3)) * Cylinder(0.2, 30)
+    assert len(solid.faces().filter_by(GeomType.SPHERE)) == 1
+    drilled, bored = solid - tool, to_brep(struts) & tool
+    assert drilled.is_valid
+    assert drilled.volume + bored.volume == pytest.approx(solid.volume, rel=1e-5)
 
 
 def test_a_ball_shows_one_triangle_at_a_corner() -> None:
