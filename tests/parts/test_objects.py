@@ -477,7 +477,7 @@ def test_stubs_left_out_are_counted_in_a_warning(caplog: pytest.LogCaptureFixtur
         left = len(LatticeFill(BALL, "octet", 9.0, 0.5, section=section).skeleton.edges)
         (record,) = caplog.records
         assert record.levelname == "WARNING"
-        assert f"{every - left} of {every} struts left out: they end free" in record.message
+        assert f"{every - left} of {every} struts left out, with free ends" in record.message
 
 
 def test_lattices_of_which_more_than_a_fifth_are_stubs_are_refused() -> None:
