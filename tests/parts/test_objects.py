@@ -603,7 +603,7 @@ def test_mesh_shape_of_nothing_is_refused() -> None:
     empty = TriangleMesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.intp))
     with pytest.raises(MeshError, match=r"the TriangleMesh has no triangles; need at least one"):
         to_mesh_shape(empty)
-    with pytest.raises(OptionError, match=r"the body is a str; need a build123d solid"):
+    with pytest.raises(OptionError, match=r"the body is 'bracket'; need a build123d solid"):
         to_mesh_shape("bracket")
 
 

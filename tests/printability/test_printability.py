@@ -224,7 +224,7 @@ def test_a_mesh_without_a_proper_triangle_is_refused() -> None:
 
 
 def test_what_has_no_surface_is_refused() -> None:
-    with pytest.raises(OptionError, match="the body is a str; need"):
+    with pytest.raises(OptionError, match=r"the body is 'cube\.stl'; need"):
         check_printability("cube.stl")
 
 
