@@ -69,9 +69,9 @@ def test_a_skeleton_is_not_multiplied_by_else() -> None:
 def test_planes_and_locations_are_axes_and_origins(place: Plane | Location) -> None:
     frame = [tuple(axis) for axis in (LEANING.x_dir, LEANING.y_dir, LEANING.z_dir)]
     rows, box = np.array(frame), BoxMap([4, 5, 6], axes=place)
-    same = BoxMap(Vector(4, 5, 6), Vector(3, -2, 5), rows)
-    np.testing.assert_allclose(box.axes, same.axes, atol=1e-12)
-    np.testing.assert_allclose(box.origin, same.origin, atol=1e-12)
+    same_box = BoxMap(Vector(4, 5, 6), Vector(3, -2, 5), rows)
+    np.testing.assert_allclose(box.axes, same_box.axes, atol=1e-12)
+    np.testing.assert_allclose(box.origin, same_box.origin, atol=1e-12)
     assert BoxMap([4, 5, 6], (1, 1, 1), place).origin.tolist() == [1, 1, 1]
     lattice = PeriodicLattice("bcc", 2.0, 2, 0.2, axes=place)
     np.testing.assert_allclose(lattice.origin, [3, -2, 5], atol=1e-12)
