@@ -13,7 +13,6 @@ from types import FunctionType
 from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arrays import (
     LARGEST_COORDINATE,
@@ -22,6 +21,7 @@ from scaffold_cad.base.arrays import (
     UnitVectors,
     as_floats,
 )
+from scaffold_cad.base.placements import DirectionLike, PositionLike, direction_of
 from scaffold_cad.errors import KeywordError, OptionError
 
 LIKE = 0.65
@@ -243,8 +243,8 @@ def as_real(value: Any, name: str, *, hint: str = "") -> float:
         raise OptionError(f"{name} is beyond 1e308; need a smaller number") from None
 
 
-def as_vector(values: ArrayLike, name: str, *, unit: str = MM, most: float = np.inf) -> Floats:
-    """Return `values` as three finite numbers (3,).
+def as_vector(values: PositionLike, name: str, *, unit: str = MM, most: float = np.inf) -> Floats:
+    """Return `values`, or those of a Vector, as three finite numbers (3,).
 
     Parameters
     ----------
@@ -263,8 +263,8 @@ def as_vector(values: ArrayLike, name: str, *, unit: str = MM, most: float = np.
     return vector
 
 
-def as_direction(values: ArrayLike, name: str, *, hint: str = "") -> UnitVectors:
-    """Return `values`, of any length > 0, as a unit vector (3,).
+def as_direction(values: DirectionLike, name: str, *, hint: str = "") -> UnitVectors:
+    """Return `values`, of any length > 0, or an Axis or a Plane, as a unit vector (3,).
 
     Parameters
     ----------
@@ -279,7 +279,7 @@ def as_direction(values: ArrayLike, name: str, *, hint: str = "") -> UnitVectors
     needed = f"need a direction, three finite numbers that are not all 0{hint}"
     if isinstance(values, str):
         raise OptionError(f"{name} is {described(values)}; {needed}")
-    vector = as_floats(values, name, OptionError)
+    vector = as_floats(direction_of(values), name, OptionError)
     if vector.shape != (3,) or not np.isfinite(vector).all() or not vector.any():
         raise OptionError(f"{name} is {vector.tolist()}; {needed}")
     near = vector / np.abs(vector).max()  # squares of large ones would overflow

@@ -15,6 +15,7 @@ from typing import Any, TypeAlias, TypeGuard, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from scaffold_cad.base.placements import numbers_of
 from scaffold_cad.errors import MeshError, OptionError, ScaffoldCadError, SkeletonError
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -294,6 +295,7 @@ def as_floats(
             raise TypeError("it holds complex numbers")
         if values is None:  # numpy makes it nan
             raise TypeError("it is None")
+        _check_real(raw)
         return np.array(raw, dtype=np.float64, order="C")
     except (TypeError, ValueError, OverflowError) as reason:
         why = _uneven(values) or reason
@@ -315,13 +317,23 @@ def _check_unmasked(values: ArrayLike, name: str, error: type[ScaffoldCadError])
 
 
 def _as_one_array(values: ArrayLike) -> NDArray[Any]:
-    """Return `values` as an array, rows of build123d's Vector and the like among them."""
+    """Return `values` as an array: build123d's Vector and the like, or rows of these."""
+    values = numbers_of(values)
     if isinstance(values, list | tuple):
         rows: list[Any] = list(values)
         vectors = {kind for kind in set(map(type, rows)) if _are_vectors(kind)}
         if vectors:
             return np.array([tuple(row) if type(row) in vectors else row for row in rows])
     return np.asarray(values)
+
+
+def _check_real(raw: NDArray[Any]) -> None:
+    """Raise a TypeError if one of an array of objects is no number; numpy makes None nan."""
+    objects: Iterable[Any] = raw.flat if raw.dtype == np.object_ else ()
+    odd = next((one for one in objects if not (hasattr(one, "__float__") or one is None)), None)
+    if odd is not None:
+        what = "holds items" if raw.ndim else "is"
+        raise TypeError(f"it {what} of type {type(odd).__name__}; need numbers")
 
 
 def _are_vectors(kind: type) -> bool:

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from scaffold_cad.base.arguments import as_direction, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frames, Ints, Points, UnitVectors, as_points
+from scaffold_cad.base.placements import DirectionLike
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import any_perpendicular, dot, length, normalize
 from scaffold_cad.errors import OptionError
@@ -105,7 +106,7 @@ def bisectors(before: UnitVectors, after: UnitVectors) -> UnitVectors:
 
 
 @checks_keywords()
-def rotation_minimizing_frames(points: ArrayLike, first_x: ArrayLike | None = None) -> Frames:
+def rotation_minimizing_frames(points: ArrayLike, first_x: DirectionLike | None = None) -> Frames:
     """Return a frame at each point of an open polyline that turns about its tangent least.
 
     Parameters
@@ -148,7 +149,7 @@ def rotation_minimizing_frames(points: ArrayLike, first_x: ArrayLike | None = No
     return np.stack([axes, np.cross(tangents, axes), tangents], axis=1)
 
 
-def _across(vector: ArrayLike, tangent: UnitVectors) -> UnitVectors:
+def _across(vector: DirectionLike, tangent: UnitVectors) -> UnitVectors:
     """Return the direction of the part of `vector` (3,) at right angles to `tangent` (3,)."""
     direction = as_direction(vector, "first_x")
     across = direction - dot(direction, tangent) * tangent

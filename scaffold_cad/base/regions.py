@@ -18,6 +18,7 @@ from scaffold_cad.base.arrays import (
     as_floats,
     read_only,
 )
+from scaffold_cad.base.placements import BoxLike
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import OptionError
 
@@ -63,7 +64,7 @@ class Region(Protocol):
 class BoxRegion:
     """A box along the axes."""
 
-    def __init__(self, box: ArrayLike) -> None:
+    def __init__(self, box: BoxLike) -> None:
         self.bounds = as_box(box)
         self.tolerance = surface_tolerance(self.bounds, SURFACE_FRACTION)
 
@@ -92,7 +93,7 @@ class BoxRegion:
 class ImplicitRegion:
     """Where a function of positions, like a signed distance, is negative."""
 
-    def __init__(self, function: Callable[[Points], ArrayLike], bounds: ArrayLike) -> None:
+    def __init__(self, function: Callable[[Points], ArrayLike], bounds: BoxLike) -> None:
         self.function = function
         self.bounds = as_box(bounds)
         self.tolerance = surface_tolerance(self.bounds, SURFACE_FRACTION)
@@ -161,7 +162,7 @@ class ImplicitRegion:
         return values
 
 
-def as_box(box: ArrayLike) -> Floats:
+def as_box(box: BoxLike) -> Floats:
     """Return a read-only copy of `box` as (2, 3) float64, lowest and highest corner.
 
     Raises

@@ -21,7 +21,7 @@ from OCP.GCPnts import GCPnts_TangentialDeflection
 from OCP.GeomAbs import GeomAbs_CurveType
 from OCP.TopoDS import TopoDS_Compound, TopoDS_Edge
 
-from scaffold_cad.base.arguments import as_number
+from scaffold_cad.base.arguments import as_number, described
 from scaffold_cad.base.arrays import Edges, Floats, Points, as_floats
 from scaffold_cad.base.boxes import overlapping_boxes
 from scaffold_cad.base.builders import built
@@ -138,8 +138,7 @@ def _edges_in(curves: Curves) -> Iterator[Iterable[Edge]]:
     strange = [shape for shape in shapes if not isinstance(shape, Shape)]
     if strange:
         raise OptionError(
-            f"a {type(strange[0]).__name__} is not a shape of build123d; need edges, wires or "
-            "sketches"
+            f"{described(strange[0])} is not a shape of build123d; need edges, wires or sketches"
         )
     return (shape.edges() for shape in shapes)
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
-from scaffold_cad.base.arguments import as_number, check_kind, checks_keywords
+from scaffold_cad.base.arguments import as_number, check_kind, checks_keywords, described
 from scaffold_cad.base.arrays import Floats, Points
+from scaffold_cad.base.placements import BoxLike
 from scaffold_cad.base.regions import BoxRegion, ImplicitRegion, Keep
 from scaffold_cad.errors import OptionError
 from scaffold_cad.filling.fill import FillRegion, as_region
@@ -27,7 +27,7 @@ def cut(
     region: FillRegion,
     *,
     keep: Keep = "clip",
-    bounds: ArrayLike | None = None,
+    bounds: BoxLike | None = None,
     shortest: float | None = None,
 ) -> Skeleton:
     """Return the part of a skeleton in a region, its surface included; struts keep their radii.
@@ -117,7 +117,7 @@ def _nearest(target: FillRegion, points: Points, reach: float) -> Points:
         return _on_zero(ImplicitRegion(target, [low, high]), points, reach)
     region = as_region(target)
     if not isinstance(region, BoxRegion):
-        raise OptionError(f"the target is a {type(target).__name__}; need a surface or a skeleton")
+        raise OptionError(f"the target is {described(target)}; need a surface or a skeleton")
     return _on_box(region.bounds, points)
 
 

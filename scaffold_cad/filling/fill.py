@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_flag, as_vector, check_choice, checks_keywords
+from scaffold_cad.base.arguments import as_flag, as_vector, check_choice, checks_keywords, described
 from scaffold_cad.base.arrays import Floats, Points
+from scaffold_cad.base.placements import AxesLike, BoxLike, PositionLike, numbers_of
 from scaffold_cad.base.radii import Radius, check_radius
 from scaffold_cad.base.regions import BoxRegion, ImplicitRegion, Keep, Region
 from scaffold_cad.errors import OptionError, SkeletonError
@@ -56,7 +57,7 @@ class HasTriangles(Protocol):
         """Vertex positions, shape (v, 3), mm."""
 
 
-FillRegion: TypeAlias = "ArrayLike | Shape | HasTriangles | Callable[[Points], ArrayLike] | Region"
+FillRegion: TypeAlias = "BoxLike | Shape | HasTriangles | Callable[[Points], ArrayLike] | Region"
 """A box (two corners), a solid of build123d, a closed triangle mesh, a function that is negative
 inside, or a region of `scaffold_cad.base.regions`."""
 
@@ -71,9 +72,9 @@ def fill(
     keep: Keep = "clip",
     dangling: bool = True,
     crumbs: bool = False,
-    bounds: ArrayLike | None = None,
-    origin: ArrayLike | None = None,
-    axes: ArrayLike | None = None,
+    bounds: BoxLike | None = None,
+    origin: PositionLike | None = None,
+    axes: AxesLike | None = None,
     on: CellMap | None = None,
     shortest: float | None = None,
 ) -> Skeleton:
@@ -81,10 +82,10 @@ def fill(
 
     Parameters
     ----------
-    region : a box (its lowest and highest corner, mm); or a build123d solid; or a closed triangle
-        mesh, anything with arrays `vertices` and `faces` or `triangles`, counter-clockwise seen
-        from outside; or a function of positions (n, 3) that returns signed distances (n,),
-        negative inside
+    region : a box (its lowest and highest corner, mm, or a BoundBox of build123d); or a build123d
+        solid; or a closed triangle mesh, anything with arrays `vertices` and `faces` or
+        `triangles`, counter-clockwise seen from outside; or a function of positions (n, 3) that
+        returns signed distances (n,), negative inside
     cell : a unit cell or its name
     size : of one cell, mm: three numbers, or one for a cell that is not distorted
     radius : mm; one number, or a function of positions (n, 3) that returns radii (n,)
@@ -95,8 +96,8 @@ def fill(
         surface cuts them off at edges; the log says how many were left out
     bounds : lowest and highest corner of a box around the region; for a function only
     origin : a corner of a cell, mm; by default the lowest corner of the bounds
-    axes : directions of the sides of cells, rows (3, 3), to turn the lattice; by default x, y, z,
-        or the cell's own
+    axes : directions of the sides of cells, rows (3, 3), or those of a Plane or Location, to turn
+        the lattice; by default x, y, z, or the cell's own
     on : a map that cells are put on, such as `face_map`, before they are cut to the region; `size`
         may then be a function of positions
     shortest : pieces of cut struts shorter than this are shrunk to a node on the surface, mm;
@@ -157,8 +158,8 @@ def struts_around(
     cell: UnitCell,
     size: CellSize,
     *,
-    origin: ArrayLike | None = None,
-    axes: ArrayLike | None = None,
+    origin: PositionLike | None = None,
+    axes: AxesLike | None = None,
     on: CellMap | None = None,
 ) -> Struts:
     """Return the struts of an endless lattice in the cells around a region, or of one on a map.
@@ -182,8 +183,8 @@ def _endless(
     space: Region,
     cell: UnitCell,
     size: CellSize,
-    origin: ArrayLike | None,
-    axes: ArrayLike | None,
+    origin: PositionLike | None,
+    axes: AxesLike | None,
 ) -> tuple[Struts, Floats]:
     """Return the struts of a lattice around a region, and the size of a cell (3,), mm."""
     if callable(size):
@@ -200,8 +201,9 @@ def _on_map(on: CellMap, cell: UnitCell, size: CellSize) -> tuple[Struts, Floats
     return chords, chords.cell
 
 
-def as_region(region: FillRegion, bounds: ArrayLike | None = None) -> Region:
+def as_region(region: FillRegion, bounds: BoxLike | None = None) -> Region:
     """Return `region` as one of those that struts can be clipped to; see `fill`."""
+    region = numbers_of(region)
     if bounds is not None and not callable(region):
         raise OptionError("bounds are given for a region that has its own; need a function")
     if isinstance(region, Region):
@@ -216,7 +218,7 @@ def as_region(region: FillRegion, bounds: ArrayLike | None = None) -> Region:
         return ImplicitRegion(region, bounds)
     if not isinstance(region, Sequence | np.ndarray) or isinstance(region, str):
         raise OptionError(
-            f"the region is a {type(region).__name__}; need a box, a function, a triangle mesh "
+            f"the region is {described(region)}; need a box, a function, a triangle mesh "
             "with arrays of vertices and triangles, or a build123d solid"
         )
     return BoxRegion(region)
@@ -226,7 +228,7 @@ def cells_around(
     bounds: Floats,
     cell: UnitCell,
     size: Floats,
-    origin: ArrayLike | None = None,
+    origin: PositionLike | None = None,
     axes: Floats | None = None,
 ) -> tuple[tuple[int, int, int], Points]:
     """Return how many cells along their sides a box meets, and the corner of the first.
@@ -288,7 +290,7 @@ def whole_cells_around(
 
 
 def _cells_around(
-    bounds: Floats, cell: UnitCell, size: Floats, origin: ArrayLike | None, axes: Floats | None
+    bounds: Floats, cell: UnitCell, size: Floats, origin: PositionLike | None, axes: Floats | None
 ) -> tuple[Floats, Points]:
     """Return how many cells along their sides a box meets (3,), and the corner of the first."""
     corner = bounds[0] if origin is None else as_vector(origin, "origin")

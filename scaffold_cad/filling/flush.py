@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arrays import Floats, place_text
+from scaffold_cad.base.placements import AxesLike, BoxLike
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import BoxRegion
 from scaffold_cad.base.segments import meet_box
@@ -37,12 +37,12 @@ if TYPE_CHECKING:
 
 
 def flush_box(
-    box: ArrayLike,
+    box: BoxLike,
     cell: str | UnitCell,
     size: CellSize,
     radius: Radius,
     *,
-    axes: ArrayLike | None = None,
+    axes: AxesLike | None = None,
     on: CellMap | None = None,
     section: Section | None = None,
     sides: int | None = None,
@@ -95,7 +95,7 @@ def flush_box(
     return trimmed_box(box, reaching, make, sides)
 
 
-def trimmed_box(box: ArrayLike, struts: Reaching, make: Make, sides: int) -> Manifold:
+def trimmed_box(box: BoxLike, struts: Reaching, make: Make, sides: int) -> Manifold:
     """Return struts that are cut flush with a box; see `flush_box`.
 
     Parameters

@@ -7,6 +7,7 @@ from typing import get_args
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import check_choice, checks_keywords
+from scaffold_cad.base.placements import BoxLike
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import Keep
 from scaffold_cad.filling.fill import FillRegion, as_region
@@ -26,7 +27,7 @@ def voronoi_foam(
     regularity: float = 0.0,
     stretch: ArrayLike = (1.0, 1.0, 1.0),
     periodic: bool = False,
-    bounds: ArrayLike | None = None,
+    bounds: BoxLike | None = None,
     keep: Keep = "clip",
     dangling: bool = True,
     shortest: float | None = None,
@@ -107,7 +108,7 @@ def delaunay_foam(
     size: CellSizes | None = None,
     regularity: float = 0.0,
     stretch: ArrayLike = (1.0, 1.0, 1.0),
-    bounds: ArrayLike | None = None,
+    bounds: BoxLike | None = None,
     shortest: float | None = None,
 ) -> Skeleton:
     """Return the edges of the Delaunay tetrahedra of random points: a random truss.

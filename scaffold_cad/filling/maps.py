@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_number, checks_keywords
+from scaffold_cad.base.arguments import as_number, checks_keywords, described
 from scaffold_cad.base.arrays import Points
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.builders import built
@@ -99,7 +99,7 @@ def _only_face(what: Any) -> Any:
     """Return a face, or the face of a shape that has one, as a sketch."""
     shape = built(what)
     if not callable(getattr(shape, "faces", None)):
-        raise OptionError(f"got a {type(what).__name__}; need a build123d Face")
+        raise OptionError(f"got {described(what)}; need a build123d Face")
     faces = shape.faces()
     if len(faces) != 1:
         raise OptionError(

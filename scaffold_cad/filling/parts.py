@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import checks_keywords
+from scaffold_cad.base.placements import AxesLike, PositionLike
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.errors import OptionError
 from scaffold_cad.filling.cleaning import (
@@ -54,8 +55,8 @@ def lattice_part(
     sides: int | None = None,
     drain: float | None = None,
     drain_places: ArrayLike | None = None,
-    origin: ArrayLike | None = None,
-    axes: ArrayLike | None = None,
+    origin: PositionLike | None = None,
+    axes: AxesLike | None = None,
     on: CellMap | None = None,
     **options: Unpack[RoundOptions],
 ) -> Manifold:

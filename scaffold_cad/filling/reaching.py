@@ -6,10 +6,10 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_vector, check_kind
 from scaffold_cad.base.arrays import Bools, Edges, Floats, place_text
+from scaffold_cad.base.placements import AxesLike, PositionLike
 from scaffold_cad.base.radii import Radius, radii_at
 from scaffold_cad.base.regions import Region
 from scaffold_cad.base.vectors import length
@@ -44,8 +44,8 @@ def lattice_reaching(
     radius: Radius,
     skin: float | None,
     *,
-    origin: ArrayLike | None = None,
-    axes: ArrayLike | None = None,
+    origin: PositionLike | None = None,
+    axes: AxesLike | None = None,
     on: CellMap | None = None,
 ) -> Reaching:
     """Return the struts of a lattice around a body, with a node in the corner of its bounds.

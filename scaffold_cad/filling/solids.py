@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from scaffold_cad import brep
 from scaffold_cad.base.arguments import as_number, checks_keywords
 from scaffold_cad.base.arrays import Frozen
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.builders import built
+from scaffold_cad.base.placements import AxesLike, PositionLike
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import BrepError, OptionError
@@ -125,8 +125,8 @@ def lattice_solid(
     *,
     skin: float,
     section: Section = "round",
-    origin: ArrayLike | None = None,
-    axes: ArrayLike | None = None,
+    origin: PositionLike | None = None,
+    axes: AxesLike | None = None,
     on: CellMap | None = None,
     overlaps: Overlaps = "refuse",
     **options: Unpack[RoundOptions],

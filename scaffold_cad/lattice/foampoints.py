@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arguments import as_count, as_number, as_real
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Points, as_floats, as_points
+from scaffold_cad.base.placements import BoxLike
 from scaffold_cad.base.regions import BoxRegion, Region, as_box
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice.maps.grading import sizes_at
@@ -44,7 +45,7 @@ class Seeds(Frozen):
     """Side of a cube as large as a mean cell, mm."""
 
 
-def random_points(count: int, box: ArrayLike, seed: int, regularity: float = 0.0) -> Points:
+def random_points(count: int, box: BoxLike, seed: int, regularity: float = 0.0) -> Points:
     """Return random points in a box, none closer to another than their regularity asks.
 
     Parameters

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_number, checks_keywords
+from scaffold_cad.base.arguments import as_number, checks_keywords, described
 from scaffold_cad.base.arrays import Floats, as_floats
 from scaffold_cad.base.backends import need
 from scaffold_cad.errors import OptionError
@@ -101,7 +101,7 @@ def _solid(what: Any, sides: int | None) -> Solid | RepeatedLattice:
         return lattice_solid(what, _sides(sides))
     if not isinstance(what, RoundStruts):
         if sides is not None:
-            raise OptionError(f"sides is for round struts; got a {type(what).__name__}")
+            raise OptionError(f"sides is for round struts; got {described(what)}")
         return Solid(MeshSections(closed(what)))
     return struts_solid(what, _sides(sides))
 

@@ -12,6 +12,7 @@ from scipy import sparse
 
 from scaffold_cad.base.arguments import as_number, as_real, as_vector, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Points, as_edge_radii, as_floats
+from scaffold_cad.base.placements import PositionLike
 from scaffold_cad.base.summaries import counted, radii_text, size_text
 from scaffold_cad.base.vectors import sums_by_row
 from scaffold_cad.errors import OptionError
@@ -255,7 +256,7 @@ def beam_model(
     supports: Support | Iterable[Support],
     loads: Load | Iterable[Load] = (),
     *,
-    gravity: ArrayLike = (0.0, 0.0, 0.0),
+    gravity: PositionLike = (0.0, 0.0, 0.0),
     hollow: float = 0.0,
     edge_radii: ArrayLike | None = None,
     rigid_ends: ArrayLike = 0.0,

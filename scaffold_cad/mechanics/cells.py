@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_number, checks_keywords
 from scaffold_cad.base.arrays import Edges, Floats, Frozen, as_floats
+from scaffold_cad.base.placements import DirectionLike, direction_of
 from scaffold_cad.base.summaries import range_text
 from scaffold_cad.base.vectors import sums_by_row
 from scaffold_cad.errors import OptionError
@@ -59,7 +60,7 @@ class Homogenized(Frozen):
         """Inverse of the stiffness, shape (6, 6), 1/MPa."""
         return np.asarray(np.linalg.inv(self.stiffness), dtype=np.float64)
 
-    def young(self, directions: ArrayLike) -> Floats:
+    def young(self, directions: DirectionLike) -> Floats:
         """Return Young's modulus along each of `directions` (..., 3), of any length, MPa.
 
         Examples
@@ -69,7 +70,7 @@ class Homogenized(Frozen):
         >>> bool(stiffer > softer)
         True
         """
-        vectors = as_floats(directions, "directions", OptionError)
+        vectors = as_floats(direction_of(directions), "directions", OptionError)
         sizes = np.linalg.norm(vectors, axis=-1, keepdims=True)
         if vectors.shape[-1:] != (3,) or not (sizes > 0).all():
             raise OptionError("directions must be vectors (..., 3), none of length 0")

@@ -18,6 +18,7 @@ from scaffold_cad.base.arguments import (
     did_you_mean,
 )
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points, as_chosen, as_floats, read_only
+from scaffold_cad.base.placements import PositionLike
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import OptionError
 from scaffold_cad.skeleton import Skeleton
@@ -102,9 +103,9 @@ class Load:
 
     where: Where
     """The nodes."""
-    force: ArrayLike = (0.0, 0.0, 0.0)
+    force: PositionLike = (0.0, 0.0, 0.0)
     """N, shape (3,)."""
-    moment: ArrayLike = (0.0, 0.0, 0.0)
+    moment: PositionLike = (0.0, 0.0, 0.0)
     """N mm, shape (3,)."""
     each: bool = False
     """Whether every node gets it; otherwise they share it evenly."""

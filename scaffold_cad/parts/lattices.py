@@ -12,6 +12,7 @@ from build123d import Align, Shape, tuplify
 from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_number, checks_keywords
+from scaffold_cad.base.placements import AxesLike, PositionLike
 from scaffold_cad.base.radii import Radius
 from scaffold_cad.base.regions import Keep
 from scaffold_cad.errors import OptionError
@@ -76,7 +77,7 @@ class LatticeBox(SkeletonPart):
         keep: Keep = "clip",
         dangling: bool = True,
         drop_stubs: bool = True,
-        axes: ArrayLike | None = None,
+        axes: AxesLike | None = None,
         on: CellMap | None = None,
         trim: bool = False,
         align: Any = (Align.CENTER, Align.CENTER, Align.CENTER),
@@ -156,8 +157,8 @@ class LatticeFill(SkeletonPart):
         keep: Keep = "clip",
         dangling: bool = True,
         drop_stubs: bool = True,
-        origin: ArrayLike | None = None,
-        axes: ArrayLike | None = None,
+        origin: PositionLike | None = None,
+        axes: AxesLike | None = None,
         on: CellMap | None = None,
         skin: float | None = None,
         **options: Unpack[FrameOptions],

@@ -51,7 +51,9 @@ def without_overlapping_stubs(skeleton: Skeleton, make: Make) -> Model:
         skeleton = skeleton.with_edges(keep)
     if dropped:
         _log.warning(
-            "%d of %s left out: they end free and overlap others", dropped, counted(count, "strut")
+            "%d of %s left out, with free ends that overlap others",
+            dropped,
+            counted(count, "strut"),
         )
     return model
 

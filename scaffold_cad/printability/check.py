@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from numpy.typing import ArrayLike
-
-from scaffold_cad.base.arguments import as_direction, as_flag, check_kind, checks_keywords
+from scaffold_cad.base.arguments import (
+    as_direction,
+    as_flag,
+    check_kind,
+    checks_keywords,
+    described,
+)
+from scaffold_cad.base.placements import DirectionLike
 from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.mesh.welding import welded
 from scaffold_cad.printability.direction import direction_findings
@@ -38,7 +43,7 @@ def check_printability(
     process: str | Process = "sls",
     *,
     skeleton: Skeleton | None = None,
-    direction: ArrayLike | Literal["best"] = (0.0, 0.0, 1.0),
+    direction: DirectionLike | Literal["best"] = (0.0, 0.0, 1.0),
     material: str | None = None,
     supports: bool = True,
     name: str = "part",
@@ -78,7 +83,7 @@ def check_printability(
     """
     process, supports = process_named(process), as_flag(supports, "supports")
     if sides is not None and not isinstance(what, RoundStruts):
-        raise OptionError(f"sides are for RoundStruts only; {name} is a {type(what).__name__}")
+        raise OptionError(f"sides are for RoundStruts only; {name} is {described(what)}")
     if sides is not None:
         check_sides(sides)
     if skeleton is not None:
@@ -143,5 +148,5 @@ def assert_printable(what: Any, process: str | Process = "sls", **options: Any) 
         raise AssertionError(str(report))
 
 
-def _is_best(direction: ArrayLike | Literal["best"]) -> bool:
+def _is_best(direction: DirectionLike | Literal["best"]) -> bool:
     return isinstance(direction, str) and direction == "best"

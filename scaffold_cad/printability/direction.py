@@ -103,7 +103,8 @@ def _strut_overhang(
         needy if count else "ok",
         {"least_deg": math.degrees(angles[first]), "needed_deg": needs, "overhanging": count},
         text + ("" if process.overhang_angle else f"; {process.name.upper()} asks for no angle"),
-        f"{counted(count, 'strut')} below {needs:g}° need support: turn the part or the cell"
+        f"{counted(count, 'strut needs', 'struts need')} support, being below {needs:g}°: turn the "
+        "part or the cell"
         if count
         else "",
         skeleton.nodes[skeleton.edges[np.flatnonzero(flat)[:MOST_PLACES]]].mean(axis=1),

@@ -132,7 +132,7 @@ def _gap(skeleton: Skeleton, process: Process, flat: Bools) -> Finding:
             f"{needed:g} mm: move them apart, or lower the radius"
         )
     if overlapping:
-        text += f"; {counted(overlapping, 'pair')} overlap and are one"
+        text += f"; {counted(overlapping, 'pair overlaps and is', 'pairs overlap and are')} one"
     return Finding(
         "strut_gap",
         "lattice",

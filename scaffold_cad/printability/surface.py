@@ -179,11 +179,13 @@ def _crossings(surface: TriangleTopology) -> Finding:
         verdict = "failure"
         a, b = deep[0].tolist()
         at_least = "at least " if len(deep) == MOST_CROSSINGS else ""
-        text = f"{at_least}{counted(len(deep), 'pair')} of triangles cross, {a} and {b} first"
+        crossing = counted(len(deep), "pair of triangles crosses", "pairs of triangles cross")
+        text = f"{at_least}{crossing}, {a} and {b} first"
         advice = "unite the overlapping parts (`to_solid`), or give them smaller radii"
     elif len(pairs):
         verdict = "warning"
-        text = f"{counted(len(pairs), 'pair')} of triangles touch, or cross by rounding"
+        touching = "pair of triangles touches or crosses", "pairs of triangles touch or cross"
+        text = f"{counted(len(pairs), *touching)} by rounding"
         advice = "slicers take it either way; move the parts apart or into each other"
     shown = (deep if len(deep) else pairs)[:MOST_PLACES]
     return Finding(

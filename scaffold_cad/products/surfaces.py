@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from scaffold_cad import brep
+from scaffold_cad.base.arguments import described
 from scaffold_cad.base.backends import is_instance
 from scaffold_cad.base.builders import built
 from scaffold_cad.base.kept import kept_last
@@ -118,7 +119,7 @@ def triangles_of(what: Any, sides: int = SIDES) -> TriangleMesh:
     mesh = surface_of(what, sides=sides)
     if mesh is None:
         raise OptionError(
-            f"the body is a {type(what).__name__}; need a build123d solid, a manifold3d or trimesh "
+            f"the body is {described(what)}; need a build123d solid, a manifold3d or trimesh "
             "one, a Scaffold, or a mesh with arrays of vertices and triangles"
         )
     return TriangleMesh(mesh.vertices, mesh.triangles) if isinstance(mesh, QuadMesh) else mesh

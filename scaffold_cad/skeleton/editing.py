@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Any, Protocol, TypeAlias, TypeVar, get_args, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, TypeVar, get_args, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,14 +19,26 @@ from scaffold_cad.base.arguments import (
     as_real,
     as_vector,
     check_choice,
+    described,
 )
 from scaffold_cad.base.arrays import Edges, Floats, Ints, Points, Radii
+from scaffold_cad.base.placements import (
+    BoxLike,
+    DirectionLike,
+    PositionLike,
+    numbers_of,
+    origin_of,
+    placement_of,
+)
 from scaffold_cad.base.ranges import steps
 from scaffold_cad.base.regions import BoxRegion, ImplicitRegion, Keep, Region
 from scaffold_cad.base.vectors import mirror, rotate, rotated, shortest_turns
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.skeleton.cutting import cut_at, drawn_together, inside
 from scaffold_cad.skeleton.repair import radii_left, repaired
+
+if TYPE_CHECKING:
+    from build123d import Location, Plane
 
 SHORTEST_FRACTION = 1e-3
 """Length below which the rest of a cut edge is given up, as a fraction of the mean length."""
@@ -45,7 +57,7 @@ class HasDistance(Protocol):
         """Return distances (n,) of points (n, 3), negative inside, mm."""
 
 
-CutRegion: TypeAlias = "Region | HasDistance | Callable[[Points], ArrayLike] | ArrayLike"
+CutRegion: TypeAlias = "Region | HasDistance | Callable[[Points], ArrayLike] | BoxLike"
 """A region, a box, a function that is negative inside, or an object with such a one."""
 
 
@@ -85,36 +97,51 @@ class Editing(ABC):
         """Return the skeleton itself for 0, from which `sum` begins."""
         return self if isinstance(other, int) and other == 0 else NotImplemented
 
-    def moved_by(self: _Edited, offset: ArrayLike) -> _Edited:
-        """Return the skeleton moved by `offset`, three numbers, mm.
+    def __rmul__(self: _Edited, place: Any) -> _Edited:
+        """Return the skeleton moved by a Plane or Location, as build123d moves its shapes."""
+        return NotImplemented if placement_of(place) is None else self.moved_by(place)
+
+    def moved_by(self: _Edited, offset: PositionLike | Plane | Location) -> _Edited:
+        """Return the skeleton moved by `offset`, three numbers or a Vector, mm.
+
+        A Location or Plane of build123d turns it too: `Pos(9, 0, 0) * strut`.
 
         >>> from scaffold_cad import Skeleton
         >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
         >>> (strut + strut.moved_by([9, 0, 0])).nodes[:, 0].tolist()
         [0.0, 9.0, 18.0]
         """
-        return self._at(self.nodes + as_vector(offset, "offset"))
+        placement = placement_of(offset)
+        if placement is None:
+            return self._at(self.nodes + as_vector(offset, "offset"))
+        return self._at(self.nodes @ placement[:, :3].T + placement[:, 3])
 
     def turned(
         self: _Edited,
         angle: float,
-        axis: ArrayLike = (0.0, 0.0, 1.0),
-        about: ArrayLike = (0.0, 0.0, 0.0),
+        axis: DirectionLike = (0.0, 0.0, 1.0),
+        about: PositionLike | None = None,
     ) -> _Edited:
         """Return the skeleton turned by `angle` (rad) around an axis through a point (mm).
 
-        The turn is counter-clockwise seen from the axis's tip.
+        The turn is counter-clockwise seen from the axis's tip. Without a point the axis is where an
+        Axis of build123d is, and else through the origin.
         """
-        place = as_vector(about, "about")
+        place = as_vector(origin_of(axis) if about is None else about, "about")
         turn = np.asarray(_finite(angle, "angle"))
         return self._at(place + rotate(self.nodes - place, as_direction(axis, "axis"), turn))
 
-    def mirrored(self: _Edited, normal: ArrayLike, about: ArrayLike = (0.0, 0.0, 0.0)) -> _Edited:
-        """Return the mirror image in the plane with a normal through a point (mm)."""
-        place = as_vector(about, "about")
+    def mirrored(
+        self: _Edited, normal: DirectionLike, about: PositionLike | None = None
+    ) -> _Edited:
+        """Return the mirror image in the plane with a normal through a point (mm).
+
+        A Plane of build123d has both; else the plane goes through the origin without a point.
+        """
+        place = as_vector(origin_of(normal) if about is None else about, "about")
         return self._at(place + mirror(self.nodes - place, as_direction(normal, "normal")))
 
-    def oriented(self: _Edited, up: ArrayLike) -> _Edited:
+    def oriented(self: _Edited, up: DirectionLike) -> _Edited:
         """Return the skeleton turned so that `up` points along z, its lowest ball on z = 0.
 
         Take for `up` the best direction that `check_printability` reports.
@@ -218,12 +245,13 @@ class Editing(ABC):
     def _as_region(self, region: CutRegion) -> Region:
         if isinstance(region, Region):
             return region
+        region = numbers_of(region)
         if isinstance(region, list | tuple | np.ndarray):
             return BoxRegion(region)
         function = region.signed_distance if isinstance(region, HasDistance) else region
         if not callable(function):
             raise OptionError(
-                f"the region is a {type(region).__name__}; need a box, or a function that is "
+                f"the region is {described(region)}; need a box, or a function that is "
                 "negative inside (scaffold_cad.cut takes solids and meshes)"
             )
         low, high = self.nodes.min(axis=0) - MARGIN, self.nodes.max(axis=0) + MARGIN

@@ -28,6 +28,7 @@ from scaffold_cad.base.arrays import (
 )
 from scaffold_cad.base.backends import need
 from scaffold_cad.base.notebook import Shown
+from scaffold_cad.base.placements import placement_of
 from scaffold_cad.base.radii import Radius, radii_at
 from scaffold_cad.base.summaries import counted, radii_text, size_text
 from scaffold_cad.base.topology import (
@@ -51,7 +52,7 @@ from scaffold_cad.skeleton.repair import (
 from scaffold_cad.skeleton.thinning import thinned_edges
 
 if TYPE_CHECKING:
-    from build123d import Curve
+    from build123d import Curve, Location, Plane
 
     from scaffold_cad.brep.wires import Curves
 
@@ -249,8 +250,13 @@ class Skeleton(Frozen, Shown, Editing):
         """Number of independent loops: edges − nodes + components."""
         return len(self.edges) - len(self.nodes) + self.component_count
 
-    def moved(self, nodes: ArrayLike) -> Skeleton:
-        """Return the same graph and radii at other positions, shape (n, 3), mm."""
+    def moved(self, nodes: ArrayLike | Plane | Location) -> Skeleton:
+        """Return the same graph and radii at other positions, shape (n, 3), mm.
+
+        A Location of build123d moves all nodes, as it moves shapes.
+        """
+        if placement_of(nodes) is not None:
+            return self.moved_by(nodes)
         return Skeleton(nodes, self.edges, self.radii, self.edge_radii)
 
     def with_radii(self, radii: ArrayLike | Radius) -> Skeleton:

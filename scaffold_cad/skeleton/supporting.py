@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import (
     as_direction,
@@ -15,6 +14,7 @@ from scaffold_cad.base.arguments import (
     checks_keywords,
 )
 from scaffold_cad.base.arrays import Bools, Floats
+from scaffold_cad.base.placements import DirectionLike
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.skeleton.skeleton import Skeleton
@@ -29,7 +29,7 @@ _log = logging.getLogger(__name__)
 def self_supporting(
     skeleton: Skeleton,
     angle: float = np.pi / 4,
-    direction: ArrayLike = (0.0, 0.0, 1.0),
+    direction: DirectionLike = (0.0, 0.0, 1.0),
     *,
     bridge: float = 0.0,
 ) -> Skeleton:

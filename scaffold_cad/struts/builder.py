@@ -159,9 +159,32 @@ def _built(
     if outer is not None:
         crowded |= outer.crowded[runs.tails]
     limits = np.where(crowded, 0.0, plan.limits)
-    limits = limits_beside(runs, solved, limits)
-    done = np.zeros(len(runs.nodes), dtype=np.bool_)
+    solved = _solved(runs, plan, solved, limits_beside(runs, solved, limits), like, outer)
+    if outer is None:
+        limits, again = _shared(runs, plan, solved, limits)
+        kept = [part[np.flatnonzero(~again[part.nodes])] for part in solved] if again.any() else []
+        kept = [part for part in kept if len(part.nodes)]
+        solved = _solved(runs, plan, kept, limits, like, outer) if again.any() else solved
+    struts = _assembled(skeleton, options, runs, tuple(solved), plan, outer)
+    if like is None and outer is None and (struts.crowded & np.isfinite(struts.bends)).any():
+        lost = plan.elbows.crossing(runs.nodes, struts.crowded)
+        lost = lost if blended is None else lost | blended
+        return _built(skeleton, options, like, outer, lost)
+    return replace(struts, like=like)
+
+
+def _solved(
+    runs: Runs,
+    plan: _Plan,
+    solved: list[BlendedNodes],
+    limits: Floats,
+    like: RoundStruts | None,
+    outer: RoundStruts | None,
+) -> list[BlendedNodes]:
+    """Return the nodes solved before, and all others with collars within limits (2 k,), mm."""
+    solved, done = list(solved), np.zeros(len(runs.nodes), dtype=np.bool_)
     done[[node for part in solved for node in part.nodes.tolist()]] = True
+    wall = None if outer is None else outer.options.wall
     wanted = list(zip(plan.groups, plan.wanted, strict=True))
     for group, stars in reversed(wanted):  # bends last: they are turned as what is beside them is
         left = np.flatnonzero(~done[group.nodes])
@@ -175,13 +198,24 @@ def _built(
             solved += with_blends(rest, asked)
         else:
             solved += with_walls(rest, asked, outer, wall)
-    solved.sort(key=lambda part: part.half_runs.shape[1])
-    struts = _assembled(skeleton, options, runs, tuple(solved), plan, outer)
-    if like is None and outer is None and (struts.crowded & np.isfinite(struts.bends)).any():
-        lost = plan.elbows.crossing(runs.nodes, struts.crowded)
-        lost = lost if blended is None else lost | blended
-        return _built(skeleton, options, like, outer, lost)
-    return replace(struts, like=like)
+    return sorted(solved, key=lambda part: part.half_runs.shape[1])
+
+
+def _shared(
+    runs: Runs, plan: _Plan, solved: list[BlendedNodes], limits: Floats
+) -> tuple[Floats, Bools]:
+    """Return the limits (2 k,) of collars, and the nodes to be solved again within them, (n,).
+
+    Collars also stand beyond the corners of their patches, further out than fillets ask for: where
+    that is too far for a run, its nodes share what the fillets leave of it.
+    """
+    collar, again = plan.full.copy(), np.zeros(len(runs.nodes), dtype=np.bool_)
+    for part in solved:
+        collar[part.half_runs] = part.shapes.collar_distances[part.shape_of]
+    tight = ~plan.no_room & (collar.reshape(-1, 2).sum(axis=1) > runs.lengths)
+    again[runs.edges[tight]] = True
+    room, _ = allotted(collar, np.minimum(plan.full, collar), runs.lengths)
+    return np.where(np.repeat(tight, 2), room, limits), again
 
 
 def _ring_starts(runs: Runs, solved: Iterable[BlendedNodes]) -> UnitVectors:
@@ -206,6 +240,8 @@ class _Plan:
     """Greatest collar distance of each half-run, shape (2 k,), mm."""
     no_room: Bools
     """Runs whose nodes have no room on them, shape (k,)."""
+    full: Floats
+    """Collar distance of each half-run that its fillet asks for, shape (2 k,), mm."""
     elbows: Elbows
     """Bends that are parts of tori."""
 
@@ -236,7 +272,8 @@ def _planned(
         if outer is not None:
             joints = joints_inside(runs, joints, outer.collar)
         joints, cut = elbows.beside(joints), elbows.cut(runs, closed)
-        limits, no_room = _limits(runs, full + joints.wanted + cut, least + joints.least + cut)
+        asked = full + joints.wanted + cut
+        limits, no_room = _limits(runs, asked, least + joints.least + cut)
         short = np.zeros_like(at)
         short[runs.edges[no_room]] = True
         if model is None and (short & bent).any():
@@ -244,7 +281,7 @@ def _planned(
             continue
         more = short & able & ~at
         if model is not None or options.joints != "auto" or not more.any():
-            return _Plan(groups, wanted, joints, limits, no_room, elbows)
+            return _Plan(groups, wanted, joints, limits, no_room, asked, elbows)
         at = at | more
 
 
@@ -359,7 +396,6 @@ def _assembled(
     bends = np.full(len(skeleton.nodes), np.nan)
     bends[plan.elbows.nodes] = reached = plan.elbows.radii(collar)
     collar[plan.elbows.half_runs] = (reached * np.tan(plan.elbows.turns / 2))[:, None]
-    # Collars also stand beyond the corners of their patches, further out than fillets ask for.
     no_room = plan.no_room | (collar.reshape(-1, 2).sum(axis=1) > runs.lengths)
     crowded[runs.edges[no_room]] = True
     passed = curves(runs, plan.joints, collar, x)

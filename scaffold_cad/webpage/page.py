@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from scaffold_cad.base.arguments import as_path, checks_keywords
+from scaffold_cad.base.arguments import as_path, checks_keywords, described
 from scaffold_cad.base.files import replacing
 from scaffold_cad.base.notebook import Shown
 from scaffold_cad.base.summaries import counted
@@ -138,7 +138,7 @@ def _surface(what: Model) -> QuadMesh | TriangleMesh:
     mesh = surface_of(what)
     if mesh is None:
         raise OptionError(
-            f"a page cannot show a {type(what).__name__}; need a Skeleton, a Scaffold, "
+            f"a page cannot show {described(what)}; need a Skeleton, a Scaffold, "
             "RoundStruts, a mesh or a manifold3d Manifold"
         )
     return mesh

@@ -451,8 +451,8 @@ def test_a_region_without_struts_is_refused() -> None:
         (BOX[::-1], {}, r"box is from \[35.0, .* need the first below the second"),
         (BOX[0], {}, r"box has shape \(3,\); need \(2, 3\)"),
         (SimpleNamespace(vertices=BOX), {}, "the region is a SimpleNamespace; need a box"),
-        ("abc", {}, "the region is a str; need a box, a function, a triangle mesh"),
-        (None, {}, "the region is a NoneType; need a box"),
+        ("abc", {}, "the region is 'abc'; need a box, a function, a triangle mesh"),
+        (None, {}, "the region is None; need a box"),
         ([["a"] * 3, ["b"] * 3], {}, "box is not an array of numbers: it holds text, a"),
         (
             SimpleNamespace(vertices=list, faces=list),

@@ -218,7 +218,7 @@ def test_slices_refuses_what_it_cannot_cut() -> None:
         slices(STRUT, [1.0], skin=1.0)
     with pytest.raises(MeshError, match="no triangle runs along the edge"):
         slices(OPEN_CUBE, [1.0])
-    with pytest.raises(OptionError, match="the body is a int; need a build123d solid"):
+    with pytest.raises(OptionError, match="the body is 7; need a build123d solid"):
         slices(7, [1.0])
 
 

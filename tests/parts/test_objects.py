@@ -477,7 +477,7 @@ def test_stubs_left_out_are_counted_in_a_warning(caplog: pytest.LogCaptureFixtur
         left = len(LatticeFill(BALL, "octet", 9.0, 0.5, section=section).skeleton.edges)
         (record,) = caplog.records
         assert record.levelname == "WARNING"
-        assert f"{every - left} of {every} struts left out: they end free" in record.message
+        assert f"{every - left} of {every} struts left out, with free ends" in record.message
 
 
 def test_lattices_of_which_more_than_a_fifth_are_stubs_are_refused() -> None:
@@ -603,7 +603,7 @@ def test_mesh_shape_of_nothing_is_refused() -> None:
     empty = TriangleMesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.intp))
     with pytest.raises(MeshError, match=r"the TriangleMesh has no triangles; need at least one"):
         to_mesh_shape(empty)
-    with pytest.raises(OptionError, match=r"the body is a str; need a build123d solid"):
+    with pytest.raises(OptionError, match=r"the body is 'bracket'; need a build123d solid"):
         to_mesh_shape("bracket")
 
 

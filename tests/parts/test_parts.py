@@ -105,7 +105,7 @@ def test_a_skin_without_thickness_is_refused(skin: float) -> None:
 
 
 def test_what_is_no_body_is_refused() -> None:
-    with pytest.raises(OptionError, match=r"the body is a str; need a build123d solid"):
+    with pytest.raises(OptionError, match=r"the body is 'bracket'; need a build123d solid"):
         lattice_part("bracket", "bcc", 6.0, 0.5)
 
 

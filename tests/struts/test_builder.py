@@ -187,3 +187,19 @@ def test_no_strut_is_exact_whose_collars_pass_each_other() -> None:
     assert passing.tolist() == [False, False, False, True, False, False, False]
     assert not struts.exact[passing].any()
     assert struts.crowded[[0, 4]].all()
+
+
+@pytest.mark.parametrize("length", [3.5, 4.5, 6.0])
+def test_collars_beyond_the_corners_of_patches_come_nearer_where_a_strut_is_short(
+    length: float,
+) -> None:
+    """Thick struts at 38°: fillets end 3 radii from the node, corners of patches 5."""
+    angles = np.radians([107, -73, -34.5, 3.8])
+    tips = np.stack([np.cos(angles), 0 * angles, np.sin(angles)], axis=1)
+    tips *= np.array([3.5, length, 7.0, 5.0])[:, None]
+    radii = [1.0, 1.0, 0.9, 0.8]
+    lug = Skeleton([[0, 0, 0], *tips], [[0, 1], [0, 2], [0, 3], [0, 4]], edge_radii=radii)
+    struts = round_struts(lug, blend=0.2)
+    assert not struts.crowded.any()
+    assert struts.fillet[0] == 0.2
+    assert struts.collar[2] < length

@@ -149,7 +149,7 @@ def test_subdivisions_and_manifolds_are_shown_and_other_things_refused() -> None
     assert list(layers_of(model_page(fine, title="fine"))) == ["mesh"]
     solid = to_solid(catmull_clark(build_scaffold(STRUT).mesh).mesh)
     assert list(layers_of(model_page(solid, title="ball"))) == ["solid"]
-    with pytest.raises(OptionError, match="cannot show a int; need a Skeleton"):
+    with pytest.raises(OptionError, match="cannot show 3; need a Skeleton"):
         model_page(3, title="three")  # type: ignore[arg-type]
 
 

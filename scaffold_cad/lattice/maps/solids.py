@@ -8,8 +8,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaffold_cad.base.arguments import as_direction, as_number, as_vector, checks_keywords
+from scaffold_cad.base.arguments import (
+    as_direction,
+    as_number,
+    as_vector,
+    checks_keywords,
+    described,
+)
 from scaffold_cad.base.arrays import Floats, Frames, Frozen, Ints, Points, UnitVectors, as_floats
+from scaffold_cad.base.placements import (
+    AxesLike,
+    DirectionLike,
+    PositionLike,
+    origin_of,
+    placement_of,
+)
 from scaffold_cad.base.vectors import normalize
 from scaffold_cad.errors import OptionError
 from scaffold_cad.lattice.maps.cellmap import CellMap
@@ -40,15 +53,19 @@ class BoxMap(Frozen, CellMap):
     """Unit directions of its sides, rows, shape (3, 3)."""
 
     def __init__(
-        self, size: ArrayLike, origin: ArrayLike = (0.0, 0.0, 0.0), axes: ArrayLike | None = None
+        self,
+        size: PositionLike,
+        origin: PositionLike | None = None,
+        axes: AxesLike | None = None,
     ) -> None:
         """Place a box.
 
         Parameters
         ----------
         size : lengths of its three sides, mm
-        origin : its corner, mm
-        axes : directions of its sides as rows (3, 3), at right angles or not; by default x, y, z
+        origin : its corner, mm; by default that of a Plane or Location, or 0
+        axes : directions of its sides as rows (3, 3), at right angles or not, or those of a Plane
+            or Location of build123d; by default x, y, z
 
         Raises
         ------
@@ -57,7 +74,7 @@ class BoxMap(Frozen, CellMap):
         """
         self._keep(
             size=as_three(size, "size of the box in mm"),
-            origin=as_vector(origin, "origin"),
+            origin=as_vector(origin_of(axes) if origin is None else origin, "origin"),
             axes=as_axes(axes),
         )
 
@@ -101,8 +118,8 @@ class CylinderMap(Frozen, CellMap):
         height: float,
         thickness: float,
         *,
-        origin: ArrayLike = (0.0, 0.0, 0.0),
-        axis: ArrayLike = (0.0, 0.0, 1.0),
+        origin: PositionLike | None = None,
+        axis: DirectionLike = (0.0, 0.0, 1.0),
         angle: float = 2 * np.pi,
     ) -> None:
         turn = _as_turn(angle)
@@ -110,7 +127,7 @@ class CylinderMap(Frozen, CellMap):
             radius=as_number(radius, "radius of the cylinder"),
             height=as_number(height, "height of the cylinder"),
             thickness=as_number(thickness, "thickness of the wall"),
-            origin=as_vector(origin, "origin"),
+            origin=as_vector(origin_of(axis) if origin is None else origin, "origin"),
             axes=frame_along(axis),
             angle=turn,
             wraps=(turn > 2 * np.pi - FULL_TURN, False, False),
@@ -161,8 +178,8 @@ class SphereMap(Frozen, CellMap):
         thickness: float,
         *,
         latitudes: ArrayLike | None = None,
-        origin: ArrayLike = (0.0, 0.0, 0.0),
-        axis: ArrayLike = (0.0, 0.0, 1.0),
+        origin: PositionLike | None = None,
+        axis: DirectionLike = (0.0, 0.0, 1.0),
         angle: float = 2 * np.pi,
     ) -> None:
         whole = latitudes is None
@@ -173,7 +190,7 @@ class SphereMap(Frozen, CellMap):
         self._keep(
             radius=as_number(radius, "radius of the sphere"),
             thickness=as_number(thickness, "thickness of the wall"),
-            origin=as_vector(origin, "origin"),
+            origin=as_vector(origin_of(axis) if origin is None else origin, "origin"),
             axes=frame_along(axis),
             latitudes=None if latitudes is None else _as_latitudes(latitudes),
             angle=turn,
@@ -230,7 +247,7 @@ class FunctionMap(Frozen, CellMap):
         wraps : along which of them the end is the beginning again
         """
         if not callable(function):
-            raise OptionError(f"the map is a {type(function).__name__}; need a function")
+            raise OptionError(f"the map is {described(function)}; need a function")
         if len(wraps) != 3:
             raise OptionError(f"wraps is {wraps}; need three flags")
         self._keep(
@@ -260,8 +277,8 @@ class FunctionMap(Frozen, CellMap):
         return moved
 
 
-def as_axes(axes: ArrayLike | None) -> Floats:
-    """Return unit directions (3, 3), rows; by default those of x, y and z.
+def as_axes(axes: AxesLike | None) -> Floats:
+    """Return unit directions (3, 3), rows, or those of a Plane; by default those of x, y and z.
 
     Raises
     ------
@@ -270,7 +287,8 @@ def as_axes(axes: ArrayLike | None) -> Floats:
     """
     if axes is None:
         return np.eye(3)
-    rows = as_floats(axes, "axes", OptionError)
+    placement = placement_of(axes)
+    rows = as_floats(axes, "axes", OptionError) if placement is None else placement[:, :3].T
     if rows.shape != (3, 3) or not np.isfinite(rows).all() or not rows.any(axis=1).all():
         raise OptionError(f"axes are {rows.tolist()}; need three directions, a row each")
     units = normalize(rows)
@@ -279,7 +297,7 @@ def as_axes(axes: ArrayLike | None) -> Floats:
     return units
 
 
-def frame_along(axis: ArrayLike) -> Floats:
+def frame_along(axis: DirectionLike) -> Floats:
     """Return orthonormal rows (3, 3), the last along `axis`.
 
     Raises

@@ -86,9 +86,9 @@ def tell_united(struts: RoundStruts, spans: Spans, fillets: Floats) -> None:
         return
     edges = [int((runs.run_of_edge == run).argmax()) for run in left[0]]
     _log.warning(
-        "%s each other without touching, and are united: edges %d and %d, near %s%s; "
+        "%s united, though they do not touch: edges %d and %d, near %s%s; "
         "need more room between them, more sides, or a smaller blend",
-        counted(len(left), "pair of struts passes", "pairs of struts pass"),
+        counted(len(left), "pair of struts is", "pairs of struts are"),
         *edges,
         place_text(places[0]),
         ", first" if len(left) > 1 else "",

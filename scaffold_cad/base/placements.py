@@ -1,0 +1,63 @@
+"""Positions, directions and places as build123d has them, in numbers; all else is left as it is.
+
+build123d is not imported: whoever has such an object has it loaded.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from scaffold_cad.base.backends import is_instance
+
+if TYPE_CHECKING:
+    from build123d import Axis, BoundBox, Location, Plane, Vector, Vertex
+
+PositionLike: TypeAlias = "ArrayLike | Vector | Vertex"
+"""Three numbers, or a Vector or Vertex of build123d."""
+BoxLike: TypeAlias = "ArrayLike | BoundBox"
+"""The lowest and the highest corner of a box, or a BoundBox of build123d."""
+DirectionLike: TypeAlias = "PositionLike | Axis | Plane"
+"""A vector of any length > 0, an Axis, or a Plane for its normal."""
+AxesLike: TypeAlias = "ArrayLike | Plane | Location"
+"""Three directions, rows, or a Plane or Location that has them."""
+
+
+def numbers_of(position: Any) -> Any:
+    """Return the numbers of a Vector or Vertex, (3,), or of both corners of a BoundBox, (2, 3)."""
+    if _is(position, "BoundBox"):
+        return tuple(position.min), tuple(position.max)
+    return tuple(position) if _is(position, "Vector", "Vertex") else position
+
+
+def direction_of(direction: Any) -> Any:
+    """Return the direction of an Axis, the normal of a Plane, or the numbers of a Vector."""
+    if _is(direction, "Plane"):
+        return numbers_of(direction.z_dir)
+    return numbers_of(direction.direction if _is(direction, "Axis") else direction)
+
+
+def placement_of(place: Any) -> NDArray[np.float64] | None:
+    """Return the rotation and the position of a Plane or Location, (3, 4), or None.
+
+    The first three columns are its x, y and z axis.
+    """
+    if not _is(place, "Plane", "Location"):
+        return None
+    location = place.location if _is(place, "Plane") else place
+    move = location.wrapped.Transformation()
+    return np.array([[move.Value(row, column) for column in (1, 2, 3, 4)] for row in (1, 2, 3)])
+
+
+def origin_of(place: Any, default: Any = (0.0, 0.0, 0.0)) -> Any:
+    """Return the position of an Axis, a Plane or a Location, or a default of all else."""
+    if _is(place, "Axis"):
+        return numbers_of(place.position)
+    placement = placement_of(place)
+    return default if placement is None else placement[:, 3]
+
+
+def _is(what: Any, *names: str) -> bool:
+    return any(is_instance(what, "build123d", name) for name in names)
