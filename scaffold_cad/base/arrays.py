@@ -315,7 +315,9 @@ def _check_unmasked(values: ArrayLike, name: str, error: type[ScaffoldCadError])
 
 
 def _as_one_array(values: ArrayLike) -> NDArray[Any]:
-    """Return `values` as an array, rows of build123d's Vector and the like among them."""
+    """Return `values` as an array: build123d's Vector and the like, or rows of them, too."""
+    if _are_vectors(type(values)):
+        return np.array(tuple(values))  # type: ignore[arg-type]
     if isinstance(values, list | tuple):
         rows: list[Any] = list(values)
         vectors = {kind for kind in set(map(type, rows)) if _are_vectors(kind)}
