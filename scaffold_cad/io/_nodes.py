@@ -18,6 +18,11 @@ def radius_of_area(area: float) -> float:
     return math.copysign(math.sqrt(abs(area) / math.pi), area) if area else math.nan
 
 
+def _shown(name: Hashable) -> str:
+    """Return a name as the file has it: of a pair, such as an instance and a node, the latter."""
+    return f"{name[-1] if isinstance(name, tuple) else name!r:.80}"
+
+
 class NamedGraph:
     """Nodes and edges gathered one by one, under the names that a file has for them."""
 
@@ -48,11 +53,11 @@ class NamedGraph:
             If the name is taken, or some nodes have a z and others have none.
         """
         if name in self._number:
-            raise self._error(where, f"node {name!r:.80} is there already", "each name once")
+            raise self._error(where, f"node {_shown(name)} is there already", "each name once")
         if self._points and len(point) != self._dimension:
             raise self._error(
                 where,
-                f"node {name!r:.80} has {len(point)} coordinates, those before {self._dimension}",
+                f"node {_shown(name)} has {len(point)} coordinates, those before {self._dimension}",
                 "x, y and z of all, or x and y",
             )
         self._dimension = len(point)
@@ -76,7 +81,8 @@ class NamedGraph:
         """
         for name in (start, end):
             if name not in self._number:
-                raise self._error(where, f"an edge has the end {name!r:.80}", "a node of the file")
+                found = f"an edge has the end {_shown(name)}"
+                raise self._error(where, found, "a node of the file")
         self._edges.append((self._number[start], self._number[end]))
         self._edge_radii.append(radius if isinstance(radius, tuple) else (radius, radius))
 
@@ -109,7 +115,7 @@ class NamedGraph:
 
     def _of(self, name: Hashable, what: str, where: str) -> int:
         if name not in self._number:
-            raise self._error(where, f"{what} is on node {name!r:.80}", "a node of the file")
+            raise self._error(where, f"{what} is on node {_shown(name)}", "a node of the file")
         return self._number[name]
 
     def skeleton(

@@ -65,7 +65,7 @@ def first_words(head: bytes) -> list[str]:
     return next((words for line in lines if (words := line.partition("#")[0].split())), [])
 
 
-def is_number(word: str) -> bool:
+def is_number(word: str | bytes) -> bool:
     """Return whether `word` is a number, NaN and infinity included."""
     try:
         float(word)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import product
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element
@@ -31,25 +32,35 @@ def read_graphml(path: Path) -> RawSkeleton:
     """
     check_size(path, LARGEST_FILE)
     root = xml_root(path, path.read_bytes())
-    names = {
-        key.get("id", ""): key.get("attr.name", key.get("id", "")) for key in _all(root, "key")
-    }
+    names, usual = _keys(root)
     graph = NamedGraph(path)
     for node in _all(root, "node"):
-        values = _data(node, names)
+        values = usual["node"] | _data(node, names)
         place = position_in(values)
         name = node.get("id", "")
         if place is None:
             raise FormatError(f"{path} has no position of node {name!r:.80}; need x, y and z")
         graph.add_node(name, place, radius_in(values))
     for edge in _all(root, "edge"):
-        values = _data(edge, names)
+        values = usual["edge"] | _data(edge, names)
         ends = (as_number(values.get("r1")), as_number(values.get("r2")))
         radius: float | tuple[float, float] = radius_in(values)
         if ends[0] is not None and ends[1] is not None:
             radius = (ends[0], ends[1])
         graph.add_edge(edge.get("source", ""), edge.get("target", ""), radius)
     return graph.skeleton()
+
+
+def _keys(root: Element) -> tuple[dict[str, str], dict[str, dict[str, Any]]]:
+    """Return the names of attributes by their keys, and what nodes and edges have without data."""
+    names: dict[str, str] = {}
+    usual: dict[str, dict[str, Any]] = {"node": {}, "edge": {}}
+    for key in _all(root, "key"):
+        name = names[key.get("id", "")] = key.get("attr.name", key.get("id", ""))
+        for kind, default in product(usual, _all(key, "default")):
+            if key.get("for", "all") in (kind, "all"):
+                usual[kind][name] = (default.text or "").strip()
+    return names, usual
 
 
 def _all(root: Element, tag: str) -> list[Element]:

@@ -52,10 +52,12 @@ def read_nastran(path: Path) -> RawSkeleton:
     radii = _radii(path, cards)
     graph = NamedGraph(path)
     for line, fields in cards:
+        if fields[0] in ("GRID", "GRDSET") and _whole(path, line, fields, 2, 0) != 0:
+            found = f"a node in the coordinate system {fields[2]}"
+            raise line_error(path, line, found, "the basic one, 0")
+        if fields[0].startswith("INCLUDE"):
+            _log.warning("%s, line %d: the file included is not read", path, line)
         if fields[0] == "GRID":
-            if _whole(path, line, fields, 2, 0) != 0:
-                found = f"a node in the coordinate system {fields[2]}"
-                raise line_error(path, line, found, "the basic one, 0")
             point = [_number(path, line, fields, k, 0.0) for k in (3, 4, 5)]
             graph.add_node(_whole(path, line, fields, 1), point, where=f"line {line}")
     for line, fields in cards:
@@ -201,27 +203,27 @@ def _cards(path: Path) -> list[Card]:
         if text.strip().upper().startswith("ENDDATA"):
             break
         fields = _fields(text)
-        name = fields[0].strip().rstrip("*").upper()
-        if not name or name.startswith("+"):
+        name = fields[0].upper()
+        if not name or name[0] in "+*":
             if cards:
                 cards[-1][1].extend(fields[1:])
             continue
-        cards.append((line + (1 if begin else 0), [name, *fields[1:]]))
+        cards.append((line + (1 if begin else 0), [name.rstrip("*"), *fields[1:]]))
     if begin and not whole:
         raise FormatError(f"{path} does not end with ENDDATA: need the whole file")
     return cards
 
 
 def _fields(text: str) -> list[str]:
-    """Return the fields of a line without the mark of its continuation."""
+    """Return the fields of a line, 8 or 4 wide ones, without the mark of its continuation."""
+    text = text if "," in text else text.expandtabs(8)
+    first = text.partition(",")[0] if "," in text else text[:8]
+    width, count = (16, 4) if "*" in first else (8, 8)
     if "," in text:
-        fields = [field.strip() for field in text.split(",")]
-        return [*fields[:9], *[""] * (9 - len(fields))]
-    text = text.expandtabs(8)
-    wide = text[:8].rstrip().endswith("*")
-    width, count = (16, 4) if wide else (8, 8)
+        fields = [field.strip() for field in text.split(",")][: count + 1]
+        return [*fields, *[""] * (count + 1 - len(fields))]
     starts = [8 + width * k for k in range(count)]
-    return [text[:8], *(text[at : at + width].strip() for at in starts)]
+    return [first.strip(), *(text[at : at + width].strip() for at in starts)]
 
 
 def _field(fields: Sequence[str], k: int) -> str:

@@ -15,7 +15,7 @@ from scaffold_cad.errors import FormatError
 from scaffold_cad.io._binary import as_doubles
 from scaffold_cad.io._mesh import Faces, skeleton_of_mesh
 from scaffold_cad.io._raw import RawSkeleton
-from scaffold_cad.io._text import LARGEST_FILE, check_size
+from scaffold_cad.io._text import LARGEST_FILE, check_size, is_number, line_error
 from scaffold_cad.io.content import Content
 from scaffold_cad.io.register import (
     HEAD_SIZE,
@@ -93,8 +93,11 @@ def _of_text(path: Path, data: bytes) -> Points:
         raise FormatError(f"{path} has {len(rows)} vertices of {facets} facets; need 3 per facet")
     try:
         return np.array(rows, dtype=np.float64)
-    except ValueError as error:
-        raise FormatError(f"{path}: {error}; need a vertex: vertex x y z") from None
+    except ValueError:
+        found = _VERTEX.finditer(data)
+        bad = next(vertex for vertex in found if not all(map(is_number, vertex.groups())))
+        line, text = data.count(b"\n", 0, bad.start()) + 1, bad[0].decode(errors="replace")
+        raise line_error(path, line, repr(text), "a vertex: vertex x y z") from None
 
 
 HEADER = "scaffold_cad binary STL, unit: {}"  # a header that starts with "solid" means text

@@ -31,10 +31,12 @@ from scaffold_cad.solid import manifolds
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-SINGLE_PRECISION = 2.0**-20
-"""Least length of an edge after a union, in greatest coordinates: some roundings to 32 bits."""
+SINGLE_PRECISION = 2.0**-22
+"""Least length of an edge after a union, in greatest coordinates: 2 to 4 steps of 32 bits.
 
-MENDINGS = (8.0, 64.0)
+What is thinner goes, so more of them would take struts that files can hold."""
+
+MENDINGS = (8.0, 32.0, 256.0)
 """Lengths of edges that are drawn together where a union crosses itself, in least lengths, in
 turn."""
 

@@ -51,6 +51,9 @@ EQUAL_AREA = float(np.sqrt(2.0 / np.pi))
 NEAR_FAULT = 3.0
 """How far from a fault of a union struts are changed, in their radii."""
 
+MOST_CHANGE = 0.1
+"""Largest relative change of a union's volume by what 32-bit coordinates cannot hold of it."""
+
 _log = logging.getLogger(__name__)
 
 
@@ -244,7 +247,11 @@ def _cleaned(
         If it has a fault or more bodies; its places are in the lengths of the file.
     """
     surface = clean_surface(manifold, factor)
-    mesh, voids = without_voids(TriangleMesh(surface.vertices / factor, surface.triangles))
+    whole = TriangleMesh(surface.vertices / factor, surface.triangles)
+    share = whole.signed_volume / manifold.volume()
+    if abs(share - 1.0) > MOST_CHANGE:
+        raise FaultySurfaceError(f"has {share:.0%} of its volume", np.empty((0, 3)))
+    mesh, voids = without_voids(whole)
     pieces = pieces_of(mesh)
     extra = np.argsort(-pieces.volumes)[components:]
     extra = extra[pieces.volumes[extra] > 0]

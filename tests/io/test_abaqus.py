@@ -44,6 +44,29 @@ def test_the_radius_is_that_of_the_section(tmp_path: Path, section: str, radius:
     np.testing.assert_allclose(sizes(raw), radius)
 
 
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ("*BEAM SECTION, ELSET=S, SECTION=CIRC\n2.\n", "*ELSET, ELSET=S\n1\n"),
+        ("", "*ELSET, ELSET=S\n1\n*BEAM SECTION, ELSET=S,\n** of a pin\nSECTION=CIRC\n2.\n"),
+    ],
+)
+def test_keywords_stand_in_any_order_and_go_on(tmp_path: Path, before: str, after: str) -> None:
+    raw = read_raw(written(tmp_path, "x.inp", before + NODES + after))
+    np.testing.assert_allclose(sizes(raw), 2)
+
+
+def test_empty_fields_of_a_node_are_0(tmp_path: Path) -> None:
+    text = "*NODE\n1, , 5, \n2, 9, 5, 0\n*ELEMENT, TYPE=B31\n1, 1, 2\n"
+    assert read_raw(written(tmp_path, "x.inp", text)).nodes[0].tolist() == [0, 5, 0]
+
+
+def test_what_is_not_read_is_told(tmp_path: Path, caplog) -> None:
+    read_raw(written(tmp_path, "x.inp", NODES + "*NODE, INPUT=a\n*TRANSFORM, NSET=A\n1, 1\n"))
+    assert "line 6: the file included is not read" in caplog.text
+    assert "line 7: supports and loads are taken in the global coordinate system" in caplog.text
+
+
 def test_a_section_of_another_shape_leaves_radii_to_the_user(tmp_path: Path, caplog) -> None:
     path = written(tmp_path, "x.inp", NODES + "*BEAM SECTION, ELSET=E, SECTION=I\n1, 2, 3\n")
     assert read_raw(path).has_radii is False
@@ -94,8 +117,11 @@ def test_the_first_axis_of_sections_is_not_along_their_beams(tmp_path: Path) -> 
         ("*NODE\n1, 0, zero\n", r"line 2: '1, 0, zero' holds no numbers; need a node: number, x"),
         ("*NODE\n1, 0\n", "line 2: '1, 0' is too short; need a node"),
         (NODES + "2, 1\n", "line 6: '2, 1' is too short; need an element"),
-        (NODES + "2, 1, 7\n", "line 6: an edge has the end .0, 7.; need a node of the file"),
+        (NODES + "2, 1, 7\n", "line 6: an edge has the end 7; need a node of the file"),
         ("*NODE\n1, 0, 0, 0\n", "has nodes and no struts; need beams, pipes or trusses"),
+        ("*NODE, SYSTEM=C\n1, 9, 90\n", "line 1: nodes in a coordinate system of their own; need"),
+        ("*SYSTEM\n1, 0, 0\n" + NODES, "line 1: nodes in a coordinate system of their own; need"),
+        (NODES + "*ELGEN\n1, 4\n", "line 6: .ELGEN; need nodes and elements that are written out"),
         ("*NODE\n*INSTANCE, PART=P\n", "line 2: an instance of part 'P'; need a part before"),
         (NODES + "*ELSET, ELSET=A, GENERATE\n1, 1e9, 0\n", "line 7: '1, 1e9, 0'; need a range of"),
     ],

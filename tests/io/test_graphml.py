@@ -94,3 +94,15 @@ NODE = '<node id="a"><data key="x">0</data><data key="y">{}</data></node>'
 def test_errors_name_the_item(tmp_path: Path, name: str, text: str, message: str) -> None:
     with pytest.raises(FormatError, match=message):
         read_raw(written(tmp_path, name, text))
+
+
+@pytest.mark.parametrize("owner", [' for="edge"', ' for="all"', ""])
+def test_values_that_data_leaves_out_are_those_of_the_key(tmp_path: Path, owner: str) -> None:
+    radius = f'<key id="r" attr.name="radius"{owner}><default>0.5</default></key>'
+    nodes = (
+        NODE.format(0) + NODE.format(9).replace('"a"', '"b"') + NODE.format(5).replace('"a"', '"c"')
+    )
+    edges = '<edge source="a" target="b"/><edge source="a" target="c"><data key="r">2</data></edge>'
+    text = GRAPHML.format(nodes + edges).replace("<graph>", radius + "<graph>")
+    raw = read_raw(written(tmp_path, "x.graphml", text))
+    assert raw.edge_radii.tolist() == [[0.5, 0.5], [2, 2]]

@@ -39,9 +39,30 @@ def test_numbers_may_lack_their_e(tmp_path: Path, text: str, value: float) -> No
 
 
 @pytest.mark.parametrize(
+    "entry",
+    [
+        "GRID*,1,,1.,2.\n*,3.\n",
+        "GRID*,1,,1.,2.,*G1\n*G1,3.\n",
+        f"{'GRID*':8}{1:16}{'':16}{1.0:16}{2.0:16}*G1\n{'*G1':8}{3.0:16}\n",
+        f"{'GRID*':8}{1:16}{'':16}{1.0:16}{2.0:16}\n{'*':8}{3.0:16}\n",
+        f"{'GRID':8}{1:8}{'':8}{1.0:8}{2.0:8}{3.0:8}\n",
+    ],
+)
+def test_wide_fields_go_on_in_the_next_line(tmp_path: Path, entry: str) -> None:
+    raw = read_raw(written(tmp_path, "x.bdf", entry + "GRID,2,,9.,0.,0.\nCROD,1,1,1,2\n"))
+    assert raw.nodes[0].tolist() == [1, 2, 3]
+
+
+def test_a_file_that_is_included_is_named(tmp_path: Path, caplog) -> None:
+    read_raw(written(tmp_path, "x.bdf", "INCLUDE 'more.bdf'\n" + GRIDS + "CROD,1,1,1,2\n"))
+    assert "line 1: the file included is not read" in caplog.text
+
+
+@pytest.mark.parametrize(
     ("text", "message"),
     [
         ("GRID,1,4,0.,0.,0.\n", "line 1: a node in the coordinate system 4; need the basic one, 0"),
+        ("GRDSET,,4\nGRID,1,,0.,0.,0.\n", "line 1: a node in the coordinate system 4; need"),
         ("GRID,1,,x,0.,0.\n", "line 1: field 4 is 'x'; need a number"),
         ("GRID,one,,0.,0.,0.\n", "line 1: field 2 is 'one'; need a whole number"),
         (GRIDS + "CROD,1,1,1,7\n", "line 3: an edge has the end 7; need a node of the file"),

@@ -52,6 +52,8 @@ def test_points_of_build123d_and_whole_numbers_of_text_files_are_taken() -> None
     skeleton = Skeleton([Vector(0, 0, 0), Vertex(1, 0, 0), (2, 1, 0)], edges, 1.0)
     assert skeleton.nodes.tolist() == [[0, 0, 0], [1, 0, 0], [2, 1, 0]]
     assert skeleton.edges.tolist() == [[0, 1], [1, 2]]
+    assert skeleton.moved_by(Vector(1, 2, 3)).nodes[0].tolist() == [1, 2, 3]
+    assert skeleton.mirrored(Vector(1, 0, 0)).nodes[1].tolist() == [-1, 0, 0]
 
 
 def test_a_skeleton_is_printed_by_its_shapes() -> None:

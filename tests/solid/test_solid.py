@@ -176,14 +176,30 @@ def test_where_no_union_is_clean_struts_are_round_of_the_same_section(
     assert result.united_edges.tolist() == [0, 1, 2]
 
 
-def test_thin_rods_far_away_are_one_solid_as_written(caplog: pytest.LogCaptureFixture) -> None:
+def test_thin_rods_far_away_are_one_solid_as_written(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
     random, radius = np.random.default_rng(0), 0.02
     centers, ways = 4 * radius * random.uniform(-1, 1, (8, 3)), random.normal(size=(8, 3))
     ways *= 15 * radius / np.linalg.norm(ways, axis=1)[:, None]
     nodes = np.stack([centers - ways, centers + ways], axis=1).reshape(-1, 3) + 7.6e4
     rods = Skeleton(nodes, np.arange(16).reshape(-1, 2), radius)
+    made = to_solid(build_scaffold(rods))
+    check_as_written(manifold_triangles(made))
+    near = build_scaffold(rods.moved_by([-7.6e4] * 3))
+    assert made.volume() == pytest.approx(to_solid(near).volume(), rel=0.15)
+    monkeypatch.setattr(solid, "_clean_union", lambda *_: None)
     check_as_written(manifold_triangles(to_solid(build_scaffold(rods))))
     assert "has a radius of 0.125 mm instead of 0.0226 mm" in caplog.text
+
+
+@pytest.mark.parametrize(("steps", "error"), [(8.0, 0.05), (16.0, 0.01)])
+def test_unions_of_thin_struts_far_away_keep_their_volume(steps: float, error: float) -> None:
+    arms = np.array([[0.0, 0, 0], [9, 0, 0], [0, 9, 0], [-6, -6, 3], [0, 0, 9], [5, -6, -5]])
+    star = [[0, k] for k in range(1, 6)]
+    radius = steps * 2.0**-7  # steps of 32-bit coordinates at 1e5 mm
+    scaffold = build_scaffold(Skeleton(arms + 1e5, star, radius), collars=True)
+    assert to_solid(scaffold).volume() == pytest.approx(scaffold.mesh.signed_volume, rel=error)
 
 
 @pytest.mark.parametrize(("make", "steps"), [(round_struts, 16), (build_scaffold, 2)])

@@ -104,8 +104,9 @@ def _add(graph: NamedGraph, part: Part, number: int, matrix: Floats) -> None:
     for node, (line, place) in part.nodes.items():
         point = np.array([*place, 0.0, 0.0][:3]) @ matrix[:3] + matrix[3]
         graph.add_node((number, node), point.tolist(), where=f"line {line}")
+    radii = part.radii()
     for element, (line, nodes) in part.struts.items():
-        radius = part.radii.get(element, math.nan)
+        radius = radii.get(element, math.nan)
         for a, b in pairwise(nodes):
             graph.add_edge((number, a), (number, b), radius, f"line {line}")
 

@@ -18,6 +18,9 @@ from scaffold_cad.io._text import as_count, line_error, read_text
 BEAMS = ("B2", "B3", "PIPE", "T2D", "T3D", "FRAME", "U1")
 """Beginnings of the types of elements that are struts; U1 is CalculiX's own beam."""
 
+GENERATING = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY")
+"""Keywords that make nodes and elements of others."""
+
 _NODE = "a node: number, x, y, z"
 _ELEMENT = "an element: number, then its nodes"
 
@@ -44,10 +47,16 @@ class Part:
     """Line and nodes of each strut."""
     sets: dict[str, list[int]] = field(default_factory=dict)
     """Elements of each set."""
-    radii: dict[int, float] = field(default_factory=dict)
-    """Radius of struts that have a section."""
+    sections: list[tuple[str, float]] = field(default_factory=list)
+    """Name of a set of elements, and the radius of its section."""
     node_sets: dict[str, list[int]] = field(default_factory=dict)
     """Nodes of each set."""
+
+    def radii(self) -> dict[int, float]:
+        """Return the radius of struts that have a section."""
+        return {
+            element: radius for name, radius in self.sections for element in self.sets.get(name, [])
+        }
 
 
 @dataclass
@@ -138,11 +147,23 @@ def nodes_named(path: Path, line: int, word: str, model: Model) -> list[tuple[in
 def _take(path: Path, block: Block, part: Part) -> None:
     """Put what a block says into the part that it belongs to."""
     options = block.options
+    if block.keyword == "INCLUDE" or "INPUT" in options:
+        _log.warning("%s, line %d: the file included is not read", path, block.line)
+    if block.keyword in GENERATING:
+        need = "nodes and elements that are written out"
+        raise line_error(path, block.line, f"*{block.keyword}", need)
+    turned = block.keyword == "NODE" and options.get("SYSTEM", "R").upper() != "R"
+    if turned or (block.keyword == "SYSTEM" and block.rows):
+        found = "nodes in a coordinate system of their own"
+        raise line_error(path, block.line, found, "the global one")
+    if block.keyword == "TRANSFORM":
+        told = "supports and loads are taken in the global coordinate system"
+        _log.warning("%s, line %d: %s", path, block.line, told)
     if block.keyword == "NODE":
         for line, words in block.rows:
-            numbers = numbers_of(path, line, words[:4], _NODE)
-            if len(numbers) < 3:
+            if len(words) < 3 or not words[0]:
                 raise line_error(path, line, f"{', '.join(words)!r} is too short", _NODE)
+            numbers = numbers_of(path, line, [words[0], *(w or "0" for w in words[1:4])], _NODE)
             part.nodes[int(numbers[0])] = (line, numbers[1:])
             part.node_sets.setdefault(options.get("NSET", "").upper(), []).append(int(numbers[0]))
     elif block.keyword == "ELEMENT":
@@ -152,12 +173,7 @@ def _take(path: Path, block: Block, part: Part) -> None:
     elif block.keyword == "NSET":
         _take_set(path, block, part, part.node_sets)
     elif block.keyword in ("BEAMSECTION", "BEAMGENERALSECTION", "SOLIDSECTION", "FRAMESECTION"):
-        radius = _radius(path, block)
-        name = options.get("ELSET", "").upper()
-        chosen = part.sets.get(name, [])
-        part.radii |= dict.fromkeys(chosen, radius)
-    elif block.keyword == "INCLUDE":
-        _log.warning("%s, line %d: the file included is not read", path, block.line)
+        part.sections.append((options.get("ELSET", "").upper(), _radius(path, block)))
 
 
 def _take_set(path: Path, block: Block, part: Part, known: dict[str, list[int]]) -> None:
@@ -259,6 +275,7 @@ def _rotation(axis: Floats, angle: float) -> Floats:
 def _blocks(path: Path) -> Iterator[Block]:
     """Yield the keywords of a file, in order, each with its data."""
     block: Block | None = None
+    more = False
     for line, text in enumerate(read_text(path).split("\n"), start=1):
         text = text.strip()
         if not text or text.startswith("**"):
@@ -266,17 +283,22 @@ def _blocks(path: Path) -> Iterator[Block]:
         if text.startswith("*"):
             if block is not None:
                 yield block
-            keyword, *options = text[1:].split(",")
-            named = [option.partition("=") for option in options]
-            block = Block(
-                line,
-                keyword.upper().replace(" ", ""),
-                {name.strip().upper(): value.strip().strip('"') for name, _, value in named},
-            )
+            keyword, _, options = text[1:].partition(",")
+            block = Block(line, keyword.upper().replace(" ", ""), _options(options))
+            more = text.endswith(",")
+        elif block is not None and more:  # parameters go on after a comma
+            block.options |= _options(text)
+            more = text.endswith(",")
         elif block is not None:
             block.rows.append((line, [word.strip() for word in text.split(",")]))
     if block is not None:
         yield block
+
+
+def _options(text: str) -> dict[str, str]:
+    """Return parameters between commas by their names."""
+    named = [option.partition("=") for option in text.split(",")]
+    return {name.strip().upper(): value.strip().strip('"') for name, _, value in named}
 
 
 def numbers_of(path: Path, line: int, words: list[str], need: str) -> list[float]:
