@@ -197,7 +197,7 @@ def _solved(
         if outer is None or wall is None:
             solved += with_blends(rest, asked)
         else:
-            solved += with_walls(rest, asked, outer, wall)
+            solved += with_walls(rest, asked, outer, runs, wall)
     return sorted(solved, key=lambda part: part.half_runs.shape[1])
 
 
@@ -212,10 +212,10 @@ def _shared(
     collar, again = plan.full.copy(), np.zeros(len(runs.nodes), dtype=np.bool_)
     for part in solved:
         collar[part.half_runs] = part.shapes.collar_distances[part.shape_of]
-    tight = ~plan.no_room & (collar.reshape(-1, 2).sum(axis=1) > runs.lengths)
+    tight = ~plan.no_room & (collar.reshape(-1, 2).sum(axis=1) > plan.room)
     again[runs.edges[tight]] = True
-    room, _ = allotted(collar, np.minimum(plan.full, collar), runs.lengths)
-    return np.where(np.repeat(tight, 2), room, limits), again
+    shared, _ = allotted(collar, np.minimum(plan.full, collar), plan.room)
+    return np.where(np.repeat(tight, 2), shared, limits), again
 
 
 def _ring_starts(runs: Runs, solved: Iterable[BlendedNodes]) -> UnitVectors:
@@ -240,6 +240,8 @@ class _Plan:
     """Greatest collar distance of each half-run, shape (2 k,), mm."""
     no_room: Bools
     """Runs whose nodes have no room on them, shape (k,)."""
+    room: Floats
+    """Length of each run that collars share, without sockets if they can, shape (k,), mm."""
     full: Floats
     """Collar distance of each half-run that its fillet asks for, shape (2 k,), mm."""
     elbows: Elbows
@@ -273,7 +275,7 @@ def _planned(
             joints = joints_inside(runs, joints, outer.collar)
         joints, cut = elbows.beside(joints), elbows.cut(runs, closed)
         asked = full + joints.wanted + cut
-        limits, no_room = _limits(runs, asked, least + joints.least + cut)
+        room, limits, no_room = _limits(runs, options, asked, least + joints.least + cut)
         short = np.zeros_like(at)
         short[runs.edges[no_room]] = True
         if model is None and (short & bent).any():
@@ -281,7 +283,7 @@ def _planned(
             continue
         more = short & able & ~at
         if model is not None or options.joints != "auto" or not more.any():
-            return _Plan(groups, wanted, joints, limits, no_room, asked, elbows)
+            return _Plan(groups, wanted, joints, limits, no_room, room, asked, elbows)
         at = at | more
 
 
@@ -369,12 +371,22 @@ def _collars(balls: Floats, groups: list[Group], wanted: list[Stars]) -> tuple[F
     return full, least
 
 
-def _limits(runs: Runs, full: Floats, least: Floats) -> tuple[Floats, Bools]:
-    """Return the greatest collar distance of each half-run, (2 k,), and the runs without room."""
-    allowed, no_room = allotted(full, least, runs.lengths)
+def _limits(
+    runs: Runs, options: StrutOptions, full: Floats, least: Floats
+) -> tuple[Floats, Floats, Bools]:
+    """Return what room runs have, (k,), mm, the greatest collar distances, and runs without room.
+
+    Distances are of each half-run, (2 k,), mm.
+    """
+    bored = np.zeros(len(runs.nodes))
+    for node, (_, depth) in (options.sockets or {}).items():
+        bored[node] = depth
+    left = runs.lengths - bored[runs.edges].sum(axis=1)
+    room = np.where(allotted(full, least, left)[1], runs.lengths, left)
+    allowed, no_room = allotted(full, least, room)
     # Where all that is wanted fits there is no limit: equal nodes stay equal.
-    fits = np.repeat((full.reshape(-1, 2).sum(axis=1) <= runs.lengths), 2)
-    return np.where(fits, np.inf, allowed), no_room
+    fits = np.repeat(full.reshape(-1, 2).sum(axis=1) <= room, 2)
+    return room, np.where(fits, np.inf, allowed), no_room
 
 
 def _assembled(

@@ -11,10 +11,11 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Floats, Ints, place_text
 from scaffold_cad.struts.blending.blend import Stars
 from scaffold_cad.struts.blending.nodes import blends
-from scaffold_cad.struts.hollow.insides import LEAST, fitting_wall, tell_thin
+from scaffold_cad.struts.hollow.insides import LEAST, fitting_wall, have_room, tell_thin
 from scaffold_cad.struts.hollow.walls import walls_at
 from scaffold_cad.struts.model import BlendedNodes, RoundStruts
 from scaffold_cad.struts.options import BLEND
+from scaffold_cad.struts.runs import Runs
 
 INNER_FILLETS = (1.0, 0.5)
 """Fillets that are tried inside of hollow nodes whose inside is not the outer surface moved in, in
@@ -130,7 +131,7 @@ def _as_asked(group: Group, stars: Stars) -> Iterator[BlendedNodes]:
 
 
 def with_walls(
-    group: Group, stars: Stars, outer: RoundStruts, wall: float
+    group: Group, stars: Stars, outer: RoundStruts, runs: Runs, wall: float
 ) -> Iterator[BlendedNodes]:
     """Yield blends inside of nodes, with the widest fillets that leave a wall.
 
@@ -138,7 +139,7 @@ def with_walls(
 
     Parameters
     ----------
-    outer : what they are the inside of
+    outer, runs : what they are the inside of, and their own runs
     wall : thickness, mm
     """
     for share in INNER_FILLETS:
@@ -147,7 +148,7 @@ def with_walls(
         is_thin = (least < LEAST * wall) & ~outer.crowded
         is_last = share == INNER_FILLETS[-1]
         if is_last and is_thin.any():
-            _tell_thinnest(outer, np.flatnonzero(is_thin), least, wall)
+            _tell_thinnest(outer, runs, np.flatnonzero(is_thin), least, wall)
         for each in found:
             if is_last:
                 yield _without_room(each, is_thin)
@@ -159,7 +160,7 @@ def with_walls(
         group, stars = group[left], stars[left]
 
 
-def _tell_thinnest(outer: RoundStruts, nodes: Ints, least: Floats, wall: float) -> None:
+def _tell_thinnest(outer: RoundStruts, runs: Runs, nodes: Ints, least: Floats, wall: float) -> None:
     """Log nodes whose walls would be too thin, the thinnest first, and what that one has room for.
 
     Parameters
@@ -169,7 +170,9 @@ def _tell_thinnest(outer: RoundStruts, nodes: Ints, least: Floats, wall: float) 
     nodes = nodes[np.argsort(least[nodes], kind="stable")]
     (group,) = (each for each in outer.blended if nodes[0] in each.nodes)
     which = group.originals.which[group.shape_of[group.nodes == nodes[0]]]
-    fitting = fitting_wall(group.originals.skins[which], wall)
+    fitting = np.nan
+    if have_room(outer, runs, wall)[nodes[0]]:
+        fitting = fitting_wall(group.originals.skins[which], wall)
     tell_thin(nodes, wall, outer.runs.nodes, fitting)
 
 

@@ -104,6 +104,8 @@ class RoundStruts(Frozen, Shown):
     def __str__(self) -> str:
         struts = f"{self.exact.sum()} of {counted(len(self.exact), 'strut')} exact"
         crowded = counted(int(self.crowded.sum()), "crowded node")
+        if self.inner is not None and (inside := int((self.inner.crowded & ~self.crowded).sum())):
+            crowded += f" and {inside} crowded inside"
         size, radii = size_text(self.skeleton.nodes), radii_text(self.skeleton.edge_radii)
         return f"RoundStruts: {struts}, {crowded}, {size}, {radii}"
 

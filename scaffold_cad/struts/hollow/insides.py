@@ -14,6 +14,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from math import isnan
 
 import numpy as np
 
@@ -87,7 +88,7 @@ def hollow_nodes(outer: RoundStruts, runs: Runs, wall: float) -> Iterator[Blende
     runs : those of the inside, numbered like the outer ones
     wall : thickness, mm
     """
-    fits = ~outer.crowded & _have_room(outer, runs, wall)
+    fits = ~outer.crowded & have_room(outer, runs, wall)
     for group in outer.blended:
         rows = np.flatnonzero(fits[group.nodes])
         some = group[rows]
@@ -104,7 +105,7 @@ def hollow_nodes(outer: RoundStruts, runs: Runs, wall: float) -> Iterator[Blende
             yield replace(some[nodes], shapes=inside.turned(), originals=inside)
 
 
-def _have_room(outer: RoundStruts, runs: Runs, wall: float) -> Bools:
+def have_room(outer: RoundStruts, runs: Runs, wall: float) -> Bools:
     """Return the nodes whose collars, moved in, fit on the runs of the inside, shape (n,)."""
     slopes = outer.runs.slopes
     reach = np.where(outer.collar > 0, outer.collar + wall * slopes / np.hypot(1.0, slopes), 0.0)
@@ -334,12 +335,15 @@ def tell_thin(nodes: Ints, wall: float, places: Points, fitting: float | None = 
     ----------
     nodes : the first is the one whose place is told
     places : (n,) of all nodes, mm
-    fitting : the thickest wall that fits there, mm; 0 if none does, None if not looked for
+    fitting : the thickest wall that fits there, mm; 0 if none does, None if not looked for, nan
+        where a strut is too short for any
     """
     if len(nodes):
         one = len(nodes) == 1
         thinner = "a thinner wall, " if fitting is None else ""
-        if fitting:
+        if fitting is not None and isnan(fitting):
+            thinner = "longer struts, shallower sockets, "
+        elif fitting:
             thinner = f"a wall of {fitting:g} mm{'' if one else ' there'}, "
         _log.warning(
             "no inside of %s %s leaves a wall of %g mm%s at %s; %s crowded: need %s"

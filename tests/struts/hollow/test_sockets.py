@@ -68,6 +68,31 @@ def test_nodes_keep_their_wall_beside_sockets(tmp_path: Path) -> None:
     check_watertight(round_mesh(struts, 16))
 
 
+LUG = Skeleton(
+    [[0, 0, 0], [-17.5, 0, 57.4], [29.2, 0, -95.6], [107.1, 0, -73.6], [90, 0, 6]],
+    [[0, 1], [0, 2], [0, 3], [0, 4]],
+    edge_radii=[19.2, 19.2, 17.4, 15.7],
+)
+"""Tubes of a bicycle's frame, 38° apart: their fillets need most of them."""
+
+
+def test_nodes_leave_room_for_sockets() -> None:
+    sockets = {3: (15.975, 25.0), 4: (13.875, 22.0)}
+    struts = round_struts(LUG, blend=4.0, wall=2.6, ends="open", sockets=sockets)
+    assert len(struts.overlapping) == 0
+    assert struts.fillet[0] == 4.0
+    assert walls(struts).nodes[0] >= 0.95 * 2.6
+    assert to_brep(struts).is_valid
+
+
+def test_sockets_that_nodes_cannot_leave_room_for_are_told(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    struts = round_struts(LUG, wall=2.6, ends="open", sockets={4: (13.875, 70.0)})
+    assert "need longer struts, shallower sockets, thicker struts" in caplog.text
+    assert "0 crowded nodes and 2 crowded inside," in str(struts)
+
+
 def test_sockets_follow_moved_nodes() -> None:
     first = round_struts(ELBOWS, wall=1.5, ends="open", sockets={1: (5.0, 12.0)})
     nodes = ELBOWS.nodes + np.array([[0, 0, 0], [3, 2, 0], [0, 1, 1], [0, 0, 0]])
