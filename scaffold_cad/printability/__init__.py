@@ -7,7 +7,7 @@
 >>> report.printable
 False
 >>> [finding.name for finding in report.failures]
-['strut_diameter']
+['strut_diameter', 'wall_thickness']
 """
 
 from scaffold_cad.io import read_triangles

@@ -265,9 +265,9 @@ def test_what_has_no_edges_is_refused() -> None:
         Skeleton.from_edges([], 1.0)
     with pytest.raises(SkeletonError, match="the shapes have no edges; need at least one"):
         Skeleton.from_edges(bd.Vertex(0, 0, 0), 1.0)
-    with pytest.raises(OptionError, match="a str is not a shape of build123d; need edges"):
+    with pytest.raises(OptionError, match="'wire' is not a shape of build123d; need edges"):
         Skeleton.from_edges(["wire"], 1.0)
-    with pytest.raises(OptionError, match="a NoneType is not a shape of build123d; need edges"):
+    with pytest.raises(OptionError, match="None is not a shape of build123d; need edges"):
         Skeleton.from_edges(None, 1.0)  # type: ignore[arg-type]
     with pytest.raises(OptionError, match="the BuildLine holds no shape yet; need one"):
         Skeleton.from_edges(bd.BuildLine(), 1.0)

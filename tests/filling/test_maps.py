@@ -214,7 +214,7 @@ def test_a_layer_without_thickness_is_told_with_the_place() -> None:
 def test_what_cannot_be_is_refused_by_name() -> None:
     with pytest.raises(OptionError, match="the Box has 6 faces; need one Face, such as"):
         face_map(Box(1, 1, 1), 1.0)
-    with pytest.raises(OptionError, match="got a ndarray; need a build123d Face"):
+    with pytest.raises(OptionError, match="got an array of shape"):
         between_faces(np.zeros((3, 3)), Rectangle(2, 2))
     with pytest.raises(OptionError, match="size of the quads"):
         mesh_map(trimesh.creation.icosphere(1, 5.0), 1.0)

@@ -80,14 +80,14 @@ def test_ends_of_random_struts_are_closed_and_free_of_crossings(seed: int) -> No
 
 @pytest.mark.parametrize("factor", [1.0, 1 / 25.4])
 def test_ends_of_struts_that_mostly_overlap_have_the_polygons_of_others(factor: float) -> None:
-    angles = np.radians([0, 28, 56, 84, 180])
-    tips = 9.0 * np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
+    angles = np.radians([0, 14, 28, 42, 180])
+    tips = 17.0 * np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
     star = Skeleton([[0, 0, 0], *tips], [[0, i] for i in range(1, 6)], 1.5)
     struts = round_struts(star)
     assert struts.crowded.any()
     mesh = round_mesh(struts, SIDES, factor)
     check_as_written(TriangleMesh(mesh.vertices * factor, mesh.triangles))
     for tip in tips:
-        found = radii_below(mesh, tip, tip / 9, 1e-3) / 1.5
+        found = radii_below(mesh, tip, tip / 17, 1e-3) / 1.5
         assert found.min() > SIDE - 1e-3
         assert found.max() < CORNER + 1e-3
