@@ -8,7 +8,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Points, place_text
 from scaffold_cad.base.boxes import overlapping_boxes
-from scaffold_cad.base.vectors import dot
+from scaffold_cad.base.vectors import dot, length
 from scaffold_cad.printability.processes import Process
 from scaffold_cad.printability.report import MOST_PLACES, Finding
 from scaffold_cad.printability.thickness import FACETS
@@ -67,7 +67,7 @@ def thin_walls(surface: TriangleTopology, limit: float) -> Walls:
     """
     sides = surface.corners[:, 1:] - surface.corners[:, :1]
     normals = np.cross(sides[:, 0], sides[:, 1])  # (t, 3)
-    doubled = np.sqrt(dot(normals, normals))
+    doubled = length(normals)
     proper = doubled > 0
     corners, normals = surface.corners[proper], normals[proper] / doubled[proper, None]
     names = surface.mesh.triangles[proper]

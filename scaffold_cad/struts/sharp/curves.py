@@ -3,8 +3,8 @@
 A pair of struts meets on generators of the one whose own ball is smaller: each leaves the other
 strut once, where a quadratic equation in the height on the generator says. For equal struts this is
 in the plane between them: of cylinders an ellipse. Struts leave the ball on circles; two that lie
-on one line meet on a circle, their rim. Half a circle from pole to
-pole, its seam, closes the ball's face.
+on one line meet on a circle, their rim. Half a circle from pole to pole,
+its seam, closes the ball's face.
 """
 
 from __future__ import annotations
