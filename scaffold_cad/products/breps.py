@@ -13,7 +13,7 @@ from scaffold_cad.brep.g1 import Patches, smooth_patches
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.products.facets import check_facets, facets_of
-from scaffold_cad.products.overlaps import Overlaps, to_unite
+from scaffold_cad.products.overlaps import Overlaps, room_needed, to_unite
 from scaffold_cad.scaffold import Scaffold
 from scaffold_cad.solid.manifolds import manifold_triangles
 from scaffold_cad.solid.mixed import mixed_brep
@@ -111,7 +111,7 @@ def faces_of_struts(struts: RoundStruts, overlaps: Overlaps) -> AnalyticBrep:
         If struts overlap and are refused, or an edge is too short for CAD systems, or crowded
         struts have too many facets.
     """
-    if to_unite(overlaps, struts.overlapping, struts.skeleton):
+    if to_unite(overlaps, struts.overlapping, struts.skeleton, room_needed(struts)):
         faces = mixed_brep(struts)
         check_facets(faces)
     else:

@@ -10,11 +10,14 @@ from __future__ import annotations
 import logging
 from typing import Literal, TypeAlias, get_args
 
+import numpy as np
+
 from scaffold_cad.base.arguments import check_choice
 from scaffold_cad.base.arrays import Ints, place_text
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import BrepError
 from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.struts import RoundStruts
 
 Overlaps: TypeAlias = Literal["unite", "refuse", "allow"]
 """What becomes of struts that overlap."""
@@ -25,13 +28,14 @@ NAMED = 5
 _log = logging.getLogger(__name__)
 
 
-def to_unite(overlaps: Overlaps, edges: Ints, skeleton: Skeleton) -> bool:
+def to_unite(overlaps: Overlaps, edges: Ints, skeleton: Skeleton, room: str = "") -> bool:
     """Return whether `edges` are to be united; log what is done with them, or refuse them.
 
     Parameters
     ----------
     overlaps : the rule chosen
     edges : of `skeleton` whose struts overlap others or their nodes, ascending
+    room : what of it is known to be too short, see `room_needed`
 
     Raises
     ------
@@ -46,17 +50,31 @@ def to_unite(overlaps: Overlaps, edges: Ints, skeleton: Skeleton) -> bool:
     found = described(edges, skeleton)
     if overlaps == "refuse":
         raise BrepError(
-            f"{found}: faces would cross; need struts apart (smaller radii, larger cells, fewer "
-            "joints) or joined where they cross (skeleton.joined(tolerance)), or overlaps='unite' "
-            "for their union (round struts get plane facets where they overlap, square ones "
-            "throughout), overlaps='allow' for faces that cross, or a mesh format, which unites "
-            "them"
+            f"{found}{room}: faces would cross; need struts apart (smaller radii, larger cells, "
+            "fewer joints) or joined where they cross (skeleton.joined(tolerance)), or "
+            "overlaps='unite' for their union (round struts get plane facets where they overlap, "
+            "square ones throughout), overlaps='allow' for faces that cross, or a mesh format, "
+            "which unites them"
         )
     if overlaps == "allow":
         _log.warning("%s: faces cross there", found)
         return False
     _log.info("%s; they are united", found)
     return True
+
+
+def room_needed(struts: RoundStruts) -> str:
+    """Return how long the strut is that lacks most for its collars, and what they need."""
+    runs = struts.runs
+    needed = struts.collar.reshape(-1, 2).sum(axis=1)  # (k,)
+    lacking = np.where(struts.crowded_runs, needed - runs.lengths, 0.0)
+    run = int(np.argmax(lacking))
+    if lacking[run] <= 0:
+        return ""
+    edge = int(np.flatnonzero(runs.run_of_edge == run)[0])
+    return (
+        f"; edge {edge} is {runs.lengths[run]:.4g} mm long, and its collars need {needed[run]:.4g}"
+    )
 
 
 def described(edges: Ints, skeleton: Skeleton) -> str:

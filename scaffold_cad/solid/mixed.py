@@ -23,10 +23,10 @@ from scaffold_cad.brep.joining import (
 )
 from scaffold_cad.mesh.pieces import Pieces, pieces_of
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.solid.clusters.facets import SIDES, Faceted, faceted
+from scaffold_cad.solid.clusters.facets import FINENESS, SIDES, Faceted, faceted
+from scaffold_cad.solid.clusters.fineness import Fineness
 from scaffold_cad.solid.clusters.growth import Core, unproved
 from scaffold_cad.solid.clusters.hollow import hollow, tell_closed
-from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.spans import Spans, no_spans, whole_runs
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
 from scaffold_cad.solid.clusters.united import tell_united
@@ -145,7 +145,7 @@ def _part(
     struts: RoundStruts,
     fillets: Floats,
     core: Core,
-    sags: Sags | None = None,
+    fineness: Fineness = FINENESS,
     outside: _Part | None = None,
 ) -> _Part:
     """Return the surface of solid struts, see `faceted`.
@@ -154,7 +154,7 @@ def _part(
     ----------
     outside : the surface outside, for that inside of hollow struts
     """
-    made = faceted(struts, fillets, core, sags)
+    made = faceted(struts, fillets, core, fineness)
     if made is None:
         shell = shell_of(struts, SIDES)
         mesh, node = shell.made.mesh, shell.made.node

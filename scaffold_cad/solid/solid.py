@@ -30,6 +30,7 @@ from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.skeleton.checking import check_single_precision
 from scaffold_cad.solid import manifolds
 from scaffold_cad.solid.cleaning import FaultySurfaceError, clean_surface
+from scaffold_cad.solid.clusters.fineness import Fineness
 from scaffold_cad.solid.clusters.surface import field_of
 from scaffold_cad.solid.field.nets import skeleton_struts
 from scaffold_cad.solid.field.written import report_thickened
@@ -192,7 +193,7 @@ def _round_instead(scaffold: Scaffold, factor: float) -> Solidified:
     radii = EQUAL_AREA * scaffold.options.corner_distance * refined.radii
     struts = skeleton_struts(refined.with_radii(radii), blend=0.0, flat_ends=True)
     report_thickened(struts, factor)
-    mesh, voids = without_voids(field_of(struts, SIDES, factor=factor), struts.middles)
+    mesh, voids = without_voids(field_of(struts, SIDES, Fineness(SIDES), factor), struts.middles)
     return Solidified(manifolds.to_manifold(mesh), np.arange(len(scaffold.skeleton.edges)), voids)
 
 

@@ -82,6 +82,21 @@ def test_refuse_names_struts_a_place_and_ways_out() -> None:
     assert "overlaps='allow'" in str(refused.value)
 
 
+def test_a_strut_that_is_shorter_than_its_collars_is_named_with_both_lengths() -> None:
+    fork = Skeleton(
+        [[0, 0, 0], [-20, 0, 0], [10, 1, 0], [10, -1, 0]], [[0, 1], [0, 2], [0, 3]], 2.0
+    )
+    with pytest.raises(
+        BrepError, match=r"; edge 1 is 10\.05 mm long, and its collars need "
+    ) as told:
+        to_brep(round_struts(fork))
+    # There the least fillet, a tenth of the radius, is beside all of the circle.
+    angle, radius, fillet = 2 * np.arctan(0.1), 2.0, 0.2
+    needed = (radius * (1 + np.cos(angle)) + fillet) / np.sin(angle)
+    found = float(str(told.value).split("collars need ")[1].split(":")[0])
+    assert found == pytest.approx(needed, rel=1e-3)
+
+
 def test_an_unknown_rule_is_refused_even_where_nothing_overlaps() -> None:
     with pytest.raises(OptionError, match=r"overlaps is 'united'; .*; did you mean 'unite'"):
         to_unite("united", NONE, STRUT)  # type: ignore[arg-type]

@@ -20,13 +20,13 @@ from scaffold_cad.mesh.decimation import decimated
 from scaffold_cad.mesh.pieces import without_voids
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
+from scaffold_cad.solid.clusters.fineness import Fineness
 from scaffold_cad.solid.clusters.growth import Clusters, Core, bodies_of, clusters_of
 from scaffold_cad.solid.clusters.remade import Remade
-from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.seams import seamed
 from scaffold_cad.solid.clusters.surface import TRIES, field_of, grown, report_filled
 from scaffold_cad.solid.field import FieldStruts
-from scaffold_cad.solid.field.solid import CELL_FRACTION, SWELL
+from scaffold_cad.solid.field.solid import SWELL, cell_fraction
 from scaffold_cad.struts.apart import Slack
 from scaffold_cad.struts.model import RoundStruts
 
@@ -55,7 +55,10 @@ LESS = 0.3
 FEW, MANY = 1000, 50_000
 """Facets of a part from which on they become coarser, up to four times, and that again."""
 
-SLACK = 2.0 * SWELL * CELL_FRACTION**2
+FINENESS = Fineness()
+"""Of fields that become facets, which are then as few as `FLAT` allows."""
+
+SLACK = 2.0 * SWELL * cell_fraction(FINENESS.sides) ** 2
 """How much thicker than struts their fields are at most, in radii."""
 
 _log = logging.getLogger(__name__)
@@ -78,7 +81,7 @@ class Faceted(Frozen):
 
 
 def faceted(
-    struts: RoundStruts, fillets: Floats, core: Core, sags: Sags | None = None
+    struts: RoundStruts, fillets: Floats, core: Core, fineness: Fineness = FINENESS
 ) -> Faceted | None:
     """Return the clusters of struts as facets, or None if no strut is crowded.
 
@@ -86,11 +89,11 @@ def faceted(
     ----------
     fillets : (n,) fillet radius wanted at each node, mm
     core : what is in clusters in any case
-    sags : how far the sides of triangles of fields may be inside of round surfaces
+    fineness : of the fields that become facets
     """
     around = struts.inner is not None
     seeds, bodies = core.spans, cache(partial(bodies_of, struts))
-    remade = Remade(lambda some: field_of(some, SIDES, sags))
+    remade = Remade(lambda some: field_of(some, SIDES, fineness))
     for _ in range(TRIES):
         clusters = clusters_of(struts, bodies, fillets, Slack(SLACK), core, seeds)
         if clusters is None or len(clusters.rest.run) == 0:
@@ -108,18 +111,20 @@ def faceted(
             report_filled(voids)
             vertices = np.concatenate([points, made.vertices])
             mesh = _compacted(vertices, made.triangles, len(points))
-            return Faceted(clusters, _coarser(mesh, fields, rings, sags), rings, half_runs, around)
+            return Faceted(
+                clusters, _coarser(mesh, fields, rings, fineness), rings, half_runs, around
+            )
         _log.debug("%d of %d seams failed", len(made.failed), len(cuts.node))
         core, seeds = grown(struts, clusters, made.failed)
     none, fields = np.zeros((0, SIDES), dtype=np.intp), whole_struts(struts)
-    field, voids = without_voids(field_of(fields, SIDES, sags), fields.middles)
+    field, voids = without_voids(field_of(fields, SIDES, fineness), fields.middles)
     report_filled(voids)
-    mesh = _coarser(field, fields, none, sags)
+    mesh = _coarser(field, fields, none, fineness)
     return Faceted(None, mesh, none, none[:, 0], around)
 
 
 def _coarser(
-    mesh: TriangleMesh, fields: FieldStruts, rings: Ints, sags: Sags | None
+    mesh: TriangleMesh, fields: FieldStruts, rings: Ints, fineness: Fineness
 ) -> TriangleMesh:
     """Return the mesh of a field with fewer triangles."""
     count = 1 + np.ceil(fields.lengths / fields.radii.min(axis=1)).astype(np.intp)
@@ -130,8 +135,8 @@ def _coarser(
     radii = (1.0 - share[:, 0]) * fields.radii[which, 0] + share[:, 0] * fields.radii[which, 1]
     near = cKDTree(start + share * (end - start)).query(mesh.vertices)[1]
     tolerance = FLAT * radii[near]
-    if sags is not None:
-        tolerance = np.minimum(tolerance, PART_OF_SAG * sags.of(fields)[which][near])
+    if np.isfinite(fineness.sag):  # of walls
+        tolerance = np.minimum(tolerance, PART_OF_SAG * fineness.sags(fields)[which][near])
         if len(rings):
             far = cKDTree(mesh.vertices[rings.reshape(-1)]).query(mesh.vertices)[0]
             tolerance[far < BESIDE * radii[near]] *= LESS

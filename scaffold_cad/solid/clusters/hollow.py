@@ -22,8 +22,8 @@ from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.aims import between
 from scaffold_cad.solid.clusters.closing import shortened
+from scaffold_cad.solid.clusters.fineness import Fineness
 from scaffold_cad.solid.clusters.growth import Core
-from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.spans import CUT, Spans
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
 from scaffold_cad.struts.curves.proof import proved
@@ -81,7 +81,7 @@ Surface = TypeVar("Surface", bound=_Made)
 def hollow(
     struts: RoundStruts,
     core_of: Callable[[RoundStruts], Core],
-    make: Callable[[RoundStruts, Floats, Core, Sags, Surface | None], Surface],
+    make: Callable[[RoundStruts, Floats, Core, Fineness, Surface | None], Surface],
     joined: Callable[[Surface, Surface], TriangleMesh],
     factor: float = 1.0,
 ) -> tuple[Surface, Surface]:
@@ -93,16 +93,16 @@ def hollow(
     Parameters
     ----------
     core_of : what has no surface of its own of solid struts, and is in clusters
-    make : the surface of solid struts, from their fillets (n,), what is in clusters, sags, and of
-        an inside the surface outside
+    make : the surface of solid struts, from their fillets (n,), what is in clusters, how fine
+        fields are, and of an inside the surface outside
     joined : both surfaces as triangles, those of the outside first, then those of the inside
     """
     inner = inside_of(struts)
     core, more = core_of(struts), core_of(inner)
     core = replace(core.with_nodes(more.nodes), pieces=core.pieces | more.pieces)
-    sags, finer = Sags(float(struts.options.wall or 0.0) / 4.0), False
+    fineness, finer = Fineness(sag=float(struts.options.wall or 0.0) / 4.0), False
     for left in reversed(range(FINER)):
-        outside, inside = _both(struts, inner, make, core, sags)
+        outside, inside = _both(struts, inner, make, core, fineness)
         mesh = joined(outside, inside)
         written = TriangleMesh(in_single_precision(mesh.vertices, factor), mesh.triangles)
         crossing = np.unique(self_intersections(written))
@@ -110,7 +110,7 @@ def hollow(
             thin = _thin_places(outside, struts, inner)
             if finer or left == 0 or len(thin) == 0:
                 return outside, inside
-            sags, finer = sags.smaller_at(thin), True
+            fineness, finer = fineness.finer_at(thin), True
             continue
         places = mesh.vertices[mesh.triangles[crossing]].mean(axis=1)
         at_nodes = _nodes_of(crossing, outside, inside)
@@ -118,7 +118,7 @@ def hollow(
         crossed = np.zeros_like(core.nodes)
         crossed[at_nodes[at_nodes >= 0]] = True
         core = core.with_nodes(crossed)
-        sags = sags.smaller_at(places)
+        fineness = fineness.finer_at(places)
     raise MeshError(
         f"the wall of {struts.options.wall:g} mm crosses itself as triangles in {len(crossing)} "
         f"places, the first near {place_text(places[0])}; need a thicker wall, more sides, or "
@@ -263,9 +263,9 @@ def _cross(spans: Spans, runs: Runs) -> Bools:
 def _both(
     struts: RoundStruts,
     inner: RoundStruts,
-    make: Callable[[RoundStruts, Floats, Core, Sags, Surface | None], Surface],
+    make: Callable[[RoundStruts, Floats, Core, Fineness, Surface | None], Surface],
     core: Core,
-    sags: Sags,
+    fineness: Fineness,
 ) -> tuple[Surface, Surface]:
     """Return the surfaces outside and inside of hollow struts.
 
@@ -277,13 +277,13 @@ def _both(
     is_end = (struts.runs.valency == 1) & ~ball_ends(struts.skeleton, struts.runs)
     is_open = struts.options.ends == "open"
     while True:
-        outside = make(struts, fillets, core, sags, None)
+        outside = make(struts, fillets, core, fineness, None)
         own = shortened(inner, core.nodes & is_end, wall)
         core = core.with_zone(outside.pieces)
         spans, is_field = _along(outside.spans, struts.runs, own.runs, wall)
         there = core.with_spans(spans.chosen(is_field))
         # Fields of fillets a wall wider would be parallel where struts meet at right angles only.
-        inside = make(own, outside.fillets, there, sags, outside)
+        inside = make(own, outside.fillets, there, fineness, outside)
         more = (outside.nodes | inside.nodes) & is_end & ~core.nodes & is_open
         if not more.any() and np.array_equal(inside.pieces, outside.pieces):
             return outside, inside

@@ -22,10 +22,10 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.solid.clusters.ends import with_flat_ends
 from scaffold_cad.solid.clusters.fewest import fewest_sides
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
+from scaffold_cad.solid.clusters.fineness import Fineness
 from scaffold_cad.solid.clusters.growth import Clusters, Core, bodies_of, clusters_of, unproved
 from scaffold_cad.solid.clusters.hollow import hollow, tell_closed
 from scaffold_cad.solid.clusters.remade import Remade
-from scaffold_cad.solid.clusters.sags import Sags
 from scaffold_cad.solid.clusters.seams import seamed
 from scaffold_cad.solid.clusters.spans import Spans, whole_runs
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
@@ -116,10 +116,10 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
     factor : what lengths are multiplied with in a file, in whose 32-bit numbers triangles are
         looked at
     """
-    sides = fewest_sides(struts, sides)
+    fine, sides = Fineness(sides), fewest_sides(struts, sides)
     if struts.inner is None:
         fillets, core = wanted_fillets(struts), _unmade(struts, sides)
-        made = _surface(struts, sides, fillets, core, factor)
+        made = _surface(struts, sides, fillets, core, factor, fine)
         tell_united(struts, made.spans, made.fillets)
         return made.mesh
 
@@ -130,9 +130,11 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
         return _unmade(own, sides)
 
     def make(
-        own: RoundStruts, fillets: Floats, core: Core, sags: Sags, _: _Surface | None = None
+        own: RoundStruts, fillets: Floats, core: Core, fineness: Fineness, _: _Surface | None = None
     ) -> _Surface:
-        return _surface(own, sides, fillets, core, factor, sags, most)
+        return _surface(
+            own, sides, fillets, core, factor, replace(fineness, sides=fine.sides), most
+        )
 
     def joined(outside: _Surface, inside: _Surface) -> TriangleMesh:
         return _walls(struts, outside, inside)
@@ -198,7 +200,7 @@ def _surface(
     fillets: Floats,
     core: Core,
     factor: float,
-    sags: Sags | None = None,
+    fineness: Fineness,
     most: float = MOST_FIELD,
 ) -> _Surface:
     """Return the surface of solid struts with what is in `core` in clusters.
@@ -206,13 +208,13 @@ def _surface(
     Parameters
     ----------
     fillets : (n,) fillet radius wanted at each node, mm
-    sags : how far the sides of triangles of fields may be inside of round surfaces
+    fineness : of fields
     most : part of the area in clusters from which on all becomes one field
     """
     count = len(core.nodes)
     slack = Slack(polygon_slack(sides), np.zeros(count))
     seeds, bodies = core.spans, cache(partial(bodies_of, struts))
-    remade = Remade(lambda some: field_of(some, sides, sags, factor))
+    remade = Remade(lambda some: field_of(some, sides, fineness, factor))
     for _ in range(TRIES):
         clusters = clusters_of(struts, bodies, fillets, slack, core, seeds, most)
         if clusters is None:
@@ -252,11 +254,11 @@ def _surface(
             )
         _log.debug("%d of %d seams failed", len(failed), len(rest.cuts.node))
         core, seeds = grown(struts, clusters, failed)
-    return _whole_field(struts, sides, fillets, core, sags, factor)
+    return _whole_field(struts, sides, fillets, core, fineness, factor)
 
 
 def _whole_field(
-    struts: RoundStruts, sides: int, fillets: Floats, core: Core, sags: Sags | None, factor: float
+    struts: RoundStruts, sides: int, fillets: Floats, core: Core, fineness: Fineness, factor: float
 ) -> _Surface:
     """Return the surface of solid struts as one field, see `_surface`."""
     _log.info(
@@ -265,7 +267,7 @@ def _whole_field(
     )
     fields = whole_struts(struts)
     report_thickened(fields, factor)
-    mesh, voids = without_voids(field_of(fields, sides, sags, factor), fields.middles)
+    mesh, voids = without_voids(field_of(fields, sides, fineness, factor), fields.middles)
     report_filled(voids)
     none = np.zeros((0, sides), dtype=np.intp)
     return _Surface(
@@ -283,16 +285,15 @@ def _whole_field(
 
 
 def field_of(
-    fields: FieldStruts, sides: int, sags: Sags | None = None, factor: float = 1.0
+    fields: FieldStruts, sides: int, fineness: Fineness, factor: float = 1.0
 ) -> TriangleMesh:
     """Return the surface of fields, whose coordinates are 32-bit numbers in the unit of a file.
 
     Parameters
     ----------
     sides : of the polygons at flat ends
-    sags : how far the sides of triangles may be inside of round surfaces
     """
-    mesh = field_as_written(fields, factor, np.inf if sags is None else sags.of(fields))
+    mesh = field_as_written(fields, factor, fineness.sides, fineness.sags(fields))
     return with_flat_ends(mesh, fields, sides, factor)
 
 

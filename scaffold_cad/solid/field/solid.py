@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -34,9 +34,15 @@ from scaffold_cad.solid.field.struts import FieldStruts
 from scaffold_cad.solid.field.surface import surface_of
 from scaffold_cad.solid.field.union import filleted_union
 
-CELL_FRACTION = 0.6
-"""Size of a cell where none is given, as a part of the radius of the struts there, at most: a ring
-of some 12 vertices."""
+SIDES = 16
+"""How many vertices a ring around a strut has where no number is given, about."""
+
+CELL_SIDES = 9.6
+"""Size of a cell times that number, in radii of the struts there."""
+
+MOST_FRACTION, LEAST_FRACTION = 0.8, 0.15
+"""Largest and least size of a cell where none is given, as a part of these radii: with larger ones
+one seam in 60 fails, and smaller ones are off the surface by 1e-3 of the radius at most already."""
 
 LARGEST_FRACTION = 1.0
 """Largest cell, as a part of the radius of the struts there: no strut falls between grid points."""
@@ -105,6 +111,7 @@ def field_solid(
     struts: FieldStruts,
     *,
     cell: float | None = None,
+    sides: int = SIDES,
     sag: float | Floats = np.inf,
     equal_volume: bool = True,
 ) -> FieldSolid:
@@ -114,9 +121,11 @@ def field_solid(
     ----------
     struts : from `field_struts`
     cell : mm
-        Size of grid cells, at most; smaller where a strut is thinner than this. By default
-        `CELL_FRACTION` of the local radius. Sizes are m 2^k mm, m in 4..7, so cells may be up to
-        half as large where radii differ.
+        Size of grid cells, at most; smaller where a strut is thinner than this. By default as
+        `sides` says. Sizes are m 2^k mm, m in 4..7, so cells may be up to half as large where
+        radii differ.
+    sides : int
+        About how many vertices a ring around a strut has; 12 to 64.
     sag : mm, or (m,)
         How far the sides of triangles may be inside of round surfaces, at most, for each strut:
         cells are smaller for that.
@@ -146,12 +155,13 @@ def field_solid(
         raise OptionError(f"cell is {cell:g} mm; need > 0")
     struts, thickened = held_by_grids(struts)
     sags = np.broadcast_to(np.asarray(sag, dtype=np.float64), len(struts.radii))  # (m,)
-    wanted = wanted_cells(struts.radii, cell, sags[:, None])  # (m, 2)
+    largest = partial(largest_cells, cell, cell_fraction(sides))
+    wanted = largest(struts.radii, sags[:, None])  # (m, 2)
     lattice = _lattice(struts, wanted)
     swell = _swell(struts, lattice, wanted) if equal_volume else np.zeros(len(struts.radii))
     union = filleted_union(struts, lattice.origin, swell)
     _foretell(estimated(union, struts, lattice, wanted))
-    levels = levels_of(union, lattice, lambda radii, of: wanted_cells(radii, cell, sags[of]))
+    levels = levels_of(union, lattice, lambda radii, of: largest(radii, sags[of]))
     grid = grid_of(union, lattice, levels)
     surface = surface_of(union, grid)
     vertices = evened(union, surface, swell) if equal_volume else surface.vertices
@@ -181,12 +191,22 @@ def _foretell(estimate: Estimate | None) -> None:
         )
 
 
-def wanted_cells(radii: Floats, cell: float | None, sag: Floats) -> Floats:
+def cell_fraction(sides: int) -> float:
+    """Return the size of a cell as a part of the radius of the struts there, at most."""
+    return min(max(CELL_SIDES / sides, LEAST_FRACTION), MOST_FRACTION)
+
+
+def largest_cells(cell: float | None, fraction: float, radii: Floats, sag: Floats) -> Floats:
     """Return the largest cells where struts have some radii, and sides so much room, mm.
 
     A side of length h between two points of a circle of radius r is h² / 8 r inside of it.
+
+    Parameters
+    ----------
+    cell : size that is given, mm
+    fraction : part of a radius where none is
     """
-    usual = CELL_FRACTION * radii if cell is None else np.minimum(LARGEST_FRACTION * radii, cell)
+    usual = fraction * radii if cell is None else np.minimum(LARGEST_FRACTION * radii, cell)
     return np.minimum(usual, np.sqrt(8.0 * sag * radii))
 
 
@@ -195,7 +215,9 @@ def held_by_grids(struts: FieldStruts) -> tuple[FieldStruts, Ints]:
     low, high = struts.box()
     extent = float((high - low).max())
     steps = np.ldexp(1.0, spacing_exponents(struts.ends))  # (m, 2)
-    least = np.maximum(2 * LEAST_STEPS * steps, 2.0 * extent / MOST_CELLS_ASIDE / CELL_FRACTION)
+    least = np.maximum(
+        2 * LEAST_STEPS * steps, 2.0 * extent / MOST_CELLS_ASIDE / cell_fraction(SIDES)
+    )
     thin = struts.radii < least
     if not thin.any():
         return struts, np.zeros(0, dtype=np.intp)

@@ -17,7 +17,7 @@ _log = logging.getLogger(__name__)
 
 
 def field_as_written(
-    struts: FieldStruts, factor: float = 1.0, sag: float | Floats = np.inf
+    struts: FieldStruts, factor: float, sides: int, sag: float | Floats
 ) -> TriangleMesh:
     """Return the surface of a field whose coordinates are 32-bit numbers in the unit of a file.
 
@@ -26,11 +26,11 @@ def field_as_written(
     Parameters
     ----------
     factor : what lengths are multiplied with in the file
-    sag : of `field_solid`, mm
+    sides, sag : of `field_solid`
     """
     if factor == 1.0:
-        return field_solid(struts, sag=sag).mesh
-    mesh = field_solid(struts.scaled(factor), sag=factor * sag).mesh
+        return field_solid(struts, sides=sides, sag=sag).mesh
+    mesh = field_solid(struts.scaled(factor), sides=sides, sag=factor * sag).mesh
     return TriangleMesh(mesh.vertices / factor, mesh.triangles)
 
 

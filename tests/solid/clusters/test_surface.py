@@ -14,6 +14,7 @@ from scaffold_cad.mesh.pieces import without_voids
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid.clusters import hollow, unseen, whole_struts
+from scaffold_cad.solid.clusters.fineness import Fineness
 from scaffold_cad.solid.clusters.surface import field_of
 from scaffold_cad.solid.field import field_solid
 from scaffold_cad.solid.rounds import round_mesh
@@ -42,7 +43,7 @@ def test_the_nodes_of_these_tests_are_crowded(skeleton: Skeleton) -> None:
 
 
 def field_triangles(struts: RoundStruts) -> int:
-    return len(without_voids(field_of(whole_struts(struts), 8))[0].triangles)
+    return len(without_voids(field_of(whole_struts(struts), 8, Fineness(8)))[0].triangles)
 
 
 @pytest.mark.parametrize("skeleton", [NARROW, CROSSING, TAPERS], ids=["narrow", "cross", "tapers"])
@@ -54,6 +55,18 @@ def test_a_cluster_is_joined_to_its_struts_as_written(skeleton: Skeleton, sides:
     whole = field_solid(whole_struts(struts)).mesh
     assert len(mesh.triangles) < 0.7 * len(whole.triangles)
     assert mesh.signed_volume == pytest.approx(whole.signed_volume, rel=0.01)
+
+
+@pytest.mark.parametrize("sides", [12, 16, 32, 64])
+def test_clusters_are_as_round_as_polygons_of_as_many_sides(sides: int) -> None:
+    mesh = round_mesh(round_struts(CROSSING), sides)
+    # Middles of edges on the first strut, beside the crossing and before the cut: in its field.
+    ends = mesh.vertices[mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)]
+    along = np.abs(ends[..., 0] - 20)
+    ends = ends[((along > 1.6) & (along < 2.1)).all(axis=1)]
+    radius = distance_to_axes(CROSSING, ends.mean(axis=1), 4000)
+    assert len(radius) > 3 * sides
+    assert 1 - radius.min() < 1.3 * (1 - np.cos(np.pi / sides))
 
 
 def test_there_is_no_step_where_a_field_is_cut_off() -> None:

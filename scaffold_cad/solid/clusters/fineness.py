@@ -1,4 +1,4 @@
-"""How far the sides of triangles of fields may be inside of round surfaces, place by place."""
+"""How fine the triangles of fields are, place by place."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.vectors import length
 from scaffold_cad.solid.field import FieldStruts
+from scaffold_cad.solid.field.solid import SIDES
 
 SMALLER = 4.0
 """By how much less room sides have where walls crossed: cells are half as large."""
@@ -19,22 +20,24 @@ MOST_PLACES = 100
 
 
 @dataclass(frozen=True, eq=False)
-class Sags:
-    """How much room the sides of triangles have, and where they have less."""
+class Fineness:
+    """How many vertices fields have around struts, and where they have more."""
 
-    usual: float
-    """Where nothing crossed, mm."""
+    sides: int = SIDES
+    """About so many vertices are around each strut."""
+    sag: float = np.inf
+    """How far the sides of triangles may be inside of round surfaces where nothing crossed, mm."""
     places: tuple[Points, ...] = ()
     """Where walls crossed, one array (p, 3) a try, mm."""
 
-    def smaller_at(self, places: Points) -> Sags:
-        """Return the same with less room near `places` (p, 3)."""
+    def finer_at(self, places: Points) -> Fineness:
+        """Return the same with finer triangles near `places` (p, 3)."""
         step = -(-len(places) // MOST_PLACES)
         return replace(self, places=(*self.places, places[::step]))
 
-    def of(self, struts: FieldStruts) -> Floats:
-        """Return the room of each strut of a field, mm, (m,)."""
-        found = np.full(len(struts.radii), self.usual)
+    def sags(self, struts: FieldStruts) -> Floats:
+        """Return how far sides may be inside of the round surface of each strut, mm, (m,)."""
+        found = np.full(len(struts.radii), self.sag)
         start, end = struts.ends[:, 0], struts.ends[:, 1]
         reach = struts.radii.max(axis=1) + 2.0 * struts.blend
         for places in self.places:
