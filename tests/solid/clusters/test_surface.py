@@ -176,7 +176,7 @@ def test_walls_between_uneven_struts_are_whole_and_thick_as_written(
     ("skeleton", "wall"), [(NARROW, 0.07), (CROSSING, 0.07), (NARROW, 0.15), (TAPERS, 0.15)]
 )
 def test_walls_of_clusters_are_as_thick_as_asked(skeleton: Skeleton, wall: float) -> None:
-    mesh = round_mesh(round_struts(skeleton, wall=wall), 32)
+    mesh = round_mesh(round_struts(skeleton, wall=wall), 16)
     check_as_written(mesh)
     walls = thicknesses(mesh) / wall
     assert walls.min() > (0.8 if skeleton is TAPERS else 0.9)
