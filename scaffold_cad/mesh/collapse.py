@@ -47,6 +47,22 @@ def without_short_edges(
         that keeps its place; with it edges stay too that would turn a triangle over
     longest : edges stay whose drawing together would make others longer than this, with `order`
     """
+    triangles = triangles_without_short_edges(
+        mesh, shortest, is_open=is_open, near=near, order=order, longest=longest
+    )
+    return compacted(mesh.vertices, triangles)
+
+
+def triangles_without_short_edges(
+    mesh: TriangleMesh,
+    shortest: Lengths,
+    *,
+    is_open: bool = False,
+    near: Bools | None = None,
+    order: Callable[[TriangleMesh, Edges], Edges] | None = None,
+    longest: Lengths = np.inf,
+) -> Triangles:
+    """Return the triangles that are left, of the mesh's own vertices; see `without_short_edges`."""
     triangles = mesh.triangles
     looked_at = np.ones(len(triangles), dtype=np.bool_)
     if near is not None:
@@ -64,7 +80,7 @@ def without_short_edges(
             edges = edges[_stay_up(part, edges, longest)]
         chosen = _independent(part.triangles, edges)
         if len(chosen) == 0:
-            return compacted(mesh.vertices, triangles)
+            return triangles
         target = np.arange(len(mesh.vertices))
         target[chosen[:, 1]] = chosen[:, 0]
         triangles = target[triangles]

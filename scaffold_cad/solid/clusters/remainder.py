@@ -33,6 +33,17 @@ class Cuts(Frozen):
     node: Ints
     """Node of the remainder at the ring, `CUT` radii further, shape (c,)."""
 
+    def chosen(self, rows: Ints) -> Cuts:
+        """Return some of them."""
+        return Cuts(
+            self.span[rows],
+            self.base[rows],
+            self.outward[rows],
+            self.radius[rows],
+            self.slope[rows],
+            self.node[rows],
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class Remainder(Frozen):

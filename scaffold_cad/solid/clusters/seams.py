@@ -4,20 +4,24 @@ A field's strut goes on past its cut. Its mesh is cut by a plane between vertice
 triangles leads from the loop there to the ring. Seen from the axis all triangles of the zip and
 those that are cut face outward, in 32-bit coordinates: between the loop, which goes once around the
 axis, and the ring they cover each place once, so that nothing crosses. A sliver of the mesh that a
-plane cuts may face inward; then a seam at another plane holds.
+plane cuts may face inward; then a seam at another plane holds, or one where slivers are drawn
+together, which an exact test looks at.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points, Triangles
 from scaffold_cad.base.positions import in_single_precision
+from scaffold_cad.base.topology import sides_of
 from scaffold_cad.base.vectors import dot, length
-from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.mesh.collapse import triangles_without_short_edges
+from scaffold_cad.mesh.intersections import self_intersections
+from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.solid.clusters.remainder import Cuts
 from scaffold_cad.solid.clusters.spans import WINDOW, free_length
 
@@ -30,6 +34,9 @@ BESIDE = 0.3
 PLANES = 16
 """Most planes of each cut, those farthest from vertices first, of which the first that holds is
 taken; about one in 600 does not."""
+
+SLIVER = 0.15
+"""Edges that are drawn together where no plane holds: shorter than this part of the others."""
 
 MARGIN = 1e-3
 """Least sine at which triangles of a seam are seen from the axis."""
@@ -104,15 +111,33 @@ def seamed(
     if far is None:
         far = free_length(cuts.radius, cuts.slope)
     frames = _Frames(cuts, starts, np.cross(cuts.outward, starts))
-    tails = _tails(field.vertices, len(points), frames, far)
+    tails = _tails(field.vertices, len(points), cuts, far)
+    made = _cut_off(field, tails, frames, points, rings, factor)
+    if len(made.failed) == 0:
+        return made
+    drawn = _without_slivers(field, tails, len(points), cuts, made.failed)
+    again = _cut_off(drawn, tails, frames, points, rings, factor)
+    failed = np.union1d(again.failed, _crossed(again, points, cuts, far, made.failed, factor))
+    return replace(again, failed=failed)
+
+
+def _cut_off(
+    field: TriangleMesh,
+    tails: _Tails,
+    frames: _Frames,
+    points: Points,
+    rings: Ints,
+    factor: float,
+) -> Seamed:
+    """Return the mesh of a field joined to rings, see `seamed`."""
     vertices = np.concatenate([points, field.vertices])
     triangles = field.triangles + len(points)
     beyond = np.full(len(vertices), -1, dtype=np.intp)
-    near = np.zeros(len(vertices), dtype=np.bool_)
-    near[tails.vertex] = True
-    close = triangles[near[triangles].any(axis=1)]
-    left, parts = np.ones(len(cuts.node), dtype=np.bool_), []
+    close, left, parts = triangles, np.ones(len(rings), dtype=np.bool_), []
     for plane in _planes(tails, frames):
+        near = np.zeros(len(vertices), dtype=np.bool_)
+        near[tails.vertex[left[tails.cut]]] = True
+        close = close[near[close].any(axis=1)]
         bad = ~left | np.isnan(plane)
         _mark(beyond, tails, plane, bad)
         clipped = _clipped(TriangleMesh(vertices, close), beyond, plane, frames, bad, factor)
@@ -144,19 +169,58 @@ class _Tails(Frozen):
     """How far past the end of the span, shape (p,), mm."""
 
 
-def _tails(vertices: Points, count: int, frames: _Frames, far: Floats) -> _Tails:
+def _tails(vertices: Points, count: int, cuts: Cuts, far: Floats) -> _Tails:
     """Return the vertices near the axes of cuts; `count` others come before them."""
-    cuts = frames.cuts
     middle = cuts.base + 0.5 * far[:, None] * cuts.outward
     reach = np.hypot(0.5 * far + BESIDE * cuts.radius, 1.5 * TUBE * cuts.radius)
     found = cKDTree(vertices).query_ball_point(middle, reach)
     cut = np.repeat(np.arange(len(found)), [len(each) for each in found])
     vertex = np.concatenate([np.zeros(0), *found]).astype(np.intp)
-    along = frames.along(vertices[vertex], cut)
-    away = length(vertices[vertex] - cuts.base[cut] - along[:, None] * cuts.outward[cut])
+    way = vertices[vertex] - cuts.base[cut]
+    along = dot(way, cuts.outward[cut])
+    away = length(way - along[:, None] * cuts.outward[cut])
     own = (along > -BESIDE * cuts.radius[cut]) & (along < far[cut])
     own &= away < TUBE * (cuts.radius + np.abs(cuts.slope) * far)[cut]
     return _Tails(vertex[own] + count, cut[own], along[own])
+
+
+def _without_slivers(
+    field: TriangleMesh, tails: _Tails, count: int, cuts: Cuts, failed: Ints
+) -> TriangleMesh:
+    """Return a field's mesh with short edges drawn together in the tails of some cuts (f,).
+
+    Its vertices, which `count` others come before in the tails, stay.
+    """
+    some = cuts.chosen(failed)
+    near = np.zeros(len(field.vertices), dtype=np.bool_)
+    near[tails.vertex[np.isin(tails.cut, failed)] - count] = True
+    bases = cKDTree(some.base)
+    ends = sides_of(field.triangles[near[field.triangles].all(axis=1)])
+    spans = length(field.vertices[ends[:, 1]] - field.vertices[ends[:, 0]])
+    usual = np.median(spans / some.radius[bases.query(field.vertices[ends[:, 0]])[1]])
+
+    def shortest(places: Points) -> Floats:
+        return np.asarray(SLIVER * usual * some.radius[bases.query(places)[1]])
+
+    triangles = triangles_without_short_edges(
+        field, shortest, near=near, order=lambda _, edges: edges
+    )
+    return TriangleMesh(field.vertices, triangles)
+
+
+def _crossed(
+    made: Seamed, points: Points, cuts: Cuts, far: Floats, drawn: Ints, factor: float
+) -> Ints:
+    """Return which of the cuts `drawn` (f,) have triangles near them that cross as written."""
+    some = cuts.chosen(drawn)
+    tails = _tails(made.vertices, len(points), some, far[drawn])
+    vertices = in_single_precision(np.concatenate([points, made.vertices]), factor) / factor
+    near = np.zeros(len(vertices), dtype=np.bool_)
+    near[tails.vertex] = True
+    mesh = compacted(vertices, made.triangles[near[made.triangles].any(axis=1)])
+    crossing = np.unique(self_intersections(mesh))
+    middles = mesh.vertices[mesh.triangles[crossing]].mean(axis=1)
+    return np.unique(drawn[cKDTree(some.base).query(middles)[1]])
 
 
 def _planes(tails: _Tails, frames: _Frames) -> Floats:

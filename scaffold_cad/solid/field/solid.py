@@ -40,9 +40,10 @@ SIDES = 16
 CELL_SIDES = 9.6
 """Size of a cell times that number, in radii of the struts there."""
 
-MOST_FRACTION, LEAST_FRACTION = 0.8, 0.15
-"""Largest and least size of a cell where none is given, as a part of these radii: with larger ones
-one seam in 60 fails, and smaller ones are off the surface by 1e-3 of the radius at most already."""
+MOST_FRACTION, LEAST_FRACTION = 0.6, 0.15
+"""Largest and least size of a cell where none is given, as a part of these radii: larger ones fill
+what is left between struts of a field that are cut off and face each other, and these are off the
+surface by 1e-3 of the radius at most already."""
 
 LARGEST_FRACTION = 1.0
 """Largest cell, as a part of the radius of the struts there: no strut falls between grid points."""
@@ -125,7 +126,7 @@ def field_solid(
         `sides` says. Sizes are m 2^k mm, m in 4..7, so cells may be up to half as large where
         radii differ.
     sides : int
-        About how many vertices a ring around a strut has; 12 to 64.
+        About how many vertices a ring around a strut has; 16 to 64.
     sag : mm, or (m,)
         How far the sides of triangles may be inside of round surfaces, at most, for each strut:
         cells are smaller for that.

@@ -57,7 +57,7 @@ def test_a_cluster_is_joined_to_its_struts_as_written(skeleton: Skeleton, sides:
     assert mesh.signed_volume == pytest.approx(whole.signed_volume, rel=0.01)
 
 
-@pytest.mark.parametrize("sides", [12, 16, 32, 64])
+@pytest.mark.parametrize("sides", [16, 32, 64])
 def test_clusters_are_as_round_as_polygons_of_as_many_sides(sides: int) -> None:
     mesh = round_mesh(round_struts(CROSSING), sides)
     # Middles of edges on the first strut, beside the crossing and before the cut: in its field.
