@@ -323,7 +323,9 @@ def _as_one_array(values: ArrayLike) -> NDArray[Any]:
         rows: list[Any] = list(values)
         vectors = {kind for kind in set(map(type, rows)) if _are_vectors(kind)}
         if vectors:
-            return np.array([tuple(row) if type(row) in vectors else row for row in rows])
+            return np.array(
+                [tuple(numbers_of(row)) if type(row) in vectors else row for row in rows]
+            )
     return np.asarray(values)
 
 
@@ -353,7 +355,10 @@ def as_indices(values: ArrayLike, name: str, error: type[ScaffoldCadError]) -> I
         bad = raw[~(raw == np.floor(raw)) | ~(np.abs(raw) < LARGEST_WHOLE)]
         if bad.size:
             raise error(f"{name} holds {bad[0]}; need whole numbers")
-    elif raw.size and raw.dtype.kind not in "iu":
+    elif raw.size and raw.dtype.kind == "u":
+        if raw.max() >= LARGEST_WHOLE:
+            raise error(f"{name} holds {raw.max()}; need whole numbers below {LARGEST_WHOLE:.2g}")
+    elif raw.size and raw.dtype.kind != "i":
         items = raw.reshape(-1).tolist()
         odd = next((item for item in items if not _is_index(item)), items[0])
         below = f" below {LARGEST_WHOLE:.2g}" if type(odd) is int else ""

@@ -15,8 +15,8 @@ from scaffold_cad.base.backends import is_instance
 if TYPE_CHECKING:
     from build123d import Axis, BoundBox, Location, Plane, Vector, Vertex
 
-PositionLike: TypeAlias = "ArrayLike | Vector | Vertex"
-"""Three numbers, or a Vector or Vertex of build123d."""
+PositionLike: TypeAlias = "ArrayLike | Vector | Vertex | Location"
+"""Three numbers, or a Vector, Vertex or Location of build123d."""
 BoxLike: TypeAlias = "ArrayLike | BoundBox"
 """The lowest and the highest corner of a box, or a BoundBox of build123d."""
 DirectionLike: TypeAlias = "PositionLike | Axis | Plane"
@@ -26,9 +26,11 @@ AxesLike: TypeAlias = "ArrayLike | Plane | Location"
 
 
 def numbers_of(position: Any) -> Any:
-    """Return the numbers of a Vector or Vertex, (3,), or of both corners of a BoundBox, (2, 3)."""
+    """Return where a Vector, Vertex or Location is, (3,), or both corners of a BoundBox, (2, 3)."""
     if _is(position, "BoundBox"):
         return tuple(position.min), tuple(position.max)
+    if _is(position, "Location"):
+        return tuple(position.position)
     return tuple(position) if _is(position, "Vector", "Vertex") else position
 
 

@@ -50,7 +50,8 @@ def member(path: Path, owner: Any, key: str, kind: type, where: str = "") -> Any
 def number(path: Path, value: Any, where: str) -> float:
     """Return `value` if it is a number that a float holds; `where` names it."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < 1e300:
-        raise FormatError(f"{path} has {str(value)[:80]!r} as {where}; need a number")
+        shown = json.dumps(value)[:80]
+        raise FormatError(f"{path} has {shown} as {where}; need a number")
     return float(value)
 
 

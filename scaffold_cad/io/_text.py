@@ -71,7 +71,7 @@ def is_number(word: str | bytes) -> bool:
         float(word)
     except ValueError:
         return False
-    return True
+    return "_" not in str(word)  # which Python takes between digits
 
 
 def line_error(path: Path | str, line: int, found: str, needed: str) -> FormatError:
@@ -104,13 +104,31 @@ def floats(path: Path, rows: Sequence[Row], chosen: slice, need: str) -> Floats:
     FormatError
         If a word is not a number; the line is named, and `need`.
     """
+    found = [word for _, words in rows for word in words[chosen]]
     try:
-        return np.asarray([float(word) for _, words in rows for word in words[chosen]])
+        if "_" in "".join(found):
+            raise ValueError
+        return np.asarray(list(map(float, found)), dtype=np.float64)
     except ValueError:
         line, word = next(
             (line, word) for line, words in rows for word in words[chosen] if not is_number(word)
         )
         raise line_error(path, line, f"{word!r} is not a number", need) from None
+
+
+def floats_of_words(path: Path, words: Sequence[bytes], need: str) -> Floats:
+    """Return words as numbers, (k,).
+
+    Raises
+    ------
+    FormatError
+        If one is not a number; it is named, and `need`.
+    """
+    try:
+        return np.array(words, dtype=np.float64)
+    except ValueError:
+        bad = next(word for word in words if not is_number(word)).decode(errors="replace")
+        raise FormatError(f"{path} has {bad[:80]!r} as a number; need {need}") from None
 
 
 def short_row(path: Path, line: int, words: list[str], need: str) -> FormatError:

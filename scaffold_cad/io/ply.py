@@ -13,7 +13,7 @@ from scaffold_cad.errors import FormatError
 from scaffold_cad.io._binary import as_doubles
 from scaffold_cad.io._mesh import Faces, skeleton_of_mesh, triangulated
 from scaffold_cad.io._raw import RawSkeleton
-from scaffold_cad.io._text import LARGEST_FILE, as_indices, check_size
+from scaffold_cad.io._text import LARGEST_FILE, as_indices, check_size, floats_of_words
 from scaffold_cad.io.content import Content
 from scaffold_cad.io.register import register_mesh_reader, register_reader, register_writer
 from scaffold_cad.mesh.quadmesh import QuadMesh
@@ -161,10 +161,7 @@ def _table(path: Path, tables: dict[str, _Table], name: str, needed: tuple[str, 
 
 def _text_tables(path: Path, body: bytes, elements: list[_Element]) -> dict[str, _Table]:
     words = body.split()
-    try:
-        values = np.array(words, dtype=np.float64)
-    except ValueError as error:
-        raise FormatError(f"{path}: {error}; need numbers after the header") from None
+    values = floats_of_words(path, words, "numbers after the header")
     tables, at = {}, 0
     for element in elements:
         width = len(element.properties)

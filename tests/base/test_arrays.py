@@ -82,6 +82,11 @@ def test_indices_become_intp() -> None:
     assert as_edges(np.array([[0, 1]], dtype=np.uint8), "edges", 2).dtype == np.intp
 
 
+def test_an_index_that_no_array_has_is_shown_as_it_was_given() -> None:
+    with pytest.raises(SkeletonError, match="edges holds 9223372036854775808; need whole numbers"):
+        as_edges(np.array([[0, 2**63]], dtype=np.uint64), "edges", 2)
+
+
 def test_nothing_has_the_right_shape() -> None:
     assert as_points([], "nodes").shape == (0, 3)
     assert as_edges([], "edges", 0).shape == (0, 2)

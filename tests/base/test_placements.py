@@ -35,6 +35,7 @@ LEANING = Plane((3, -2, 5), x_dir=(1, 2, 0), z_dir=(2, -1, 4))
         (STRUT.moved_by(Vertex(1, 2, 3)), STRUT.moved_by([1, 2, 3])),
         (STRUT.moved_by(Pos(1, 2, 3)), STRUT.moved_by([1, 2, 3])),
         (STRUT.moved([Vector(), Vector(0, 0, 9)]), STRUT.moved([[0, 0, 0], [0, 0, 9]])),
+        (STRUT.moved([Pos(), Pos(2, 0, 9) * Rot(0, 0, 45)]), STRUT.moved([[0, 0, 0], [2, 0, 9]])),
         (STRUT.turned(0.4, Axis.X), STRUT.turned(0.4, [1, 0, 0])),
         (STRUT.turned(0.4, Axis((5, 0, 1), (0, 3, 0))), STRUT.turned(0.4, [0, 1, 0], [5, 0, 1])),
         (STRUT.turned(0.4, Axis.Y, Vector(5, 0, 1)), STRUT.turned(0.4, [0, 1, 0], [5, 0, 1])),

@@ -126,6 +126,7 @@ def test_binary_ply_edges_of_either_order(tmp_path: Path) -> None:
         ("a.ply", PLY_EDGES.replace(b"ascii", b"ebcdic"), "has no format that is known"),
         ("a.ply", PLY_EDGES.replace(b"int vertex1", b"bool vertex1"), "in its header"),
         ("a.ply", PLY_EDGES.replace(b"vertex1", b"start"), "has no element 'edge' with vertex1"),
+        ("a.ply", PLY_EDGES.replace(b"1 2\n", b"1 b\n"), "has 'b' as a number; need numbers"),
         ("a.ply", PLY_EDGES.replace(b"1 2\n", b"1\n"), "ends within 2 elements 'edge'"),
         ("a.ply", PLY_EDGES.replace(b"1 2\n", b"1 5\n"), r"joins nodes \[1, 5\]; need 0 to 2"),
         ("a.ply", PLY_EDGES.replace(b"float y", b"float x"), "need another type"),

@@ -70,6 +70,11 @@ POINTS = {"points": [[0, 0, 0], [9, 0, 0]], "edges": [[0, 1]]}
         ("x.nml", b"<things/>", "has no nodes; need things"),
         (
             "x.json",
+            b'{"nodes": [[0, 0, 0], [null, 0, 0]], "edges": [[0, 1]]}',
+            'has null as a number in row 1 of "nodes"; need a number',
+        ),
+        (
+            "x.json",
             COMPAS.replace(b"node", b"vertex"),
             r"x\.json is a compas.datastructures/Graph; need a Network or a Graph",
         ),

@@ -104,6 +104,7 @@ def test_writing_and_reading_gives_the_same_forest(
         ("2 3 1 0 0 1", r"bad\.swc, line 3: '2 3 1 0 0 1' is too short; need a sample: number, ty"),
         ("2 3 one 0 0 1 1", "line 3: 'one' is not a number; need a sample: number, type, x, y, z"),
         ("2 3 1,5 0 0 1 1", "line 3: '1,5' is not a number"),
+        ("2 3 1_5 0 0 1 1", "line 3: '1_5' is not a number"),
         ("2.5 3 1 0 0 1 1", r"line 3: 2\.5 is not the number of a sample; need a whole number"),
         ("nan 3 1 0 0 1 1", "line 3: nan is not the number of a sample"),
         ("2 3 1 0 0 1 inf", "line 3: inf is not the number of a sample"),

@@ -62,7 +62,7 @@ def test_other_data_is_skipped(tmp_path: Path) -> None:
         (VTK_TEXT, "3 0 1 2\n2", "3 0 1 2\n9", "has no whole cell 1"),
         (VTK_TEXT, "LINES 2 7", "LINES 1 7", "has 7 numbers of cells; need 4"),
         (VTK_TEXT, "2 2 3", "2 2 7", "has a line through point 7; need 0 to 3"),
-        (VTK_TEXT, "10 10 0 10", "10 10 0 x", "need 12 numbers"),
+        (VTK_TEXT, "10 10 0 10", "10 10 0 x", "has 'x' as a number; need 12 numbers"),
         (VTK_TEXT, "LINES 2 7", "ROPES 2 7", "line 8: 'ROPES 2 7'; need a section"),
         (VTK_TEXT, "1 1.5 2 1\n", "1 1.5\n", "ends within 4 numbers"),
         (VTK_5, "0 3\n", "0 4\n", "has cells that end out of order; need ends up to 3"),

@@ -12,7 +12,7 @@ from scaffold_cad.base.arrays import Floats, Ints
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._binary import as_doubles
 from scaffold_cad.io._raw import RawSkeleton
-from scaffold_cad.io._text import LARGEST_FILE, as_count, as_indices, check_size
+from scaffold_cad.io._text import LARGEST_FILE, as_count, as_indices, check_size, floats_of_words
 from scaffold_cad.io.register import register_reader
 from scaffold_cad.io.vtk.lines import Lines, checked, is_radii, line_cells, skeleton_of
 
@@ -194,10 +194,7 @@ class _LegacyFile:
         if words:
             self._at = words[-1].end()
             self._line()
-        try:
-            return np.array([word.group() for word in words], dtype=np.float64)
-        except ValueError as error:
-            raise FormatError(f"{self._path}: {error}; need {count} numbers") from None
+        return floats_of_words(self._path, [word.group() for word in words], f"{count} numbers")
 
     def _indices(self, count: int, kind: str) -> Ints:
         return as_indices(self._path, as_doubles(self._numbers(count, kind)))
