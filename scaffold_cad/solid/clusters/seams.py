@@ -196,6 +196,8 @@ def _without_slivers(
     near[tails.vertex[np.isin(tails.cut, failed)] - count] = True
     bases = cKDTree(some.base)
     ends = sides_of(field.triangles[near[field.triangles].all(axis=1)])
+    if len(ends) == 0:
+        return field
     spans = length(field.vertices[ends[:, 1]] - field.vertices[ends[:, 0]])
     usual = np.median(spans / some.radius[bases.query(field.vertices[ends[:, 0]])[1]])
 
