@@ -46,7 +46,7 @@ def test_gltf_joins_a_joint_to_the_nearest_joint_above_it(tmp_path: Path) -> Non
         ({"nodes": [{"children": [1, 1]}, {}, {}, {}]}, "has node 1 below two others"),
         ({"nodes": [{}, {"translation": [1]}, {}, {}]}, "has 1 numbers as translation of node 1"),
         ({"nodes": [{}, {}, {}, {}, 0.7071]}, "has '0.7071' as node 4; need an object"),
-        ({"nodes": [{}, {"scale": [1, None, 1]}, {}, {}]}, "has 'None' as scale of node 1"),
+        ({"nodes": [{}, {"scale": [1, None, 1]}, {}, {}]}, "has null as scale of node 1"),
     ],
 )
 def test_gltf_errors_name_what_is_wrong(

@@ -42,7 +42,7 @@ def test_a_frame_without_sections_has_no_radii(tmp_path: Path) -> None:
     [
         ({"unit": "furlong"}, "has the unit 'furlong'; need one of millimeter"),
         ({"nodes": [{"point": [1]}]}, 'has no "point" of 2 or 3 numbers in node 0'),
-        ({"nodes": [{"point": [1, "x", 2]}]}, "has 'x' as a coordinate of node 0"),
+        ({"nodes": [{"point": [1, "x", 2]}]}, 'has "x" as a coordinate of node 0'),
         ({"elements": [{"end_node_inds": [0]}]}, r"joins \[0\] by element 0; need two"),
         ({"elements": [{"end_node_inds": [0, 4]}]}, r"joins nodes \[0, 4\]; need 0 to 3"),
         ({"elements": [{}]}, 'has no list "end_node_inds" in element 0'),
