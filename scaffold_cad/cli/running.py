@@ -8,13 +8,13 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from multiprocessing import get_context
 from threading import current_thread, main_thread
-from typing import TextIO
+from typing import NoReturn, TextIO
 
 from scaffold_cad.base.arguments import as_count
 from scaffold_cad.cli.fields import with_contents
@@ -27,6 +27,8 @@ INTERRUPTED = 130
 
 TERMINATED = (signal.SIGTERM, signal.default_int_handler)
 """SIGTERM ends work as Ctrl-C does."""
+
+KILLED = "process was killed, as systems do where memory runs out; need a smaller skeleton"
 
 RED, YELLOW, PLAIN = "\x1b[31m", "\x1b[33m", "\x1b[0m"
 
@@ -67,13 +69,47 @@ def _interrupted_by_sigterm() -> Iterator[None]:
 
 
 def _run_all(files: list[argparse.Namespace], jobs: int | None, folder: str) -> int:
-    """Run a command for each file, in several processes, and return the greatest exit code."""
+    """Run a command for each file, in several processes, and return the greatest exit code.
+
+    Where one of these is killed, the files that are left have a process each: the file for which
+    it is killed again is named, and ends no other.
+    """
     one = partial(_run_one, folder=folder, several=True)
     count = as_count(1 if jobs is None else jobs, "--jobs", 1)
     if count == 1:
         return max(map(one, files))
-    with ProcessPoolExecutor(count, get_context("spawn"), signal.signal, TERMINATED) as pool:
-        return max(pool.map(one, files))
+    codes = _in_processes(one, files, count)
+    for k in [k for k, code in enumerate(codes) if code is None]:
+        (codes[k],) = _in_processes(one, [files[k]], 1)
+        if codes[k] is None:
+            name = _without(str(files[k].input), folder)
+            print(f"{_prefix(sys.stderr, RED)}{name}: {KILLED}", file=sys.stderr)
+    return max(BAD_INPUT if code is None else code for code in codes)
+
+
+def _in_processes(
+    one: Callable[[argparse.Namespace], int], files: list[argparse.Namespace], count: int
+) -> list[int | None]:
+    """Return the exit code for each file, None of those whose process was killed."""
+    made: list[Future[int]] = []
+    codes: list[int | None] = [None] * len(files)
+    with ProcessPoolExecutor(count, get_context("spawn"), _end_quietly) as pool:
+        with suppress(BrokenProcessPool):  # which takes no more
+            made.extend(pool.submit(one, file) for file in files)
+        for k, future in enumerate(made):
+            with suppress(BrokenProcessPool):
+                codes[k] = future.result()
+    return codes
+
+
+def _end_quietly() -> None:
+    """Let signals end this process without a word: the one that began it says what there is."""
+
+    def end(*_: object) -> NoReturn:
+        raise SystemExit(INTERRUPTED)
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, end)
 
 
 def _run_one(options: argparse.Namespace, folder: str, several: bool = False) -> int:
@@ -115,7 +151,7 @@ def _guarded(
         tell(f"out of memory; need a smaller skeleton{fewer}")
         return BAD_INPUT
     except BrokenProcessPool:  # joblib's error, for tiles, is one too
-        tell("a process was killed, as systems do where memory runs out; need a smaller --jobs")
+        tell(f"a {KILLED} or --jobs")
         return BAD_INPUT
     except OSError as error:  # of standard output: files raise a FormatError
         return unprinted(error)

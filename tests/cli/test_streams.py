@@ -5,12 +5,15 @@ from __future__ import annotations
 import io
 import os
 import shlex
+import signal
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
+import time
+from concurrent.futures import Future, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import get_context
 from pathlib import Path
-from typing import NoReturn
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,6 +21,7 @@ import trimesh
 
 from scaffold_cad import Skeleton, read_skeleton, write
 from scaffold_cad.cli import main
+from scaffold_cad.cli.running import INTERRUPTED, _end_quietly
 
 ANGLE = Skeleton([[0, 0, 0], [10, 0, 0], [0, 20, 0]], [[0, 1], [0, 2]], 1.0)
 STRUT = Skeleton([[0, 0, 0], [10, 0, 0]], [[0, 1]], 1.0)
@@ -62,24 +66,53 @@ def test_a_refused_file_is_named_and_ends_no_other(
 
 
 class Killed(ThreadPoolExecutor):
-    """Processes of which the first is killed."""
+    """Processes of which that of one file is killed, and takes the others with it."""
 
     def __init__(self, *_: object) -> None:
         super().__init__(1)
+        self._is_broken = False
 
-    def map(self, *_: object, **__: object) -> NoReturn:
-        raise BrokenProcessPool
+    def submit(self, work: Any, /, *items: Any, **_: Any) -> Future[Any]:  # type: ignore[override]
+        if self._is_broken:
+            raise BrokenProcessPool
+        if str(items[0].input) != "angle.json":
+            return super().submit(work, *items)
+        self._is_broken = True
+        future: Future[Any] = Future()
+        future.set_exception(BrokenProcessPool())
+        return future
 
 
-def test_a_killed_process_is_one_line(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def test_a_file_whose_process_is_killed_is_named_and_ends_no_other(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("scaffold_cad.cli.running.ProcessPoolExecutor", Killed)
     words = ["build", "angle.json", "strut.json", "-o", "out", "--format", "stl", "--jobs", "2"]
     assert main(words) == 2
-    told = capsys.readouterr().err
-    assert told.startswith("scaffold-cad: a process was killed")
-    assert "need a smaller --jobs" in told
+    told = [line for line in capsys.readouterr().err.splitlines() if "killed" in line]
+    assert len(told) == 1
+    assert told[0].startswith("scaffold-cad: angle.json: process was killed")
+    assert [path.name for path in (folder / "out").iterdir()] == ["strut.stl"]
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_processes_that_wait_are_ended_without_a_word(
+    number: signal.Signals, capfd: pytest.CaptureFixture[str]
+) -> None:
+    process = get_context("spawn").Process(target=_waiting)
+    process.start()
+    while "waits" not in capfd.readouterr().out:
+        assert process.is_alive()
+    os.kill(process.pid or 0, number)
+    process.join()
+    assert process.exitcode == INTERRUPTED
+    assert capfd.readouterr().err == ""
+
+
+def _waiting() -> None:
+    _end_quietly()
+    print("waits", flush=True)
+    time.sleep(60)
 
 
 def test_info_of_several_files_names_each(capsys: pytest.CaptureFixture[str]) -> None:
