@@ -35,6 +35,7 @@ ADVICE = {
     "(to_solid unites these struts instead)": "(files of meshes have these struts united instead)",
     "(`to_solid` does for a scaffold)": "(scaffold-cad build does for skeletons)",
     "(`to_solid`)": "(scaffold-cad build does for skeletons)",
+    "skeleton.simplified(tolerance)": "--simplify TOL",
     "(skeleton.joined(tolerance))": "(scaffold-cad build --join TOL)",
     "(those of a part's faces: ": "(those of a part's faces, in Python: ",
     "use Skeleton.cleaned() to repair it": "without --strict, files are repaired",

@@ -25,6 +25,12 @@ Overlaps: TypeAlias = Literal["unite", "refuse", "allow"]
 NAMED = 5
 """Struts that a message names."""
 
+FARTHER = (
+    "joints farther apart make it longer: coarser samples of curves, or "
+    "skeleton.simplified(tolerance)"
+)
+"""What helps where a strut is a sample of a curve."""
+
 _log = logging.getLogger(__name__)
 
 
@@ -72,8 +78,10 @@ def room_needed(struts: RoundStruts) -> str:
     if lacking[run] <= 0:
         return ""
     edge = int(np.flatnonzero(runs.run_of_edge == run)[0])
+    between = (runs.valency[runs.edges[run]] == 2).any()
     return (
         f"; edge {edge} is {runs.lengths[run]:.4g} mm long, and its collars need {needed[run]:.4g}"
+        + (f" ({FARTHER})" if between else "")
     )
 
 

@@ -97,6 +97,19 @@ def test_a_strut_that_is_shorter_than_its_collars_is_named_with_both_lengths() -
     assert found == pytest.approx(needed, rel=1e-3)
 
 
+def test_curves_whose_samples_are_shorter_than_collars_are_exact_when_coarser() -> None:
+    angles = np.linspace(0, 2 * np.pi, 65)[:-1]
+    ring = np.stack([25 * np.cos(angles), 25 * np.sin(angles), 0 * angles], axis=1)
+    spokes = [[k, (k + 1) % 64] for k in range(64)] + [[0, 64], [0, 65]]
+    tips = [[19.0, 3, 14], [19.0, 3, -14]]
+    fine = Skeleton(np.vstack([ring, tips]), spokes, 1.9)
+    with pytest.raises(BrepError, match=r"collars need .* \(joints farther apart make it longer"):
+        to_brep(round_struts(fine, blend=1.0))
+    coarse = fine.simplified(0.7)
+    assert len(coarse.edges) < 32
+    assert to_brep(round_struts(coarse, blend=1.0)).is_valid
+
+
 def test_an_unknown_rule_is_refused_even_where_nothing_overlaps() -> None:
     with pytest.raises(OptionError, match=r"overlaps is 'united'; .*; did you mean 'unite'"):
         to_unite("united", NONE, STRUT)  # type: ignore[arg-type]
