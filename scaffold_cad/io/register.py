@@ -16,9 +16,9 @@ from typing import Any, TypeAlias, get_args
 from scaffold_cad.base.arguments import check_choice, checks_keywords, did_you_mean
 from scaffold_cad.base.files import unknown_suffix
 from scaffold_cad.errors import FormatError, OptionError
-from scaffold_cad.io._radii import KeptRadii
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io.content import Content
+from scaffold_cad.io.radii import KeptRadii
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 Reader: TypeAlias = Callable[[Path], RawSkeleton]

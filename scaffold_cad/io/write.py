@@ -25,9 +25,9 @@ from scaffold_cad.base.arguments import as_flag, as_path, check_choice, checks_k
 from scaffold_cad.base.builders import built
 from scaffold_cad.base.files import check_target, replacing
 from scaffold_cad.errors import FormatError, OptionError
-from scaffold_cad.io._radii import lost_radii
 from scaffold_cad.io._units import factor_of
 from scaffold_cad.io.content import Content
+from scaffold_cad.io.radii import lost_radii
 from scaffold_cad.io.register import WrittenFormat, written_format_of, written_suffixes
 from scaffold_cad.io.step import STEP_SUFFIXES
 from scaffold_cad.products.overlaps import Overlaps

@@ -14,7 +14,7 @@ from scaffold_cad.base.arrays import Floats, Ints, Points
 from scaffold_cad.base.files import replacing, unknown_suffix
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import sums_by_row
-from scaffold_cad.io._radii import MEANS
+from scaffold_cad.io.radii import MEANS
 from scaffold_cad.mechanics.beams import BeamModel, BeamSolution
 from scaffold_cad.mechanics.meshfiles import write_meshio
 from scaffold_cad.mechanics.nastran import card, short

@@ -87,15 +87,8 @@ def solve(turned: Turned, fitted: Collars, recipe: Recipe, begun: Solved | None 
     reached = union.reached(arcs.reshape(3, len(stars), -1), RAY_STEPS)
     on_arcs = reached.reshape(arcs.shape[1:]) * arcs
     fitted = _longer(union, fitted, on_arcs[..., 0], most)
-    frame_x = any_perpendicular(directions)
-    frame_y = np.cross(directions, frame_x)
-    phase = square_phases(corners, frame_x, frame_y)
-    ring = rings(union, fitted, _leading(frame_x), _leading(frame_y), phase)
-
-    shares = np.empty(corners.shape[:3])
-    for part, twins in turned.parts:
-        shares[part] = share(valences(twins)).reshape(-1, 4)
-    given = partial(_rows, union, fitted, ring, on_arcs[..., :2], shares, recipe.pinch)
+    ring = _rings(union, fitted, directions, corners)
+    given = partial(_rows, union, fitted, ring, on_arcs[..., :2], _shares(turned), recipe.pinch)
     if not recipe.is_fitted:
         control = _ruled(given(first), on_arcs[..., 2:], turned, first)
     elif begun is None:
@@ -109,18 +102,13 @@ def solve(turned: Turned, fitted: Collars, recipe: Recipe, begun: Solved | None 
     control = np.moveaxis(control, 0, -1)
     proof = prove(pieces_of_patches(control, recipe.layout), fitted.distances, fitted.radii)
 
-    own_control, own_corners = np.empty_like(control), np.empty_like(corners)
-    own_control[own_order[0], turned.sides] = control
-    own_corners[turned.corners] = np.moveaxis(ring.corners, 0, -1)
-    distances, radii = np.empty_like(fitted.distances), np.empty_like(fitted.radii)
-    distances[own_order], radii[own_order] = fitted.distances, fitted.radii
     return Solved(
         recipe.layout,
-        own_control,
+        _in_own_order(control, (own_order[0], turned.sides)),
         turned.vertices,
-        distances,
-        radii,
-        own_corners,
+        _in_own_order(fitted.distances, own_order),
+        _in_own_order(fitted.radii, own_order),
+        _in_own_order(np.moveaxis(ring.corners, 0, -1), turned.corners),
         fitted.blends,
         fitted.has_room,
         proof.is_star_shaped,
@@ -132,9 +120,38 @@ def solve(turned: Turned, fitted: Collars, recipe: Recipe, begun: Solved | None 
     )
 
 
+def _in_own_order(values: Floats, order: tuple[Ints, ...]) -> Floats:
+    """Return values in the order of the type as nodes have them, given what took them there."""
+    own = np.empty_like(values)
+    own[order] = values
+    return own
+
+
 def union_of(stars: Stars, blends: Floats) -> Union:
     """Return the filleted unions of nodes, with ρ of `blends` (M,), mm."""
     return Union(_leading(stars.directions), stars.radii, stars.slopes, stars.balls, blends)
+
+
+def _rings(union: Union, fitted: Collars, directions: UnitVectors, corners: UnitVectors) -> Rings:
+    """Return the circles of collars, with their corners where those of spherical quads are.
+
+    Parameters
+    ----------
+    directions : (m, N, 3) float64
+    corners : (m, N, 4, 3) float64
+    """
+    frame_x = any_perpendicular(directions)
+    frame_y = np.cross(directions, frame_x)
+    phase = square_phases(corners, frame_x, frame_y)
+    return rings(union, fitted, _leading(frame_x), _leading(frame_y), phase)
+
+
+def _shares(turned: Turned) -> Floats:
+    """Return 2 cos(2π/n) at the corners of patches, n of which meet there, (m, N, 4)."""
+    shares = np.empty((len(turned.stars), turned.sides.shape[1] // 4, 4))
+    for part, twins in turned.parts:
+        shares[part] = share(valences(twins)).reshape(-1, 4)
+    return shares
 
 
 def _longer(union: Union, fitted: Collars, corners: Floats, most: Floats) -> Collars:
