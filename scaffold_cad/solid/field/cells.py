@@ -116,7 +116,7 @@ def check_size(groups: float) -> None:
         raise OptionError(
             f"the solid of overlapping struts needs some {8 * groups:.2g} cells or more and "
             f"{memory_of(groups):.0f} GB of memory; need at most {8 * most:.2g} cells here: "
-            "thicker struts or walls, fewer struts, or tiles of them"
+            "thicker struts or walls, fewer sides (down to 16), fewer struts, or tiles of them"
         )
 
 
