@@ -205,7 +205,7 @@ class BeamSolution(Frozen):
 
     @cached_property
     def stresses(self) -> Floats:
-        """Largest von Mises stress in each strut, at five sections of it, shape (m,), MPa."""
+        """Largest von Mises stress in each strut, shape (m,), MPa; see `largest_stresses`."""
         return self.model.stresses(self.end_forces)
 
     @cached_property

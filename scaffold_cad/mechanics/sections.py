@@ -11,12 +11,6 @@ from scaffold_cad.base.arrays import Floats
 from scaffold_cad.errors import OptionError
 from scaffold_cad.mechanics.materials import Material
 
-_PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
-GAUSS_PLACES = (1.0 + _PLACES) / 2.0
-"""Places in 0..1 at which a strut is sampled to integrate along it."""
-GAUSS_WEIGHTS = _WEIGHTS / 2.0
-"""Their weights, which add up to 1."""
-
 
 @dataclass(frozen=True, eq=False)
 class Sections:
@@ -74,7 +68,9 @@ def end_stiffnesses(
     """Return the stiffnesses of Timoshenko beams, exact for even and tapered sections.
 
     The flexibilities are integrals along the strut of the moments and forces that a unit load at
-    its second end makes; those of a plane are inverted.
+    its second end makes, in closed form; those of a plane are inverted. With the radius a u +
+    b (1 - u) the integrals over u in 0..1 of u²/r⁴, u (1 - u)/r⁴ and 1/r² are 1/(3 a³ b),
+    1/(6 a² b²) and 1/(a b), all by Feynman's formula.
 
     Parameters
     ----------
@@ -87,20 +83,27 @@ def end_stiffnesses(
     ----------
     Przemieniecki, Theory of Matrix Structural Analysis, 1968, section 5.6 (even sections).
     """
-    start, stop = rigid[:, :1], lengths[:, None] - rigid[:, 1:]  # (m, 1)
-    along = start + (stop - start) * GAUSS_PLACES  # (m, s)
-    section = sections_at(edge_radii, along / lengths[:, None], hollow)
-    lever = lengths[:, None] - along  # to the second end
-    step = (stop - start) * GAUSS_WEIGHTS
-    bending = material.young * section.inertia
-    shear = material.shear_factor(hollow) * material.shear_modulus * section.area
-    by_force = (step * (lever**2 / bending + 1.0 / shear)).sum(axis=1)
-    both = (step * lever / bending).sum(axis=1)
-    by_moment = (step / bending).sum(axis=1)
-    determinant = by_force * by_moment - both**2
+    length = lengths - rigid.sum(axis=1)  # of what deforms
+    share = np.stack([rigid[:, 0] / lengths, 1.0 - rigid[:, 1] / lengths], axis=1)
+    a, b = sections_at(edge_radii, share, hollow).radius.T
+    area = np.pi * (1.0 - hollow**2)  # over r²
+    inertia = np.pi / 4.0 * (1.0 - hollow**4)  # over r⁴
+    per_area = length / (area * a * b)
+    # Of u (1 - u)/I, u²/I and (1 - u)²/I; a load at the second end has the lever
+    # u length + what is rigid there.
+    middle = length / (inertia * 6.0 * a * a * b * b)
+    near, far = middle * 2.0 * b / a, middle * 2.0 * a / b
+    once, whole, end = near + middle, near + 2.0 * middle + far, rigid[:, 1]
+    shearing = per_area / (material.shear_factor(hollow) * material.shear_modulus)
+    by_force = (length**2 * near + 2.0 * length * end * once + end**2 * whole) / material.young
+    by_force += shearing
+    both = (length * once + end * whole) / material.young
+    by_moment = whole / material.young
+    # by_force by_moment - both², with near far = 4 middle².
+    determinant = 3.0 * (length * middle / material.young) ** 2 + shearing * by_moment
     return Stiffnesses(
-        axial=1.0 / (step / (material.young * section.area)).sum(axis=1),
-        twisting=1.0 / (step / (material.shear_modulus * section.torsion)).sum(axis=1),
+        axial=material.young / per_area,
+        twisting=2.0 * material.shear_modulus / whole,
         shear=by_moment / determinant,
         coupling=-both / determinant,
         bending=by_force / determinant,

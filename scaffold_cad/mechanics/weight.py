@@ -7,14 +7,19 @@ import numpy as np
 from scaffold_cad.base.arrays import Floats
 from scaffold_cad.mechanics.beamstruts import Beams
 from scaffold_cad.mechanics.elements import first_by_second, second_end
-from scaffold_cad.mechanics.sections import GAUSS_PLACES, GAUSS_WEIGHTS, sections_at
+from scaffold_cad.mechanics.sections import sections_at
+
+EVEN = 1e-9
+"""Logarithm of a strut's radii over each other that is taken for 0; no unit."""
+
+_PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 
 
 def clamped_by_weight(beams: Beams, gravity: Floats) -> Floats:
     """Return the forces on clamped ends of struts under their own weight, (m, 2, 6).
 
     The strut is a cantilever, held at its first end, that bends under its weight; what brings its
-    second end back is the force there. All integrals are exact but for the taper's fractions.
+    second end back is the force there. What hangs beyond a place is a frustum.
 
     Parameters
     ----------
@@ -24,22 +29,15 @@ def clamped_by_weight(beams: Beams, gravity: Floats) -> Floats:
     directions = beams.skeleton.directions[::2]
     along = gravity @ directions.T  # (m,)
     across = gravity - along[:, None] * directions  # (m, 3)
-    start, stop = beams.rigid[:, :1], lengths - beams.rigid[:, 1:]
-    place = start + (stop - start) * GAUSS_PLACES  # (m, s)
-    step = (stop - start) * GAUSS_WEIGHTS
+    place, step = _sampled(beams)  # (m, s)
     section = sections_at(beams.edge_radii, place / lengths, beams.hollow)
-    # Mass beyond each place, and its first moment about the place: again by Gauss's rule.
-    inner = place[:, :, None] + (lengths - place)[:, :, None] * GAUSS_PLACES  # (m, s, s)
-    weights = (lengths - place)[:, :, None] * GAUSS_WEIGHTS
-    a, b = beams.edge_radii.T[:, :, None, None]
-    radius = a + (b - a) * inner / lengths[:, :, None]
-    by_length = np.pi * radius**2 * (1.0 - beams.hollow**2) * beams.material.density * 1e-9
-    beyond = (weights * by_length).sum(axis=2)  # kg
-    moment = (weights * by_length * (inner - place[:, :, None])).sum(axis=2)  # kg mm
+    lever, near, far = lengths - place, section.radius, beams.edge_radii[:, 1:]
+    frustum = np.pi * (1.0 - beams.hollow**2) * beams.material.density * 1e-9 * lever
+    beyond = frustum / 3.0 * (near**2 + near * far + far**2)  # kg
+    moment = frustum * lever / 12.0 * (near**2 + 2.0 * near * far + 3.0 * far**2)  # kg mm
     material = beams.material
     bending = material.young * section.inertia
     shear = material.shear_factor(beams.hollow) * material.shear_modulus * section.area
-    lever = lengths - place
     stretch = (step * beyond / (material.young * section.area)).sum(axis=1) * along
     sag = (step * (moment * lever / bending + beyond / shear)).sum(axis=1)
     tilt = (step * moment / bending).sum(axis=1)
@@ -61,3 +59,20 @@ def clamped_by_weight(beams: Beams, gravity: Floats) -> Floats:
     first[:, :3] -= weight
     first[:, 3:] -= turning
     return np.stack([first, second], axis=1)
+
+
+def _sampled(beams: Beams) -> tuple[Floats, Floats]:
+    """Return places along what deforms of struts, and the lengths they stand for, (m, s), mm.
+
+    From one to the next radii grow by a factor: that is how fast a cone's stiffness changes.
+    """
+    lengths = beams.skeleton.lengths[:, None]
+    start, stop = beams.rigid[:, :1], lengths - beams.rigid[:, 1:]
+    ends = np.concatenate([start, stop], axis=1) / lengths
+    radius = sections_at(beams.edge_radii, ends, beams.hollow).radius
+    growth = np.log(radius[:, 1:] / radius[:, :1])
+    growth = np.where(np.abs(growth) < EVEN, EVEN, growth)
+    part = (1.0 + _PLACES) / 2.0
+    scale = (stop - start) / np.expm1(growth)
+    place = start + scale * np.expm1(growth * part)
+    return place, scale * growth * np.exp(growth * part) * _WEIGHTS / 2.0

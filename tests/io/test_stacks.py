@@ -277,3 +277,30 @@ def test_write_layers_refuses_what_it_cannot_write(tmp_path: Path) -> None:
         write_layers(slices(STRUT, []), tmp_path / "a.cli")
     with pytest.raises(OptionError, match="got a list; need a Layers"):
         write_layers(list(made()), tmp_path / "a.cli")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("distance", "fits"), [(2e4, True), (2e5, False)])
+def test_binary_polygons_far_away_are_valid_or_refused(
+    distance: float, fits: bool, tmp_path: Path
+) -> None:
+    shapely = pytest.importorskip("shapely")
+    struts = round_struts(tile("kelvin", 10.0, 1, radius=0.6).moved_by([distance, 0, 0]))
+    path = tmp_path / "far.cli"
+    if not fits:
+        need = r"32-bit numbers up to 2000\d+ mm are 0.0156 mm apart, .* of 0.37 mm; need 1.56 mm"
+        with pytest.raises(FormatError, match=need):
+            write_layers(slices(struts, thickness=0.37), path)
+        assert not path.exists()
+        write_layers(slices(struts, thickness=0.37), path, text=True)
+        return
+    write_layers(slices(struts, thickness=0.37), path)
+    found = [one for _, polygons, _ in read_binary_cli(path) for one in polygons]
+    assert all(shapely.is_valid(shapely.polygons(one)) for one in found)
+
+
+@pytest.mark.parametrize("suffix", [".svg", ".3mf", ".zip"])
+def test_layers_thinner_than_numbers_of_text_are_refused(suffix: str, tmp_path: Path) -> None:
+    layers = slices(STRUT.scaled(1e-5), thickness=5e-6)
+    pixel = 1e-5 if suffix == ".zip" else None
+    with pytest.raises(FormatError, match=r"numbers of text are 1e-06 mm apart, .*need 0.0001 mm"):
+        write_layers(layers, tmp_path / f"a{suffix}", pixel=pixel)

@@ -14,6 +14,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Ints
 from scaffold_cad.io._rows import Columns, decimal, rows_of, whole
+from scaffold_cad.io.stacks.precision import DECIMALS
 from scaffold_cad.layers import Layer, Layers
 
 LAYER, POLYLINE = 127, 130
@@ -21,9 +22,6 @@ LAYER, POLYLINE = 127, 130
 
 PART = 1
 """Identifier of the one part."""
-
-DECIMALS = 6
-"""Of coordinates in text."""
 
 
 def write_cli(layers: Layers, path: Path, name: str, text: bool) -> None:

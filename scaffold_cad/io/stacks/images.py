@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scaffold_cad.base.arrays import Bools, Floats, Ints
 from scaffold_cad.base.ranges import ranges
 from scaffold_cad.errors import OptionError
+from scaffold_cad.io.stacks.precision import DECIMALS
 from scaffold_cad.layers import Layer, Layers
 
 BAND = 2**22
@@ -52,7 +53,7 @@ def write_images(layers: Layers, path: Path, pixel: float) -> None:
     with ZipFile(path, "w", ZIP_STORED) as archive:
         for number, layer in enumerate(layers):
             files.append(f"layer{number:05d}.png")
-            tops.append(round(layer.top, 6))
+            tops.append(round(layer.top, DECIMALS))
             with archive.open(ZipInfo(files[-1]), "w", force_zip64=True) as file:
                 for part in png(raster(layer, low, pixel, columns, rows), columns, rows):
                     file.write(part)

@@ -11,15 +11,13 @@ import numpy as np
 
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._rows import Columns, decimal, rows_of, whole
+from scaffold_cad.io.stacks.precision import DECIMALS
 from scaffold_cad.io.threemf.model import CORE
 from scaffold_cad.io.threemf.package import model_part
 from scaffold_cad.layers import Layer, Layers
 
 SLICES = "http://schemas.microsoft.com/3dmanufacturing/slice/2015/07"
 """Namespace of the Slice Extension."""
-
-DECIMALS = 6
-"""Of coordinates."""
 
 _HEAD = (
     '<?xml version="1.0" encoding="UTF-8"?>\n'

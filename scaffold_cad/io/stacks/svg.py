@@ -10,10 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from scaffold_cad.io._rows import Columns, decimal, rows_of
+from scaffold_cad.io.stacks.precision import DECIMALS
 from scaffold_cad.layers import Layer, Layers
-
-DECIMALS = 6
-"""Of coordinates."""
 
 
 def write_svg(layers: Layers, path: Path) -> None:

@@ -17,6 +17,7 @@ from scaffold_cad.base.files import replacing, unknown_suffix
 from scaffold_cad.errors import FormatError, OptionError
 from scaffold_cad.io.stacks.cli import write_cli
 from scaffold_cad.io.stacks.images import write_images
+from scaffold_cad.io.stacks.precision import check_precision
 from scaffold_cad.io.stacks.slicestack import write_slice_stack
 from scaffold_cad.io.stacks.svg import write_svg
 from scaffold_cad.layers import Layers
@@ -50,8 +51,8 @@ def write_layers(
     Raises
     ------
     FormatError
-        If the suffix is unknown, there is no layer, a format cannot hold the layers, or the file
-        cannot be written.
+        If the suffix is unknown, there is no layer, a format cannot hold the layers, its numbers
+        are too coarse for them, or the file cannot be written.
     OptionError
         If `layers` are not Layers, or some of them were taken already, or an option does not fit
         the format.
@@ -84,6 +85,7 @@ def write_layers(
         )
     if len(layers) == 0:
         raise FormatError(f"cannot write {path}: there are no layers; need at least one")
+    check_precision(layers, path, binary=suffix == ".cli" and not text)
     with replacing(path) as fresh:
         if suffix == ".cli":
             write_cli(layers, fresh, path.stem if label is None else label, text)
