@@ -12,9 +12,14 @@ from secrets import token_hex
 from scaffold_cad.base.arguments import did_you_mean
 from scaffold_cad.errors import FormatError
 
+HIDDEN = ".scaffold-cad-"
+"""What names of files begin with until they are whole; the number of their process follows."""
+
 
 def check_name(path: Path, failed: str) -> None:
-    """Raise a FormatError if a path has more characters than the system takes."""
+    """Raise a FormatError if a path has more characters than the system takes, or a null."""
+    if "\0" in str(path):
+        raise FormatError(f"{failed}: its name has a null character")
     try:
         path.lstat()
     except OSError as error:
@@ -101,7 +106,8 @@ def check_target(path: Path) -> None:
         is there.
     """
     check_name(path, f"cannot write {path}")
-    folder = path.parent
+    # A link keeps pointing to its file, whose folder counts.
+    folder = Path(os.path.realpath(path)).parent if path.is_symlink() else path.parent
     if not folder.exists():
         raise FormatError(f"cannot write {path}: there is no folder {folder}")
     if not folder.is_dir():
@@ -140,7 +146,7 @@ def replacing(path: Path) -> Iterator[Path]:
     """
     check_target(path)
     target = Path(os.path.realpath(path))  # a link keeps pointing to the file
-    fresh = target.with_name(f".scaffold-cad-{token_hex(8)}{target.suffix}")
+    fresh = target.with_name(f"{HIDDEN}{os.getpid()}-{token_hex(8)}{target.suffix}")
     try:
         fresh.touch(exist_ok=False)
         yield fresh
@@ -150,6 +156,14 @@ def replacing(path: Path) -> Iterator[Path]:
             fresh.chmod(target.stat().st_mode)
         fresh.replace(target)
     except OSError as error:
-        raise FormatError(f"cannot write {path}: {error.strerror or error}") from None
+        why = error.strerror or f"{error}; is the disk full?"  # NumPy tells bytes only
+        raise FormatError(f"cannot write {path}: {why}") from None
     finally:
         fresh.unlink(missing_ok=True)
+
+
+def remove_unfinished(folder: Path, processes: Iterable[int | None]) -> None:
+    """Remove the files in a folder that processes had not finished when they were killed."""
+    for process in processes:
+        for fresh in folder.glob(f"{HIDDEN}{process}-*"):
+            fresh.unlink(missing_ok=True)

@@ -246,7 +246,7 @@ def export_step(shape: Shape, path: Path, *, write_pcurves: bool = False) -> Non
     from scaffold_cad.brep import occt
 
     if not occt.export_step(shape, path, write_pcurves=write_pcurves):
-        raise OSError("OCCT could not write it; is the disk full?")
+        raise OSError("OCCT could not write it")
 
 
 def export_brep(shape: Shape, path: Path) -> None:
@@ -261,4 +261,4 @@ def export_brep(shape: Shape, path: Path) -> None:
     from scaffold_cad.brep import occt
 
     if not occt.export_brep(shape, path):
-        raise OSError("OCCT could not write it; is the disk full?")
+        raise OSError("OCCT could not write it")

@@ -12,11 +12,12 @@ from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
 from functools import partial
-from multiprocessing import get_context
-from threading import current_thread, main_thread
+from multiprocessing import active_children, get_context
+from threading import Event, current_thread, main_thread
 from typing import NoReturn, TextIO
 
 from scaffold_cad.base.arguments import as_count
+from scaffold_cad.base.files import remove_unfinished
 from scaffold_cad.cli.fields import with_contents
 from scaffold_cad.cli.flags import with_flags, with_measures
 from scaffold_cad.cli.streams import each_file, streamed
@@ -25,8 +26,8 @@ from scaffold_cad.errors import FormatError, ScaffoldCadError
 BAD_INPUT = 2
 INTERRUPTED = 130
 
-TERMINATED = (signal.SIGTERM, signal.default_int_handler)
-"""SIGTERM ends work as Ctrl-C does."""
+_interrupted = Event()
+"""Whether a signal has come that ends the work."""
 
 KILLED = "process was killed, as systems do where memory runs out; need a smaller skeleton"
 
@@ -48,7 +49,7 @@ def run(options: argparse.Namespace) -> int:
 
     log_to_stderr(options)
     try:
-        with _interrupted_by_sigterm():
+        with _interruptible():
             return _guarded(work)
     except KeyboardInterrupt:
         print(_prefix(sys.stderr, RED) + "interrupted", file=sys.stderr)
@@ -56,16 +57,41 @@ def run(options: argparse.Namespace) -> int:
 
 
 @contextmanager
-def _interrupted_by_sigterm() -> Iterator[None]:
+def _interruptible() -> Iterator[None]:
     """Let SIGTERM end work as Ctrl-C does, so that no hidden file stays."""
     if current_thread() is not main_thread():
         yield
         return
-    before = signal.signal(*TERMINATED)
+    _interrupted.clear()
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    heeded = {signal.SIGTERM, signal.SIGINT}
+    if before[signal.SIGINT] is not signal.default_int_handler:
+        heeded.remove(signal.SIGINT)  # as in the background of a shell
+    for number in heeded:
+        signal.signal(number, _interrupt)
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before if before is not None else signal.SIG_DFL)
+        for number in heeded:
+            signal.signal(number, before[number] or signal.SIG_DFL)
+
+
+def _interrupt(*_: object) -> NoReturn:
+    _interrupted.set()
+    raise KeyboardInterrupt
+
+
+def _heeding(work: Callable[[], int]) -> int:
+    """Return what work returns; raise KeyboardInterrupt for what a signal makes of it.
+
+    Modules in C that are imported meanwhile, such as OCP, make an ImportError of that.
+    """
+    try:
+        return work()
+    except Exception:
+        if _interrupted.is_set():
+            raise KeyboardInterrupt from None
+        raise
 
 
 def _run_all(files: list[argparse.Namespace], jobs: int | None, folder: str) -> int:
@@ -90,15 +116,22 @@ def _run_all(files: list[argparse.Namespace], jobs: int | None, folder: str) -> 
 def _in_processes(
     one: Callable[[argparse.Namespace], int], files: list[argparse.Namespace], count: int
 ) -> list[int | None]:
-    """Return the exit code for each file, None of those whose process was killed."""
+    """Return the exit code for each file, None of those whose process was killed.
+
+    What killed processes had begun to write is removed.
+    """
     made: list[Future[int]] = []
     codes: list[int | None] = [None] * len(files)
     with ProcessPoolExecutor(count, get_context("spawn"), _end_quietly) as pool:
         with suppress(BrokenProcessPool):  # which takes no more
             made.extend(pool.submit(one, file) for file in files)
+        processes = [process.pid for process in active_children()]
         for k, future in enumerate(made):
-            with suppress(BrokenProcessPool):
+            with suppress(BrokenProcessPool, SystemExit):  # SystemExit: see _end_quietly
                 codes[k] = future.result()
+    for file, code in zip(files, codes, strict=True):
+        if code is None and hasattr(file, "output"):
+            remove_unfinished(file.output.parent, processes)
     return codes
 
 
@@ -141,7 +174,7 @@ def _guarded(
 
     fewer = "" if sides is None else f", or fewer --sides than {sides}"
     try:
-        code = work()
+        code = _heeding(work)
         sys.stdout.flush()
     except ScaffoldCadError as error:
         message = with_flags(str(error))

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from scaffold_cad.base.files import check_target, replacing
+from scaffold_cad.base.files import check_target, remove_unfinished, replacing
 from scaffold_cad.errors import FormatError
 
 
@@ -67,7 +67,7 @@ def test_after_an_error_all_is_as_it_was(tmp_path: Path, error) -> None:
     ("error", "reason"),
     [
         (OSError(28, "No space left on device"), "No space left on device"),
-        (OSError("a library failed"), "a library failed"),
+        (OSError("90 requested and 8 written"), "90 requested and 8 written; is the disk full?"),
     ],
 )
 def test_an_error_of_the_system_is_one_line_about_the_file(tmp_path: Path, error, reason) -> None:
@@ -116,3 +116,28 @@ def test_a_read_only_folder_is_refused(tmp_path: Path, monkeypatch) -> None:
     message = re.escape(f"the folder {tmp_path} is read-only")
     with pytest.raises(FormatError, match=message):
         check_target(tmp_path / "cube.stl")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="links ask for rights elsewhere")
+def test_a_link_into_a_missing_folder_is_told(tmp_path: Path) -> None:
+    link = tmp_path / "cube.stl"
+    link.symlink_to(tmp_path / "gone" / "cube.stl")
+    need = re.escape(f"cannot write {link}: there is no folder {tmp_path / 'gone'}")
+    with pytest.raises(FormatError, match=need):
+        check_target(link)
+
+
+def test_a_name_with_a_null_is_refused() -> None:
+    with pytest.raises(FormatError, match="its name has a null character"):
+        check_target(Path("a\0.stl"))
+
+
+def test_what_killed_processes_left_is_removed(tmp_path: Path) -> None:
+    for name in (".scaffold-cad-12-ab.stl", ".scaffold-cad-123-ab.stl", "12-ab.stl"):
+        (tmp_path / name).touch()
+    remove_unfinished(tmp_path, [12, 7, None])
+    assert names_in(tmp_path) == [".scaffold-cad-123-ab.stl", "12-ab.stl"]
+    with replacing(tmp_path / "cube.stl") as fresh:
+        remove_unfinished(tmp_path, [os.getpid()])
+        assert not fresh.exists()
+        fresh.touch()

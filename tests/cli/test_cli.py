@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ import trimesh
 
 from scaffold_cad import __version__
 from scaffold_cad.cli import main
+from scaffold_cad.errors import OptionError
 from scaffold_cad.io import read_skeleton, skeleton_to_json
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
@@ -370,6 +372,26 @@ def test_interrupted_work_exits_with_130_and_leaves_no_file(
     assert capsys.readouterr().err.splitlines()[-1] == "scaffold-cad: interrupted"
     assert list(folder.iterdir()) == []
     assert signal.getsignal(signal.SIGTERM) is before
+
+
+@pytest.mark.parametrize("error", [ImportError, OptionError])
+def test_what_a_signal_makes_of_an_import_is_an_interruption(
+    error: type[Exception],
+    figure: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def imported(*_: object, **__: object) -> None:
+        with suppress(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGTERM)
+        raise error("initialization failed")
+
+    monkeypatch.setattr(os, "fsync", imported)
+    assert main(["build", figure, "-o", str(tmp_path / "a.stl")]) == 130
+    assert capsys.readouterr().err.splitlines()[-1] == "scaffold-cad: interrupted"
+    monkeypatch.undo()
+    assert main(["build", figure, "-o", str(tmp_path / "a.stl")]) == 0
 
 
 @pytest.mark.parametrize("options", [[], ["--round"], ["--round", "--sides", "4000"]])

@@ -68,6 +68,8 @@ def test_a_refused_file_is_named_and_ends_no_other(
 class Killed(ThreadPoolExecutor):
     """Processes of which that of one file is killed, and takes the others with it."""
 
+    error: BaseException = BrokenProcessPool()
+
     def __init__(self, *_: object) -> None:
         super().__init__(1)
         self._is_broken = False
@@ -79,13 +81,18 @@ class Killed(ThreadPoolExecutor):
             return super().submit(work, *items)
         self._is_broken = True
         future: Future[Any] = Future()
-        future.set_exception(BrokenProcessPool())
+        future.set_exception(self.error)
         return future
 
 
+@pytest.mark.parametrize("error", [BrokenProcessPool(), SystemExit(INTERRUPTED)])
 def test_a_file_whose_process_is_killed_is_named_and_ends_no_other(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    error: BaseException,
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
+    monkeypatch.setattr(Killed, "error", error)
     monkeypatch.setattr("scaffold_cad.cli.running.ProcessPoolExecutor", Killed)
     words = ["build", "angle.json", "strut.json", "-o", "out", "--format", "stl", "--jobs", "2"]
     assert main(words) == 2
