@@ -207,7 +207,7 @@ def _opensees(model: BeamModel) -> Iterator[str]:
     for node, freedom in np.argwhere(model.fixed & (model.displacement != 0)).tolist():
         yield f"  sp {node + 1} {freedom + 1} {model.displacement[node, freedom]:.15g}"
     yield "}"
-    yield "constraints Transformation\nnumberer RCM\nsystem SparseSYM\nalgorithm Linear"
+    yield "constraints Transformation\nnumberer RCM\nsystem UmfPack\nalgorithm Linear"
     yield "integrator LoadControl 1.0\nanalysis Static\nanalyze 1"
 
 
