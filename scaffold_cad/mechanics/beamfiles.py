@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 
 from scaffold_cad.base.arguments import as_path, check_kind, checks_keywords
-from scaffold_cad.base.arrays import Floats, Ints, Points
+from scaffold_cad.base.arrays import Ints, Points
 from scaffold_cad.base.files import replacing, unknown_suffix
 from scaffold_cad.base.summaries import counted
-from scaffold_cad.base.vectors import sums_by_row
 from scaffold_cad.io.radii import MEANS
 from scaffold_cad.mechanics.beams import BeamModel, BeamSolution
 from scaffold_cad.mechanics.meshfiles import write_meshio
@@ -202,23 +201,14 @@ def _opensees(model: BeamModel) -> Iterator[str]:
             f"{factor * a:.15g} {factor * a:.15g} {steep[e] + 1}"
         )
     yield "timeSeries Linear 1\npattern Plain 1 1 {"
-    weight = _weight_at_nodes(model)
-    total = model.forces + weight
+    total = model.forces - model.weight_at_nodes()
     for node in np.flatnonzero(total.any(axis=1)).tolist():
         yield f"  load {node + 1} " + " ".join(f"{x:.15g}" for x in total[node].tolist())
     for node, freedom in np.argwhere(model.fixed & (model.displacement != 0)).tolist():
         yield f"  sp {node + 1} {freedom + 1} {model.displacement[node, freedom]:.15g}"
     yield "}"
-    yield "constraints Transformation\nnumberer RCM\nsystem SparseSYM\nalgorithm Linear"
+    yield "constraints Transformation\nnumberer RCM\nsystem UmfPack\nalgorithm Linear"
     yield "integrator LoadControl 1.0\nanalysis Static\nanalyze 1"
-
-
-def _weight_at_nodes(model: BeamModel) -> Floats:
-    """Return half of each strut's weight at both of its ends, (n, 6)."""
-    half = model.masses[:, None] / 2.0 * model.gravity  # (m, 3)
-    both = np.repeat(half[:, None], 2, axis=1)
-    weight = sums_by_row(both, model.skeleton.edges, len(model.forces))
-    return np.concatenate([weight, np.zeros_like(weight)], axis=1)
 
 
 def _vtu(model: BeamModel | BeamSolution, path: Path) -> None:

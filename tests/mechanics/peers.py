@@ -36,9 +36,10 @@ def opensees_displacements(path: Path, count: int) -> np.ndarray:
             ops.pattern("Plain", 1, 1)
         elif name == "load":
             ops.load(values[0], *map(float, values[1:]))
+        elif name == "system":
+            ops.system(*words)
     ops.constraints("Transformation")
     ops.numberer("RCM")
-    ops.system("SparseSYM")
     ops.algorithm("Linear")
     ops.integrator("LoadControl", 1.0)
     ops.analysis("Static")

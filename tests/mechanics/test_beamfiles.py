@@ -41,6 +41,21 @@ def test_opensees_finds_the_same_displacements(count: int, tmp_path: Path) -> No
     )
 
 
+@pytest.mark.parametrize("hollow", [0.0, 0.7])
+def test_opensees_finds_the_same_of_an_uneven_frame_under_its_weight(
+    hollow: float, tmp_path: Path
+) -> None:
+    rng = np.random.default_rng(3)
+    edges = [[0, 1], [1, 2], [2, 3], [3, 0], [1, 3], [3, 4], [0, 5], [5, 2]]
+    frame = Skeleton(rng.uniform(0, 90, (6, 3)), edges, edge_radii=rng.uniform(1, 4, len(edges)))
+    model = beam_model(frame, STEEL, Support([0, 2]), gravity=(4e3, 0, -9e3), hollow=hollow)
+    write_beams(model, tmp_path / "frame.tcl")
+    theirs = opensees_displacements(tmp_path / "frame.tcl", len(frame.nodes))
+    ours = model.solved()
+    found = np.concatenate([ours.displacements, ours.rotations], axis=1)
+    np.testing.assert_allclose(theirs, found, rtol=1e-9, atol=1e-9 * np.abs(found).max())
+
+
 @pytest.mark.parametrize("count", [5, 10])
 def test_opensees_finds_the_same_of_1000_and_of_8000_struts(count: int, tmp_path: Path) -> None:
     top = 10.0 * count
