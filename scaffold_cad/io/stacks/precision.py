@@ -29,7 +29,7 @@ def check_precision(layers: Layers, path: Path, *, binary: bool) -> None:
         If they cannot.
     """
     apart = layers.thickness or float(np.diff(layers.heights).min(initial=np.inf))
-    largest = max(float(np.abs(layers.box).max()), float(np.abs(layers.heights).max()))
+    largest = float(np.abs(layers.box[:, :2]).max())  # heights are no corners of polygons
     step = float(np.spacing(np.float32(largest))) if binary else 10.0**-DECIMALS
     if apart >= LEAST_STEPS * step:
         return
