@@ -6,7 +6,7 @@ import logging
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, place_text
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Points, place_text
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.topology import component_labels
 from scaffold_cad.lattice.struts import Struts
@@ -26,22 +26,36 @@ def without_crumbs(struts: Struts, cell: UnitCell, size: Floats) -> Struts:
     ----------
     cell, size : that the struts are of; size (3,), mm
     """
-    if len(struts.edges) == 0:
-        return struts
-    piece = component_labels(struts.edges, len(struts.nodes))[struts.edges[:, 0]]
-    total = np.bincount(piece, weights=struts.lengths)
+    return struts.kept(no_crumbs(struts.edges, struts.lengths, struts.middles, cell, size))
+
+
+def no_crumbs(
+    edges: Edges, lengths: Floats, middles: Points, cell: UnitCell, size: Floats
+) -> Bools:
+    """Return which struts are in no crumb, (m,); the log says how many are.
+
+    Parameters
+    ----------
+    edges : (m, 2) intp
+    lengths : of the struts, as in cells of `size`, (m,) float64
+    middles : (m, 3) float64, mm
+    """
+    if len(edges) == 0:
+        return np.ones(0, dtype=np.bool_)
+    piece = component_labels(edges, int(edges.max()) + 1)[edges[:, 0]]
+    total = np.bincount(piece, weights=lengths)
     least = CRUMB * min(float(cell.strut_lengths(size).sum()), float(total.max()))
-    keep = total[piece] >= least
+    keep: Bools = total[piece] >= least
     if not keep.all():
         lost = np.unique(piece[~keep])
-        place = place_text(struts.middles[~keep][0])
+        place = place_text(middles[~keep][0])
         _log.info(
             "%s of %s left out, as at %s: cut off by the surface",
             counted(len(lost), "loose crumb"),
             counted(len(keep) - int(keep.sum()), "strut"),
             place,
         )
-    return struts.kept(keep)
+    return keep
 
 
 def report_small(bounds: Floats, cell: UnitCell, size: Floats) -> None:

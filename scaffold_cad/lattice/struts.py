@@ -75,12 +75,7 @@ class Struts:
 
     def without_dangling(self) -> Struts:
         """Return the struts without those that lead to a free end, all along to a branching."""
-        edges = self.edges
-        while True:
-            free = (valencies(edges, len(self.nodes)) == 1)[edges].any(axis=1)
-            if not free.any():
-                return Struts(self.nodes, edges)
-            edges = edges[~free]
+        return self.kept(leading_on(self.edges))
 
     def skeleton(self, radius: Radius) -> Skeleton:
         """Return the struts as a skeleton, without the nodes that no strut reaches."""
@@ -95,3 +90,14 @@ class Struts:
         """Return the struts as a skeleton, without repeated and overlapping ones."""
         clean = self.skeleton(1.0).cleaned(weld_distance=0.0).skeleton
         return clean.with_radii(radii_at(clean.nodes, radius))
+
+
+def leading_on(edges: Edges) -> Bools:
+    """Return which edges (m, 2) do not lead to a free end, all along to a branching, (m,)."""
+    stay = np.ones(len(edges), dtype=np.bool_)
+    count = int(edges.max(initial=-1)) + 1
+    while True:
+        free = stay & (valencies(edges[stay], count) == 1)[edges].any(axis=1)
+        if not free.any():
+            return stay
+        stay &= ~free

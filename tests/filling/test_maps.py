@@ -31,6 +31,7 @@ from scaffold_cad.base.arrays import Floats
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.filling import between_faces, face_map, mesh_map
 from scaffold_cad.lattice.maps.quads import QuadSurface
+from scaffold_cad.lattice.struts import leading_on
 from scaffold_cad.skeleton import Skeleton
 
 
@@ -232,3 +233,35 @@ def test_layers_inside_blocks_with_holes_fold_no_cell(size: float) -> None:
     assert np.hypot(x, y).min() > 3.98  # none is in the hole
     assert np.abs([x, y]).max() < 10.001
     assert np.abs(z).max() < 5.001
+
+
+def middles(skeleton: Skeleton) -> Floats:
+    """Return the middle of each strut, sorted, rounded."""
+    places = skeleton.nodes[skeleton.edges].mean(axis=1).round(6) + 0.0
+    return np.unique(places, axis=0)
+
+
+@pytest.mark.parametrize("cell", ["triangular_prism", "weaire_phelan", "bcc"])
+def test_nets_stay_in_a_layer_that_closes(cell: str) -> None:
+    mapping = face_map(cylinder_face(20, 24), 8.0)
+    away = distances_from_axis(lattice_on(mapping, cell, 0.3, counts=(14, 3, 2)).skeleton)
+    # A chord is inside the circle by less than a cell's bow.
+    assert away.min() > 20 * np.cos(np.pi / 14) - 1e-9
+    assert away.max() < 28 + 1e-9
+    height = lattice_on(mapping, cell, 0.3, counts=(14, 3, 2)).skeleton.nodes[:, 2]
+    assert np.abs(height).max() == pytest.approx(12)
+
+
+@pytest.mark.parametrize("cell", ["triangular_prism", "weaire_phelan", "bcc", "diamond"])
+@pytest.mark.parametrize("dangling", [True, False])
+def test_a_hole_changes_no_strut_at_the_seam(cell: str, dangling: bool) -> None:
+    pierced = (Cylinder(20, 24) - Pos(-20, 0, 0) * Sphere(3)).faces()
+    faces = [cylinder_face(20, 24), pierced.filter_by(GeomType.CYLINDER)[0]]
+    whole, trimmed = (
+        lattice_on(face_map(face, 8.0), cell, 0.3, counts=(14, 3, 2), dangling=dangling).skeleton
+        for face in faces
+    )
+    if not dangling:  # of a face that is not trimmed they all stay: take those that lead on
+        whole = Skeleton(whole.nodes, whole.edges[leading_on(whole.edges)], 0.3)
+    front = [places[places[:, 0] > 5] for places in map(middles, (whole, trimmed))]
+    np.testing.assert_allclose(*front, atol=2e-6)

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass
+from itertools import product
 from typing import TypeAlias
 
 import numpy as np
 
 from scaffold_cad.base.arguments import check_kind, checks_keywords, described
-from scaffold_cad.base.arrays import Floats, Frozen, Ints, as_floats
+from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points, as_floats
 from scaffold_cad.base.radii import Radius, radii_at
 from scaffold_cad.base.regions import BoxRegion
 from scaffold_cad.base.summaries import counted, size_text
 from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import OptionError, SkeletonError
 from scaffold_cad.lattice.clipping import clipped
-from scaffold_cad.lattice.crumbs import without_crumbs
+from scaffold_cad.lattice.crumbs import no_crumbs
 from scaffold_cad.lattice.maps.cellmap import CellMap, extents
 from scaffold_cad.lattice.maps.chords import Chords
 from scaffold_cad.lattice.maps.grading import CellSize, graded, mean_size
@@ -31,7 +32,7 @@ from scaffold_cad.lattice.maps.seams import (
 from scaffold_cad.lattice.maps.trimming import PolygonRegion
 from scaffold_cad.lattice.registry import as_cell
 from scaffold_cad.lattice.repetition import as_counts, repeated
-from scaffold_cad.lattice.struts import Struts
+from scaffold_cad.lattice.struts import Struts, leading_on
 from scaffold_cad.lattice.unitcell import UnitCell, as_three
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.skeleton.overlaps import overlapping_half_edges
@@ -164,7 +165,7 @@ def _placed(
     numbers = _counts(mapping, cell, whole, size, counts)
     if mapping.patches > 1:
         check_sides(mapping, cell, numbers)
-    struts, patch = _struts(mapping, cell, numbers, dangling)
+    struts, patch = _struts(mapping, cell, numbers)
     spans = struts.ends - struts.starts  # in cells
     around = np.asarray(mapping.wraps) & (struts.nodes > np.asarray(numbers) + SAME_PLACE)
     struts = Struts(np.where(around, struts.nodes - numbers, struts.nodes), struts.edges)
@@ -184,6 +185,10 @@ def _placed(
     )
     target, drawn_together = seams(placed)
     kept, edges = _each_once(target, struts)
+    if mapping.loops:
+        middles = nodes[struts.edges[kept]].mean(axis=1)
+        stay = _not_loose(edges, length(spans[kept]), middles, cell, dangling)
+        kept, edges = kept[stay], edges[stay]
     used, ends = np.unique(edges, return_inverse=True)
     first = struts.edges[kept, 0]
     real = nodes[struts.edges[kept, 1]] - nodes[first]
@@ -258,24 +263,17 @@ def three_counts(counts: Counts | None) -> Ints:
     return np.broadcast_to(values, 3)
 
 
-def _struts(
-    mapping: CellMap, cell: UnitCell, counts: tuple[int, int, int], dangling: bool
-) -> tuple[Struts, Ints]:
+def _struts(mapping: CellMap, cell: UnitCell, counts: tuple[int, int, int]) -> tuple[Struts, Ints]:
     """Return the struts of all patches in cells, trimmed, and the patch of each node (n,)."""
     one = repeated(cell, np.ones(3), counts, axes=np.eye(3))
     if cell.is_net:
         one = _net_in_cube(mapping, cell, counts)
     if mapping.loops:
-        loops = tuple(loop * counts[:2] for loop in mapping.loops)
+        # Struts of nets go on beyond the end, where the borders are those at the beginning.
+        around = [(0, 1) if cell.is_net and closes else (0,) for closes in mapping.wraps[:2]]
+        turns = [np.array([u, v]) * counts[:2] for u, v in product(*around)]
+        loops = tuple(loop * counts[:2] + turn for loop in mapping.loops for turn in turns)
         one = clipped(one, PolygonRegion(loops), SHORTEST_FRACTION)
-        if not dangling:
-            one = one.without_dangling()
-        one = without_crumbs(one, cell, np.ones(3))
-        if len(one.edges) == 0:
-            raise SkeletonError(
-                f"no strut of unit cell {cell.name!r} is within the borders of the face; "
-                "need one (smaller cells?)"
-            )
     used, ends = np.unique(one.edges, return_inverse=True)
     nodes, edges = one.nodes[used], ends.reshape(-1, 2)
     patch = np.repeat(np.arange(mapping.patches), len(nodes))
@@ -309,9 +307,36 @@ def _net_in_cube(mapping: CellMap, cell: UnitCell, counts: tuple[int, int, int])
     around = counts + before
     number = (int(around[0]), int(around[1]), int(around[2]))
     struts = repeated(cell, np.ones(3), number, -before.astype(np.float64), np.eye(3))
-    low = np.where(mapping.wraps, -1e9, 0.0)
-    high = np.where(mapping.wraps, 1e9, counts)
+    # All struts are within reach: a box without end would have a tolerance of many cells.
+    low = np.where(mapping.wraps, -1.0, 0.0)
+    high = np.where(mapping.wraps, counts + np.asarray(reach + 1.0), counts)
     return clipped(struts, BoxRegion([low, high]), SHORTEST_FRACTION)
+
+
+def _not_loose(
+    edges: Edges, lengths: Floats, middles: Points, cell: UnitCell, dangling: bool
+) -> Bools:
+    """Return which struts of a trimmed map stay, (m,): no crumbs, and if asked none that dangle.
+
+    Parameters
+    ----------
+    edges : of the nodes that are one at seams, (m, 2) intp
+    lengths : in cells, (m,) float64
+    middles : (m, 3) float64, mm
+
+    Raises
+    ------
+    SkeletonError
+        If none stays.
+    """
+    stay = np.ones(len(edges), dtype=np.bool_) if dangling else leading_on(edges)
+    stay[stay] = no_crumbs(edges[stay], lengths[stay], middles[stay], cell, np.ones(3))
+    if not stay.any():
+        raise SkeletonError(
+            f"no strut of unit cell {cell.name!r} is within the borders of the face; "
+            "need one (smaller cells?)"
+        )
+    return stay
 
 
 def _each_once(target: Ints, struts: Struts) -> tuple[Ints, Ints]:
