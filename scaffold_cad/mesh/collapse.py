@@ -33,6 +33,7 @@ def without_short_edges(
     near: Bools | None = None,
     order: Callable[[TriangleMesh, Edges], Edges] | None = None,
     longest: Lengths = np.inf,
+    keep_vertices: bool = False,
 ) -> TriangleMesh:
     """Return a closed mesh with its edges shorter than `shortest` at their middles drawn together.
 
@@ -46,23 +47,8 @@ def without_short_edges(
     order : function that returns those of a mesh's edges that may be drawn together, the end first
         that keeps its place; with it edges stay too that would turn a triangle over
     longest : edges stay whose drawing together would make others longer than this, with `order`
+    keep_vertices : whether vertices keep their numbers, those that no triangle has any more too
     """
-    triangles = triangles_without_short_edges(
-        mesh, shortest, is_open=is_open, near=near, order=order, longest=longest
-    )
-    return compacted(mesh.vertices, triangles)
-
-
-def triangles_without_short_edges(
-    mesh: TriangleMesh,
-    shortest: Lengths,
-    *,
-    is_open: bool = False,
-    near: Bools | None = None,
-    order: Callable[[TriangleMesh, Edges], Edges] | None = None,
-    longest: Lengths = np.inf,
-) -> Triangles:
-    """Return the triangles that are left, of the mesh's own vertices; see `without_short_edges`."""
     triangles = mesh.triangles
     looked_at = np.ones(len(triangles), dtype=np.bool_)
     if near is not None:
@@ -80,7 +66,9 @@ def triangles_without_short_edges(
             edges = edges[_stay_up(part, edges, longest)]
         chosen = _independent(part.triangles, edges)
         if len(chosen) == 0:
-            return triangles
+            if keep_vertices:
+                return TriangleMesh(mesh.vertices, triangles)
+            return compacted(mesh.vertices, triangles)
         target = np.arange(len(mesh.vertices))
         target[chosen[:, 1]] = chosen[:, 0]
         triangles = target[triangles]

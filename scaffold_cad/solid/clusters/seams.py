@@ -19,7 +19,7 @@ from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints, Points,
 from scaffold_cad.base.positions import in_single_precision
 from scaffold_cad.base.topology import sides_of
 from scaffold_cad.base.vectors import dot, length
-from scaffold_cad.mesh.collapse import triangles_without_short_edges
+from scaffold_cad.mesh.collapse import without_short_edges
 from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
 from scaffold_cad.solid.clusters.remainder import Cuts
@@ -204,10 +204,9 @@ def _without_slivers(
     def shortest(places: Points) -> Floats:
         return np.asarray(SLIVER * usual * some.radius[bases.query(places)[1]])
 
-    triangles = triangles_without_short_edges(
-        field, shortest, near=near, order=lambda _, edges: edges
+    return without_short_edges(
+        field, shortest, near=near, order=lambda _, edges: edges, keep_vertices=True
     )
-    return TriangleMesh(field.vertices, triangles)
 
 
 def _crossed(
