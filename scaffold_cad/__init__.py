@@ -66,14 +66,14 @@ from scaffold_cad.partition import Partition as Partition
 from scaffold_cad.partition import partition_sphere as partition_sphere
 from scaffold_cad.partition import partition_spheres as partition_spheres
 from scaffold_cad.printability import Report, assert_printable, check_printability
-from scaffold_cad.products import to_brep
+from scaffold_cad.products import to_brep, to_trimesh
 from scaffold_cad.scaffold import Embedding as Embedding
 from scaffold_cad.scaffold import Scaffold, build_scaffold
 from scaffold_cad.scaffold import rotation_minimizing_frames as rotation_minimizing_frames
 from scaffold_cad.skeleton import BeamLattice, Skeleton, check_skeleton
 from scaffold_cad.skeleton.supporting import self_supporting
 from scaffold_cad.solid import Solidified as Solidified
-from scaffold_cad.solid import frame_scaffold, solidified, to_solid, to_trimesh
+from scaffold_cad.solid import frame_scaffold, solidified, to_solid
 from scaffold_cad.solid import thicken as thicken
 from scaffold_cad.struts import RoundStruts, round_struts
 from scaffold_cad.viewers import show

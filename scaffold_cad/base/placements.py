@@ -19,8 +19,10 @@ PositionLike: TypeAlias = "ArrayLike | Vector | Vertex | Location"
 """Three numbers, or a Vector, Vertex or Location of build123d."""
 BoxLike: TypeAlias = "ArrayLike | BoundBox"
 """The lowest and the highest corner of a box, or a BoundBox of build123d."""
+OriginLike: TypeAlias = "PositionLike | Plane"
+"""A position, or a Plane or Location, which has axes too."""
 DirectionLike: TypeAlias = "PositionLike | Axis | Plane"
-"""A vector of any length > 0, an Axis, or a Plane for its normal."""
+"""A vector of any length > 0, an Axis, or a Plane or Location for its z axis."""
 AxesLike: TypeAlias = "ArrayLike | Plane | Location"
 """Three directions, rows, or a Plane or Location that has them."""
 
@@ -35,9 +37,10 @@ def numbers_of(position: Any) -> Any:
 
 
 def direction_of(direction: Any) -> Any:
-    """Return the direction of an Axis, the normal of a Plane, or the numbers of a Vector."""
-    if _is(direction, "Plane"):
-        return numbers_of(direction.z_dir)
+    """Return that of an Axis, the z axis of a Plane or Location, or the numbers of a Vector."""
+    placement = placement_of(direction)
+    if placement is not None:
+        return placement[:, 2]
     return numbers_of(direction.direction if _is(direction, "Axis") else direction)
 
 
@@ -53,12 +56,39 @@ def placement_of(place: Any) -> NDArray[np.float64] | None:
     return np.array([[move.Value(row, column) for column in (1, 2, 3, 4)] for row in (1, 2, 3)])
 
 
+def placed_by(origin: Any, axes: Any) -> tuple[Any, Any]:
+    """Return a position and axes, or a direction, where each may come from the other.
+
+    Parameters
+    ----------
+    origin : a position; a Plane or Location gives the axes too, where there are none
+    axes : an Axis, Plane or Location gives the position too, where there is none
+    """
+    if origin is None:
+        return origin_of(axes), axes
+    if axes is None and placement_of(origin) is not None:
+        axes = origin
+    return origin_of(origin, origin), axes
+
+
 def origin_of(place: Any, default: Any = (0.0, 0.0, 0.0)) -> Any:
     """Return the position of an Axis, a Plane or a Location, or a default of all else."""
     if _is(place, "Axis"):
         return numbers_of(place.position)
     placement = placement_of(place)
     return default if placement is None else placement[:, 3]
+
+
+def side_of(plane: Any) -> Any:
+    """Return the distance behind a Plane as a function of positions (n, 3); all else as it is.
+
+    It is negative where the z axis points to: on the side that `split` of build123d keeps.
+    """
+    if not _is(plane, "Plane"):
+        return plane
+    placement = placement_of(plane)
+    assert placement is not None
+    return lambda points: (placement[:, 3] - points) @ placement[:, 2]
 
 
 def _is(what: Any, *names: str) -> bool:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from scipy.spatial import cKDTree
 
 from scaffold_cad.base.arguments import as_number, check_kind, checks_keywords, described
 from scaffold_cad.base.arrays import Floats, Points
-from scaffold_cad.base.placements import BoxLike
+from scaffold_cad.base.placements import BoxLike, side_of
 from scaffold_cad.base.regions import BoxRegion, ImplicitRegion, Keep
 from scaffold_cad.errors import OptionError
 from scaffold_cad.filling.fill import FillRegion, as_region
@@ -17,6 +19,9 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.products.surfaces import surface_of
 from scaffold_cad.skeleton import Skeleton
 
+if TYPE_CHECKING:
+    from build123d import Plane
+
 NEWTON_STEPS = 8
 """Steps toward the surface where a function is 0."""
 
@@ -24,7 +29,7 @@ NEWTON_STEPS = 8
 @checks_keywords()
 def cut(
     skeleton: Skeleton,
-    region: FillRegion,
+    region: FillRegion | Plane,
     *,
     keep: Keep = "clip",
     bounds: BoxLike | None = None,
@@ -35,7 +40,8 @@ def cut(
     Parameters
     ----------
     skeleton : of any kind: a lattice, a foam, a drawing
-    region : a box, a build123d solid, a closed triangle mesh or a function, see `fill`
+    region : a box, a build123d solid, a closed triangle mesh or a function, see `fill`; or a Plane,
+        of which the side counts that its z axis points to
     keep : "clip" cuts struts at the surface, "whole" keeps those whole that have their middle in
         the region
     bounds : lowest and highest corner of a box around the region; for a function only, by default
@@ -60,6 +66,7 @@ def cut(
     [28.0, 28.0, 12.0]
     """
     check_kind(skeleton, Skeleton)
+    region = side_of(region)
     if callable(region) and bounds is None and surface_of(region) is None:
         return skeleton.cut(region, keep=keep, shortest=shortest)
     return skeleton.cut(as_region(region, bounds), keep=keep, shortest=shortest)

@@ -12,7 +12,14 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_flag, as_vector, check_choice, checks_keywords, described
 from scaffold_cad.base.arrays import Floats, Points
-from scaffold_cad.base.placements import AxesLike, BoxLike, PositionLike, numbers_of
+from scaffold_cad.base.placements import (
+    AxesLike,
+    BoxLike,
+    OriginLike,
+    PositionLike,
+    numbers_of,
+    placed_by,
+)
 from scaffold_cad.base.radii import Radius, check_radius
 from scaffold_cad.base.regions import BoxRegion, ImplicitRegion, Keep, Region
 from scaffold_cad.errors import OptionError, SkeletonError
@@ -73,7 +80,7 @@ def fill(
     dangling: bool = True,
     crumbs: bool = False,
     bounds: BoxLike | None = None,
-    origin: PositionLike | None = None,
+    origin: OriginLike | None = None,
     axes: AxesLike | None = None,
     on: CellMap | None = None,
     shortest: float | None = None,
@@ -158,7 +165,7 @@ def struts_around(
     cell: UnitCell,
     size: CellSize,
     *,
-    origin: PositionLike | None = None,
+    origin: OriginLike | None = None,
     axes: AxesLike | None = None,
     on: CellMap | None = None,
 ) -> Struts:
@@ -183,12 +190,14 @@ def _endless(
     space: Region,
     cell: UnitCell,
     size: CellSize,
-    origin: PositionLike | None,
+    origin: OriginLike | None,
     axes: AxesLike | None,
 ) -> tuple[Struts, Floats]:
     """Return the struts of a lattice around a region, and the size of a cell (3,), mm."""
     if callable(size):
         raise OptionError("the cell size is a function without a map; need one (on=BoxMap(...))")
+    if origin is not None:
+        origin, axes = placed_by(origin, axes)
     sizes = cell_size(cell, size)
     frame = cell.axes if axes is None else cell.axes @ as_axes(axes)
     counts, corner = cells_around(space.bounds, cell, sizes, origin, frame)

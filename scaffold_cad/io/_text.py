@@ -125,6 +125,8 @@ def floats_of_words(path: Path, words: Sequence[bytes], need: str) -> Floats:
         If one is not a number; it is named, and `need`.
     """
     try:
+        if b"_" in b"".join(words):
+            raise ValueError
         return np.array(words, dtype=np.float64)
     except ValueError:
         bad = next(word for word in words if not is_number(word)).decode(errors="replace")
@@ -145,6 +147,8 @@ def whole_number(path: Path, line: int, word: str, need: str) -> int:
         If it is not; the line is named, and `need`.
     """
     try:
+        if "_" in word:
+            raise ValueError
         return int(word)
     except ValueError:
         raise line_error(path, line, f"{word!r} is not a whole number", need) from None

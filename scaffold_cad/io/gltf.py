@@ -16,7 +16,7 @@ from scaffold_cad.io._text import LARGEST_FILE, check_size
 from scaffold_cad.io.content import Content
 from scaffold_cad.io.register import register_reader, register_writer
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.solid.manifolds import to_trimesh
+from scaffold_cad.products import to_trimesh
 
 _MM = 1000.0
 """mm in a meter, glTF's unit."""

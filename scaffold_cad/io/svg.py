@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,22 @@ from scaffold_cad.io.register import register_reader
 
 LARGEST_SVG = 2**26
 """Most bytes of a drawing: svgelements makes an object of each piece of a path."""
+
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+LENGTH = re.compile(rf"\s*(?:{NUMBER}\s*(?:[a-zA-Z]*|%)|auto|none)?\s*")
+PATH_PIECES = re.compile(rf"{NUMBER}|[MmZzLlHhVvCcSsQqTtAa]|[\s,]+")
+"""What path data are made of."""
+
+SHAPES = {
+    "path": (),
+    "polyline": (),
+    "polygon": (),
+    "line": ("x1", "y1", "x2", "y2"),
+    "rect": ("x", "y", "width", "height", "rx", "ry"),
+    "circle": ("cx", "cy", "r"),
+    "ellipse": ("cx", "cy", "rx", "ry"),
+}
+"""The lengths of shapes; svgelements leaves out what it cannot read, or takes it as 0."""
 
 PIXELS_PER_INCH = 25.4
 """So that a pixel is a millimeter: lengths without a unit are taken as mm."""
@@ -44,6 +61,7 @@ def read_svg(path: Path) -> RawSkeleton:
     data = path.read_bytes()
     # Document types and entities, which svgelements would follow, are refused.
     root = xml_root(path, data)
+    _check_numbers(path, root)
     for side in ("width", "height"):  # its millimeters are short by 5e-7
         _make_plain(root, side)
     data = tostring(root)
@@ -64,6 +82,29 @@ def read_svg(path: Path) -> RawSkeleton:
     if not lines:
         raise FormatError(f"{path} has no outlines; need paths, lines or shapes")
     return joined_polylines(lines)
+
+
+def _check_numbers(path: Path, root: Element) -> None:
+    """Check that the shapes of a drawing are given in numbers.
+
+    Raises
+    ------
+    FormatError
+        If there is another word; it is named, and its shape.
+    """
+    counts: Counter[str] = Counter()
+    for element in root.iter():
+        tag = str(element.tag).rpartition("}")[2]
+        if tag not in SHAPES:
+            continue
+        counts[tag] += 1
+        rest = "" if SHAPES[tag] else element.get("d" if tag == "path" else "points", "")
+        bad = [] if rest.strip() == "none" else PATH_PIECES.sub(" ", rest).split()
+        words = [element.get(name, "") for name in SHAPES[tag]]
+        bad += [word for word in words if not LENGTH.fullmatch(word)]
+        if bad:
+            name = element.get("id", str(counts[tag]))
+            raise FormatError(f"{path}, {tag} {name[:80]}, has {bad[0][:80]!r}; need numbers")
 
 
 def _make_plain(root: Element, name: str) -> None:

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from scaffold_cad.base.arguments import as_number, as_vector, check_choice, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frames, Frozen, Ints, Points
-from scaffold_cad.base.placements import AxesLike, PositionLike, origin_of
+from scaffold_cad.base.placements import AxesLike, OriginLike, placed_by
 from scaffold_cad.base.radii import Radius, radii_at
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.lattice.maps.placing import Counts, three_counts
@@ -80,7 +80,7 @@ class PeriodicLattice(Frozen):
         counts: Counts,
         radius: Radius,
         *,
-        origin: PositionLike | None = None,
+        origin: OriginLike | None = None,
         axes: AxesLike | None = None,
         blend: Radius | None = None,
         ends: str = "flat",
@@ -95,9 +95,9 @@ class PeriodicLattice(Frozen):
         counts : cells along x, y and z, or one number for all three
         radius : mm; one number, or a function of positions (n, 3) that returns radii (n,). For
             work in several processes it must be a function of a module
-        origin : lowest corner of the first cell, mm; by default that of a Plane or Location, or 0
+        origin : lowest corner of the first cell, mm; by default that of `axes`, or 0
         axes : (3, 3), unit directions of the sides, or a Plane or Location of build123d; by default
-            those of the cell
+            those of `origin`, or of the cell
         blend, ends, wall : of round struts, see `round_struts`: for layers and tiles of them
 
         Raises
@@ -112,13 +112,14 @@ class PeriodicLattice(Frozen):
         check_choice(ends, "ends", ENDS)
         chosen = as_cell(cell)
         x, y, z = three_counts(counts).tolist()
+        origin, axes = placed_by(origin, axes)
         radii_at(np.zeros((1, 3)), radius)
         self._keep(
             cell=chosen,
             size=cell_size(chosen, size),
             counts=(x, y, z),
             radius=radius,
-            origin=as_vector(origin_of(axes) if origin is None else origin, "origin"),
+            origin=as_vector(origin, "origin"),
             axes=chosen.axes if axes is None else as_axes(axes),
             blend=blend,
             ends=ends,

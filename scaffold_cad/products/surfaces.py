@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from scaffold_cad import brep
-from scaffold_cad.base.arguments import described
-from scaffold_cad.base.backends import is_instance
+from scaffold_cad.base.arguments import check_kind, checks_keywords, described
+from scaffold_cad.base.backends import is_instance, need
 from scaffold_cad.base.builders import built
 from scaffold_cad.base.kept import kept_last
 from scaffold_cad.brep.beziermesh import BezierMesh
@@ -26,6 +26,9 @@ from scaffold_cad.solid.solid import embedding_as_written
 from scaffold_cad.struts import RoundStruts
 from scaffold_cad.struts.meshes.surface import triangulated
 from scaffold_cad.struts.sharp.nodes import check_made
+
+if TYPE_CHECKING:
+    from trimesh import Trimesh
 
 
 def surface_of(
@@ -85,6 +88,46 @@ def surface_of(
     if triangles is None or vertices is None or callable(triangles) or callable(vertices):
         return None
     return TriangleMesh(vertices, triangles)
+
+
+@checks_keywords()
+def to_trimesh(what: Any, *, sides: int | None = None) -> Trimesh:
+    """Return the surface of `what` as a trimesh object: the triangles that `write` has of it.
+
+    Every vertex is as it is: `process=False`, as welding close ones can break a closed mesh.
+
+    Parameters
+    ----------
+    what : a Scaffold or RoundStruts, whose struts are united where they overlap; a QuadMesh, a
+        TriangleMesh or a Solidified; a manifold3d Manifold; a build123d shape or a builder
+    sides : of the polygons that stand for the circles of round struts, a multiple of 4; 16 by
+        default
+
+    Raises
+    ------
+    OptionError
+        If it has no surface, or `sides` is given for anything but round struts.
+    MissingBackendError
+        If trimesh is not installed.
+
+    Examples
+    --------
+    >>> from scaffold_cad import Skeleton, round_struts, to_trimesh
+    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
+    >>> to_trimesh(round_struts(strut), sides=12).is_watertight
+    True
+    """
+    if sides is not None and not isinstance(what, RoundStruts):
+        raise OptionError("sides is for round struts; need round_struts(skeleton)")
+    surface = surface_of(what, sides=SIDES if sides is None else sides)
+    if surface is None:
+        kinds = RoundStruts, Scaffold, QuadMesh, TriangleMesh
+        check_kind(what, *kinds, "Manifold", "build123d shape")
+    assert surface is not None
+    need("trimesh", "a trimesh object")
+    import trimesh
+
+    return trimesh.Trimesh(surface.vertices, surface.triangles, process=False)
 
 
 @kept_last

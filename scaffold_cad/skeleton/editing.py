@@ -29,6 +29,7 @@ from scaffold_cad.base.placements import (
     numbers_of,
     origin_of,
     placement_of,
+    side_of,
 )
 from scaffold_cad.base.ranges import steps
 from scaffold_cad.base.regions import BoxRegion, ImplicitRegion, Keep, Region
@@ -57,7 +58,7 @@ class HasDistance(Protocol):
         """Return distances (n,) of points (n, 3), negative inside, mm."""
 
 
-CutRegion: TypeAlias = "Region | HasDistance | Callable[[Points], ArrayLike] | BoxLike"
+CutRegion: TypeAlias = "Region | HasDistance | Callable[[Points], ArrayLike] | BoxLike | Plane"
 """A region, a box, a function that is negative inside, or an object with such a one."""
 
 
@@ -189,7 +190,8 @@ class Editing(ABC):
         ----------
         region : a box (its lowest and highest corner, mm); a function of positions (n, 3) that
             returns signed distances (n,), negative inside; an object with such a method
-            `signed_distance`; or a region
+            `signed_distance`; a Plane, of which the side counts that its z axis points to; or a
+            region
         keep : "clip" cuts edges at the surface, where they get a new node; "whole" keeps those
             whole that have their middle in the region
         shortest : pieces of cut edges shorter than this are shrunk to a node on the surface, mm;
@@ -245,7 +247,7 @@ class Editing(ABC):
     def _as_region(self, region: CutRegion) -> Region:
         if isinstance(region, Region):
             return region
-        region = numbers_of(region)
+        region = side_of(numbers_of(region))
         if isinstance(region, list | tuple | np.ndarray):
             return BoxRegion(region)
         function = region.signed_distance if isinstance(region, HasDistance) else region

@@ -1,7 +1,6 @@
 """Watertight solids by manifold3d: unions of what overlaps, and frames."""
 
 from scaffold_cad.solid.cleaning import clean_surface
-from scaffold_cad.solid.manifolds import to_trimesh
 from scaffold_cad.solid.solid import Solidified, solidified, to_solid
 from scaffold_cad.solid.thicken import frame_scaffold, frame_skeleton, thicken
 
@@ -13,5 +12,4 @@ __all__ = [
     "solidified",
     "thicken",
     "to_solid",
-    "to_trimesh",
 ]

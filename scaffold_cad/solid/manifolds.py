@@ -1,4 +1,4 @@
-"""Watertight triangle solids: the only user of manifold3d and trimesh, imported when needed."""
+"""Watertight triangle solids: the only user of manifold3d, imported when it is needed."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scaffold_cad.base.arguments import check_kind, checks_keywords
+from scaffold_cad.base.arguments import check_kind
 from scaffold_cad.base.arrays import Points
-from scaffold_cad.base.backends import is_instance, need
+from scaffold_cad.base.backends import need
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.shells import check_solid
@@ -18,7 +18,6 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
-    from trimesh import Trimesh
 
 BALL_SEGMENTS = 12
 """Sides of the great circles of the ball that an eroded wall is as thick as."""
@@ -100,34 +99,6 @@ def manifold_triangles(manifold: Manifold) -> TriangleMesh:
     same = np.arange(len(mesh.vert_properties))
     same[mesh.merge_from_vert] = mesh.merge_to_vert
     return TriangleMesh(mesh.vert_properties[:, :3], same[mesh.tri_verts.astype(np.intp)])
-
-
-@checks_keywords()
-def to_trimesh(what: QuadMesh | TriangleMesh | Manifold) -> Trimesh:
-    """Return the triangles of `what` as a trimesh object, every vertex as it is.
-
-    Raises
-    ------
-    OptionError
-        If it is of another type.
-    MissingBackendError
-        If trimesh is not installed.
-
-    Examples
-    --------
-    >>> from scaffold_cad import Skeleton, build_scaffold, to_trimesh
-    >>> strut = Skeleton([[0, 0, 0], [9, 0, 0]], [[0, 1]], 1.0)
-    >>> to_trimesh(build_scaffold(strut).mesh).is_watertight
-    True
-    """
-    if is_instance(what, "manifold3d", "Manifold"):
-        what = manifold_triangles(what)
-    check_kind(what, QuadMesh, TriangleMesh, "Manifold")
-    need("trimesh", "a trimesh object")
-    import trimesh
-
-    # `process` would weld close vertices, which can break a closed mesh.
-    return trimesh.Trimesh(what.vertices, what.triangles, process=False)
 
 
 def union(solids: Sequence[Manifold], hulls: Sequence[Points]) -> Manifold:

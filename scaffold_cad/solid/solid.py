@@ -12,15 +12,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from scaffold_cad import brep
 from scaffold_cad.base.arguments import as_number, check_kind, checks_keywords
 from scaffold_cad.base.arrays import Floats, Frozen, Ints, Points
+from scaffold_cad.base.backends import is_instance
+from scaffold_cad.base.builders import built
 from scaffold_cad.base.notebook import Shown
 from scaffold_cad.base.positions import in_single_precision
 from scaffold_cad.base.segments import nearest_on_segments
 from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import length
 from scaffold_cad.base.visibility import SINGLE_ROUNDING, rounding_of
-from scaffold_cad.errors import OptionError
+from scaffold_cad.errors import MeshError, OptionError
 from scaffold_cad.mesh.pieces import pieces_of, without_voids
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -39,6 +42,7 @@ from scaffold_cad.solid.rounds import SIDES, round_mesh
 from scaffold_cad.struts import RoundStruts
 
 if TYPE_CHECKING:
+    from build123d import Builder, Shape
     from manifold3d import Manifold
 
 WOBBLES = np.array([0.0, 1e-3, -3e-3, 0.01, -0.03])
@@ -79,9 +83,11 @@ class Solidified(Frozen, Shown):
 
 @checks_keywords()
 def to_solid(
-    what: Scaffold | RoundStruts | QuadMesh | TriangleMesh, *, sides: int | None = None
+    what: Scaffold | RoundStruts | QuadMesh | TriangleMesh | Shape | Builder,
+    *,
+    sides: int | None = None,
 ) -> Manifold:
-    """Return `what` as a watertight manifold3d solid.
+    """Return `what` as a watertight manifold3d solid, for booleans with others.
 
     Struts that are proved to stay apart keep their mesh, and struts that overlap are united:
     `solidified` tells which. A bare mesh is taken as it is: where two parts of it cross, they still
@@ -89,12 +95,13 @@ def to_solid(
 
     Parameters
     ----------
+    what : or a solid of build123d, or a builder's, whose faces get triangles as `write` has them
     sides : of round struts, see `solidified`
 
     Raises
     ------
     MeshError
-        If a bare mesh is not closed or not outward.
+        If a bare mesh is not closed or not outward, or a shape is none of solids.
     OptionError
         If `what` is of another kind, or `sides` is given for anything but round struts.
     MissingBackendError
@@ -107,12 +114,23 @@ def to_solid(
     >>> round(to_solid(build_scaffold(strut)).volume(), 6)
     36.0
     """
-    check_kind(what, Scaffold, RoundStruts, QuadMesh, TriangleMesh)
+    what = built(what)
+    if is_instance(what, "build123d", "Shape"):
+        what = brep.tessellated(_solid_shape(what))
+    check_kind(what, Scaffold, RoundStruts, QuadMesh, TriangleMesh, "build123d solid")
     if isinstance(what, Scaffold | RoundStruts):
         return solidified(what, sides=sides).manifold
     if sides is not None:
         raise OptionError("sides is for round struts; need round_struts(skeleton)")
     return manifolds.to_manifold(what)
+
+
+def _solid_shape(shape: Shape) -> Shape:
+    if not shape.solids():
+        raise MeshError(
+            f"the {type(shape).__name__} holds no solid; need one (thicken makes one of a face)"
+        )
+    return shape
 
 
 @checks_keywords()

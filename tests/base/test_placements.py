@@ -7,13 +7,14 @@ from math import pi
 
 import numpy as np
 import pytest
-from build123d import Axis, Box, Face, Location, Plane, Pos, Rot, Vector, Vertex
+from build123d import Axis, Box, Face, Location, Plane, Pos, Rot, Vector, Vertex, split
 
 from scaffold_cad import (
     BoxMap,
     CylinderMap,
     PeriodicLattice,
     Skeleton,
+    SphereMap,
     cut,
     fill,
     self_supporting,
@@ -79,6 +80,34 @@ def test_planes_and_locations_are_axes_and_origins(place: Plane | Location) -> N
     np.testing.assert_allclose(lattice.axes, rows, atol=1e-12)
     turned, same = (fill([[0] * 3, [9] * 3], "bcc", 3, 0.2, axes=axes) for axes in (place, rows))
     np.testing.assert_allclose(turned.nodes, same.nodes, atol=1e-9)
+
+
+@pytest.mark.parametrize("place", [LEANING, LEANING.location])
+def test_a_place_given_as_the_origin_gives_the_axes_too(place: Plane | Location) -> None:
+    tube, same_tube = CylinderMap(9, 6, 3, origin=place), CylinderMap(9, 6, 3, axis=place)
+    ball = SphereMap(9, 3, origin=place, latitudes=[0, 1])
+    box, lattice = BoxMap([4, 5, 6], place), PeriodicLattice("bcc", 2.0, 2, 0.2, origin=place)
+    filled = fill([[0] * 3, [9] * 3], "bcc", 3, 0.2, origin=place)
+    same = fill([[0] * 3, [9] * 3], "bcc", 3, 0.2, origin=(3, -2, 5), axes=place)
+    np.testing.assert_allclose(filled.nodes, same.nodes, atol=1e-9)
+    rows = [tuple(axis) for axis in (LEANING.x_dir, LEANING.y_dir, LEANING.z_dir)]
+    for made in (tube, same_tube, ball, box, lattice):
+        np.testing.assert_allclose(made.origin, [3, -2, 5], atol=1e-12)
+        np.testing.assert_allclose(made.axes, rows, atol=1e-12)
+    assert BoxMap([4, 5, 6], place, np.eye(3)).axes.tolist() == np.eye(3).tolist()
+
+
+def test_a_location_is_the_direction_of_its_z_axis() -> None:
+    turned = STRUT.mirrored(Location((5, 5, 5), (0, 90, 0)))
+    np.testing.assert_allclose(turned.nodes, STRUT.mirrored(Plane.YZ.offset(5)).nodes, atol=1e-12)
+
+
+def test_a_plane_cuts_off_what_is_behind_it_as_split_does() -> None:
+    bar = Box(2, 2, 20)
+    kept = split(bar, bisect_by=Plane.XY.offset(4)).bounding_box()
+    rod = Skeleton([[0, 0, -10], [0, 0, 10]], [[0, 1]], 1.0)
+    for cut_off in (rod.cut(Plane.XY.offset(4)), cut(rod, Plane.XY.offset(4))):
+        assert sorted(cut_off.nodes[:, 2]) == pytest.approx([kept.min.Z, kept.max.Z])
 
 
 def test_an_axis_places_a_map() -> None:

@@ -121,11 +121,25 @@ def test_records_that_occt_never_ends_reading_are_refused_at_once(
         ("<svg/>", r"x\.svg has no outlines; need paths, lines or shapes"),
         ('<!DOCTYPE svg [<!ENTITY a "b">]><svg>&a;</svg>', "declares a document type or entities"),
         ("<svg", "need well-formed XML"),
+        ('<svg><path d="M0 0L9 9"/><path d="M 0 0 L 9 1O"/></svg>', "path 2, has 'O'; need num"),
+        ('<svg><path id="rim" d="M 0 0 L 1e 9"/></svg>', r"x\.svg, path rim, has 'e'; need"),
+        ('<svg><polyline points="0,0 1_0,9"/></svg>', "polyline 1, has '_'; need numbers"),
+        ('<svg><line x1="0" y1="abc" x2="3" y2="4"/></svg>', "line 1, has 'abc'; need numbers"),
     ],
 )
 def test_errors_of_drawings(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(FormatError, match=message):
         read_raw(written(tmp_path, "x.svg", text))
+
+
+def test_numbers_of_drawings_may_run_together_and_have_units(tmp_path: Path) -> None:
+    text = (
+        '<svg><path d="M0-3.5.5.25l1e1-.5zM1,1"/><path d="none"/><path d=""/>'
+        '<rect x="1cm" width=" 2mm " height="3" rx="auto"/><line x2="5%"/></svg>'
+    )
+    raw = read_raw(written(tmp_path, "x.svg", text))
+    np.testing.assert_allclose(raw.nodes[:3], [[0, 3.5, 0], [0.5, -0.25, 0], [10.5, 0.25, 0]])
+    assert raw.nodes[-2:, 0].tolist() == [0, 50]  # of the 1000 mm that a drawing has without a size
 
 
 def test_rhino_curves_are_in_the_unit_of_the_file(tmp_path: Path) -> None:

@@ -28,9 +28,10 @@ from scaffold_cad.io import written_suffixes as known_suffixes
 from scaffold_cad.io.write import check_writable, write
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.products import to_trimesh
 from scaffold_cad.products.assembly import Assembly
 from scaffold_cad.scaffold import build_scaffold
-from scaffold_cad.solid.manifolds import to_manifold, to_trimesh
+from scaffold_cad.solid.manifolds import to_manifold
 from tests.meshes import (
     CUBE,
     INSIDE_OUT_CUBE,

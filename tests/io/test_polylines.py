@@ -54,6 +54,7 @@ def test_writing_and_reading_gives_the_same_edges(
         ("-1", "line 2: N is -1 with 0 numbers; need a polyline"),
         ("99999999999999999999 0 0 0", "line 2: N is 9+ with 3 numbers; need a polyline"),
         ("2 0 0 0 1 1 a", "line 2: 'a' is not a number; need a polyline"),
+        ("1_0 0 0 0 1 1 1", "line 2: '1_0' is not a whole number; need a polyline"),
         ("two 0 0 0 1 1 1", "line 2: 'two' is not a whole number; need a polyline"),
     ],
 )

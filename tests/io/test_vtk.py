@@ -71,6 +71,8 @@ def test_other_data_is_skipped(tmp_path: Path) -> None:
         (VTU, "3 5 3", "3 5", "has 2 types of 3 cells; need as many"),
         (VTU, 'NumberOfPoints="3"', 'NumberOfPoints="4"', "has 3 points; need 4"),
         (VTU, "9 9 0<", "9 9<", "has 8 coordinates; need 3 per point"),
+        (VTU, "9 9 0<", "9 9 x<", "has 'x' as a number; need numbers in the array 'of points'"),
+        (VTU, "9 9 0<", "9 9 1_0<", "has '1_0' as a number; need numbers in the array"),
         (VTU, "Float32", "Float16", "has numbers of type 'Float16'"),
         (VTU, "0 1 0 1 2 1 2", "0 1 0 1 2 1.5 2", r"has the index 1\.5; need a whole number"),
         (VTU, "UnstructuredGrid", "ImageData", "holds ImageData; need PolyData"),

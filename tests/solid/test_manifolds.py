@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 
+import build123d
 import manifold3d
 import numpy as np
 import pytest
@@ -16,7 +17,12 @@ from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import MeshError, MissingBackendError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.solid.manifolds import eroded, manifold_triangles, to_manifold, to_trimesh
+from scaffold_cad.products import to_trimesh
+from scaffold_cad.scaffold import build_scaffold
+from scaffold_cad.skeleton import Skeleton
+from scaffold_cad.solid import to_solid
+from scaffold_cad.solid.manifolds import eroded, manifold_triangles, to_manifold
+from scaffold_cad.struts import round_struts
 from tests.meshes import CUBE, INSIDE_OUT_CUBE, OPEN_CUBE, TORUS, TWO_CUBES, torus
 
 
@@ -104,6 +110,27 @@ def test_trimesh_objects_are_watertight(convert) -> None:
     assert mesh.is_watertight
     assert mesh.is_winding_consistent
     assert mesh.volume == pytest.approx(8.0)
+
+
+def test_shapes_and_builders_of_build123d_are_solids() -> None:
+    with build123d.BuildPart() as plate:
+        build123d.Box(20, 10, 2)
+        build123d.Hole(3)
+    whole = 400 - 18 * np.pi
+    for what in (plate, plate.part):
+        assert to_solid(what).volume() == pytest.approx(whole, rel=1e-3)
+        assert to_trimesh(what).volume == pytest.approx(whole, rel=1e-3)
+    with pytest.raises(MeshError, match="the Face holds no solid; need one"):
+        to_solid(build123d.Face.make_rect(2, 2))
+
+
+def test_struts_are_trimesh_objects_of_as_many_sides_as_asked() -> None:
+    strut = Skeleton([[0, 0, 0], [0, 0, 9]], [[0, 1]], 1.0)
+    for sides in (8, 20):
+        mesh = to_trimesh(round_struts(strut), sides=sides)
+        assert len(mesh.vertices) == 2 * sides + 2
+        assert mesh.volume == pytest.approx(9 * np.pi, rel=1e-6)
+    assert to_trimesh(build_scaffold(strut)).volume == pytest.approx(36)
 
 
 def test_trimesh_objects_keep_vertices_that_are_close() -> None:

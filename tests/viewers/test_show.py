@@ -18,10 +18,11 @@ from scaffold_cad.errors import BrepError, MissingBackendError, OptionError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.subdivision import catmull_clark
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.products import to_trimesh
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import Solidified
-from scaffold_cad.solid.manifolds import to_manifold, to_trimesh
+from scaffold_cad.solid.manifolds import to_manifold
 from scaffold_cad.struts import round_struts
 from scaffold_cad.viewers import show, to_cadquery, to_shape
 from tests.meshes import CUBE

@@ -14,7 +14,7 @@ from scaffold_cad.base.arrays import Bools, Floats, Ints
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._binary import as_doubles
 from scaffold_cad.io._raw import RawSkeleton
-from scaffold_cad.io._text import LARGEST_FILE, as_count, as_indices, check_size
+from scaffold_cad.io._text import LARGEST_FILE, as_count, as_indices, check_size, floats_of_words
 from scaffold_cad.io._xml import xml_root
 from scaffold_cad.io.register import register_reader
 from scaffold_cad.io.vtk.lines import (
@@ -187,10 +187,12 @@ class XmlFile:
         if kind not in _TYPES:
             raise FormatError(f"{self._path} has numbers of type {kind[:80]!r}; need {[*_TYPES]}")
         dtype = np.dtype(self._order + _TYPES[kind])
+        name = array.get("Name", "of points")[:80]
         form = array.get("format", "ascii")
+        if form == "ascii":
+            words = (array.text or "").encode().split()
+            return floats_of_words(self._path, words, f"numbers in the array {name!r}")
         try:
-            if form == "ascii":
-                return np.array((array.text or "").split(), dtype=np.float64)
             if form == "binary":
                 data = self._decoded((array.text or "").strip().encode("ascii"), raw=False)
             else:
@@ -200,8 +202,7 @@ class XmlFile:
                 data = self._decoded(self._appended[offset:], self._raw)
             return np.frombuffer(data, dtype=dtype)
         except (ValueError, zlib.error) as error:  # base64 errors are ValueErrors
-            name = array.get("Name", "of points")
-            raise FormatError(f"{self._path}, array {name[:80]!r}: {error}; need numbers") from None
+            raise FormatError(f"{self._path}, array {name!r}: {error}; need numbers") from None
 
     def _decoded(self, text: bytes, raw: bool) -> bytes:
         """Return the bytes of an array that begins `text`."""

@@ -19,8 +19,9 @@ from scaffold_cad.base.arrays import Floats, Frames, Frozen, Ints, Points, UnitV
 from scaffold_cad.base.placements import (
     AxesLike,
     DirectionLike,
+    OriginLike,
     PositionLike,
-    origin_of,
+    placed_by,
     placement_of,
 )
 from scaffold_cad.base.vectors import normalize
@@ -55,7 +56,7 @@ class BoxMap(Frozen, CellMap):
     def __init__(
         self,
         size: PositionLike,
-        origin: PositionLike | None = None,
+        origin: OriginLike | None = None,
         axes: AxesLike | None = None,
     ) -> None:
         """Place a box.
@@ -63,18 +64,19 @@ class BoxMap(Frozen, CellMap):
         Parameters
         ----------
         size : lengths of its three sides, mm
-        origin : its corner, mm; by default that of a Plane or Location, or 0
+        origin : its corner, mm; by default that of `axes`, or 0
         axes : directions of its sides as rows (3, 3), at right angles or not, or those of a Plane
-            or Location of build123d; by default x, y, z
+            or Location of build123d; by default those of `origin`, or x, y, z
 
         Raises
         ------
         OptionError
             If a size is not > 0, or the axes lie in a plane.
         """
+        origin, axes = placed_by(origin, axes)
         self._keep(
             size=as_three(size, "size of the box in mm"),
-            origin=as_vector(origin_of(axes) if origin is None else origin, "origin"),
+            origin=as_vector(origin, "origin"),
             axes=as_axes(axes),
         )
 
@@ -118,16 +120,17 @@ class CylinderMap(Frozen, CellMap):
         height: float,
         thickness: float,
         *,
-        origin: PositionLike | None = None,
-        axis: DirectionLike = (0.0, 0.0, 1.0),
+        origin: OriginLike | None = None,
+        axis: DirectionLike | None = None,
         angle: float = 2 * np.pi,
     ) -> None:
         turn = _as_turn(angle)
+        origin, axis = placed_by(origin, axis)
         self._keep(
             radius=as_number(radius, "radius of the cylinder"),
             height=as_number(height, "height of the cylinder"),
             thickness=as_number(thickness, "thickness of the wall"),
-            origin=as_vector(origin_of(axis) if origin is None else origin, "origin"),
+            origin=as_vector(origin, "origin"),
             axes=frame_along(axis),
             angle=turn,
             wraps=(turn > 2 * np.pi - FULL_TURN, False, False),
@@ -178,8 +181,8 @@ class SphereMap(Frozen, CellMap):
         thickness: float,
         *,
         latitudes: ArrayLike | None = None,
-        origin: PositionLike | None = None,
-        axis: DirectionLike = (0.0, 0.0, 1.0),
+        origin: OriginLike | None = None,
+        axis: DirectionLike | None = None,
         angle: float = 2 * np.pi,
     ) -> None:
         whole = latitudes is None
@@ -187,10 +190,11 @@ class SphereMap(Frozen, CellMap):
         closes = turn > 2 * np.pi - FULL_TURN
         if whole and not closes:
             raise OptionError(f"angle is {turn:g} rad without latitudes; need them for a band")
+        origin, axis = placed_by(origin, axis)
         self._keep(
             radius=as_number(radius, "radius of the sphere"),
             thickness=as_number(thickness, "thickness of the wall"),
-            origin=as_vector(origin_of(axis) if origin is None else origin, "origin"),
+            origin=as_vector(origin, "origin"),
             axes=frame_along(axis),
             latitudes=None if latitudes is None else _as_latitudes(latitudes),
             angle=turn,
@@ -297,15 +301,18 @@ def as_axes(axes: AxesLike | None) -> Floats:
     return units
 
 
-def frame_along(axis: DirectionLike) -> Floats:
-    """Return orthonormal rows (3, 3), the last along `axis`.
+def frame_along(axis: DirectionLike | None) -> Floats:
+    """Return orthonormal rows (3, 3), the last along `axis`: all of a Plane, z by default.
 
     Raises
     ------
     OptionError
         If it is not a direction.
     """
-    z = as_direction(axis, "axis")
+    placement = placement_of(axis)
+    if placement is not None:
+        return placement[:, :3].T
+    z = as_direction((0.0, 0.0, 1.0) if axis is None else axis, "axis")
     aside = np.array([1.0, 0.0, 0.0]) if abs(z[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
     x = aside - z * (aside @ z)
     x /= np.linalg.norm(x)
