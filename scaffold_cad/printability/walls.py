@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaffold_cad.base.arrays import Floats, Points, place_text
+from scaffold_cad.base.arrays import Floats, Points, Triangles, place_text
 from scaffold_cad.base.boxes import overlapping_boxes
+from scaffold_cad.base.topology import component_labels
 from scaffold_cad.base.vectors import dot, length
 from scaffold_cad.printability.processes import Process
 from scaffold_cad.printability.report import MOST_PLACES, Finding
@@ -19,6 +20,11 @@ OPPOSITE = -0.95
 
 SAMPLES = np.vstack([np.full((1, 3), 1 / 3), 1 / 6 + np.eye(3) / 2])
 """Where triangles are measured: at the middle, and halfway from there to each corner, (4, 3)."""
+
+
+SPECK = 0.01
+"""Least area of both sides of a wall, over the square of the limit: smaller folds, as unions of
+surfaces have where 32-bit coordinates round them, are too small to be seen."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +69,7 @@ def thin_walls(surface: TriangleTopology, limit: float) -> Walls:
 
     It is measured straight inwards from some places of each triangle to the triangles behind that
     face the other way and share no corner with it: the solid beside an edge is no wall. There is
-    one row, of the thinnest place, for each triangle with such a one.
+    one row, of the thinnest place, for each triangle with such a one, specks left out.
     """
     sides = surface.corners[:, 1:] - surface.corners[:, :1]
     normals = np.cross(sides[:, 0], sides[:, 1])  # (t, 3)
@@ -89,8 +95,18 @@ def thin_walls(surface: TriangleTopology, limit: float) -> Walls:
     sample = least.argmin(axis=0)
     thickness = least[sample, rows]
     thin = np.flatnonzero(thickness < limit)
+    thin = thin[_regions(names[thin], doubled[proper][thin] / 2) >= SPECK * limit**2]
     thin = thin[np.argsort(thickness[thin], kind="stable")]
     return Walls(thickness[thin], places[sample[thin], thin])
+
+
+def _regions(triangles: Triangles, areas: Floats) -> Floats:
+    """Return the area of all triangles that each of some (k, 3) hangs together with, (k,)."""
+    vertices, corner = np.unique(triangles, return_inverse=True)
+    corner = corner.reshape(-1, 3)
+    pairs = np.concatenate([corner[:, :2], corner[:, 1:]])
+    label = component_labels(pairs, len(vertices))[corner[:, 0]]  # (k,)
+    return np.asarray(np.bincount(label, areas), dtype=np.float64)[label]
 
 
 def _depths(start: Points, outwards: Floats, corners: Floats, normals: Floats) -> Floats:

@@ -844,6 +844,17 @@ def test_walls_of_an_open_surface_are_not_measured() -> None:
     assert check_printability(OPEN_CUBE)["wall_thickness"].verdict == "note"
 
 
+@pytest.mark.parametrize(("side", "is_wall"), [(2e-3, False), (0.03, False), (0.3, True)])
+def test_folds_that_are_too_small_to_be_seen_are_no_walls(side: float, is_wall: bool) -> None:
+    # A fin of a thousandth of a millimeter stands on a block.
+    whole = to_solid(box(10, 10, 10)) + to_solid(box(side, 1e-3, side + 1, 9))
+    found = check_printability(whole, "fdm")["wall_thickness"]
+    assert (found.verdict == "failure") == is_wall
+    if is_wall:
+        assert found.value is not None
+        assert found.value["least_mm"] == pytest.approx(1e-3, rel=0.01)
+
+
 # -- files ------------------------------------------------------------------------------------
 
 
