@@ -26,6 +26,9 @@ CHECKED_MODES: dict[Mode, Operation] = {
 }
 """Modes that are booleans of OCCT."""
 
+VERTICAL = 1e-6
+"""Sine of the angle to z below which a strut is vertical."""
+
 
 class CommonOptions(TypedDict, total=False):
     """What every part object takes, as build123d's objects do, but for `align`."""
@@ -195,7 +198,8 @@ def _checked(operation: Operation, operands: Sequence[Any], result: Any) -> Any:
 def add_joints(body: Shape, model: Model) -> None:
     """Give `body` a rigid joint at each extremity: z outwards.
 
-    x points to the middle of a side of a square section, and to where a round one begins.
+    x points to the middle of a side of a square section; of a round one it is level, with y
+    upwards, and that of the skeleton where the strut is vertical.
     """
     for node, outward, x in _ends(model):
         place = model.skeleton.nodes[node]
@@ -208,7 +212,10 @@ def _ends(model: Model) -> Iterator[tuple[int, Floats, Floats]]:
     if isinstance(model, RoundStruts):
         runs = model.runs
         for half_run in np.flatnonzero(runs.valency[runs.tails] == 1).tolist():
-            yield int(runs.tails[half_run]), -runs.directions[half_run], model.x[half_run]
+            outward = -runs.directions[half_run]
+            level = np.array([-outward[1], outward[0], 0.0])
+            x = level if np.hypot(*level[:2]) > VERTICAL else np.array([1.0, 0.0, 0.0])
+            yield int(runs.tails[half_run]), outward, x
         return
     skeleton = model.refined  # its extremities are those of the skeleton
     ends = zip(skeleton.extremities.tolist(), skeleton.leaving_extremities.tolist(), strict=True)

@@ -69,7 +69,8 @@ class ScaffoldSolid(SkeletonPart):
 class RoundStrutsSolid(SkeletonPart):
     """Round struts around a skeleton: cylinders and cones on its edges, blends at its nodes.
 
-    It has the joints of a `ScaffoldSolid`, each in the center of a strut's last circle.
+    It has the joints of a `ScaffoldSolid`, each in the center of a strut's last circle: z leaves
+    the strut, x is level, and y points upwards; x is that of the skeleton at vertical struts.
 
     Examples
     --------

@@ -207,6 +207,20 @@ def test_x_of_a_joint_points_to_the_middle_of_a_side_of_the_cap() -> None:
         assert max(middle.dot(at.x_dir) for middle in middles) == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize("tips", [[], [[0, 0, 40]], [[0, 0, 40], [9, 5, -40]]])
+def test_joints_of_round_struts_are_level_whatever_meets_at_their_node(tips: list) -> None:
+    arms = [[40, 40, 0], [-40, 40, 0], [-40, -40, 9], [40, -40, -20]]
+    edges = [[0, k + 1] for k in range(4 + len(tips))]
+    part = RoundStrutsSolid(Skeleton([[0, 0, 0], *arms, *tips], edges, 4.0))
+    for k in range(1, 5):
+        at = bd.Plane(part.joints[f"extremity {k}"].location)
+        assert abs(at.x_dir.Z) < 1e-12
+        assert at.y_dir.Z > 0.9
+    if tips:
+        upright = bd.Plane(part.joints["extremity 5"].location)
+        assert tuple(upright.x_dir) == pytest.approx((1, 0, 0))
+
+
 def test_joint_connects_another_part_to_the_end_of_a_strut() -> None:
     bar = bd.Pos(5, 5, 5) * ScaffoldSolid(BAR)
     plate = bd.Box(10, 10, 2)
