@@ -7,7 +7,7 @@ import numpy as np
 from scaffold_cad.base.arrays import Bools, Ints, Points, Triangles
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.struts.curves.cuts import CutCurves, cut_curves
-from scaffold_cad.struts.curves.rings import curve_rings
+from scaffold_cad.struts.curves.rings import curve_rings, intervals_of
 from scaffold_cad.struts.meshes.bands import enlargement, ring_triangles
 from scaffold_cad.struts.meshes.fineness import Fineness
 from scaffold_cad.struts.meshes.rings import Grid
@@ -163,7 +163,8 @@ def curve_bodies(struts: RoundStruts, sides: int, chosen: Bools) -> TriangleMesh
     circles[count:] = _rings_at(cut, struts.runs.nodes[cut.nodes], sides)
     own = circles[ends]  # (2 c', sides, 3)
     at_ends = own.reshape(-1, 2, sides, 3)
-    made = curve_rings(curves, curves.turns, rings, at_ends, len(ends) * sides)
+    levels = intervals_of(curves, sides)
+    made = curve_rings(curves, levels, rings, at_ends, len(ends) * sides)
     points = np.concatenate([own.reshape(-1, 3), made.points, own.mean(axis=1)])
     middle = len(ends) * sides + len(made.points) + np.arange(len(ends))[:, None]
     middle = np.broadcast_to(middle, (len(ends), sides))

@@ -20,7 +20,7 @@ from scaffold_cad.mechanics.hexahedra.runs import RunEdges, RunTurns, check_has_
 from scaffold_cad.mechanics.hexahedra.sections import FrameParts
 from scaffold_cad.mechanics.hexahedra.surface import RimSurface
 from scaffold_cad.struts import RoundStruts
-from scaffold_cad.struts.curves.rings import intervals
+from scaffold_cad.struts.curves.rings import intervals, intervals_of
 from scaffold_cad.struts.meshes.ends import end_spheres
 from scaffold_cad.struts.meshes.rings import first_rings, turned_rings
 from scaffold_cad.struts.meshes.surface import ring_centers
@@ -256,7 +256,7 @@ def _curve_span(
     hubs : (2 k,) of these
     """
     curves = straight.curves
-    found = intervals(curves, curves.turns, frames.sides)
+    found = intervals(curves, intervals_of(curves, frames.sides))
     order, circles = found.order, found.frames[found.order.is_own]
     radius = np.sqrt(dot(circles[:, 1], circles[:, 1]))
     hub = np.empty(len(found.piece), dtype=np.intp)

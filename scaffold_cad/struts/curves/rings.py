@@ -1,5 +1,7 @@
 """Curves as triangles: rings that follow each other along them, closer where they turn more.
 
+Their chords are no farther from the curve than the patches of nodes are from theirs.
+
 A ring stands in a plane. What lies between two rings is seen from its middle, and is on one side
 of the planes of both: so neighbors touch in their ring only.
 """
@@ -19,6 +21,7 @@ from scaffold_cad.base.vectors import dot, length, normalize, triple
 from scaffold_cad.brep.bernstein import bernstein
 from scaffold_cad.struts.curves.curve import ALONG, Curves
 from scaffold_cad.struts.meshes.bands import enlargement, polygon_slack
+from scaffold_cad.struts.meshes.fineness import AHEAD
 from scaffold_cad.struts.meshes.volumes import triangle_volumes
 
 T = TypeVar("T", bound=np.generic)
@@ -44,18 +47,18 @@ class CurveRings(Frozen):
     """Piece of the curves that each interval is in, shape (l,)."""
 
 
-def curve_rings(curves: Curves, turns: Floats, rings: Ints, ends: Points, count: int) -> CurveRings:
+def curve_rings(curves: Curves, levels: Ints, rings: Ints, ends: Points, count: int) -> CurveRings:
     """Return the rings of curves; they are so much larger that volumes are those of the curves.
 
     Parameters
     ----------
-    turns : (p,) how far pieces turn, for the number of their intervals, rad
+    levels : (p,) see `intervals_of`
     rings : (2 k, sides) vertices of the rings of straight struts
     ends : (c', 2, sides, 3) points of those on which the curves that are not closed begin and end
     count : vertices so far
     """
     sides = rings.shape[1]
-    found = intervals(curves, turns, sides)
+    found = intervals(curves, levels)
     order, is_own = found.order, found.order.is_own
     high = count + sides * (np.cumsum(is_own) - 1)[:, None] + np.arange(sides)
     start, end = curves.half_runs[~curves.closed].T
@@ -64,7 +67,7 @@ def curve_rings(curves: Curves, turns: Floats, rings: Ints, ends: Points, count:
     backward = -np.arange(sides) % sides
     low = order.before(high, rings[start][:, backward])
     frames, piece = found.frames, found.piece
-    turned = (turns / found.levels)[piece] ** 2
+    turned = (curves.turns / levels)[piece] ** 2
     growth = enlargement(np.zeros(1), sides)[0] + (turned + order.after(turned)) / 24
     wanted = _sums(piece_volumes(curves), curves.curve_of_piece, len(curves.closed))
     ends = np.stack([ends[:, 0, backward], ends[:, 1]], axis=1)
@@ -76,8 +79,6 @@ def curve_rings(curves: Curves, turns: Floats, rings: Ints, ends: Points, count:
 class Intervals(Frozen):
     """What lies between neighboring rings of curves."""
 
-    levels: Ints
-    """Intervals of each piece, shape (p,)."""
     piece: Ints
     """Piece that each interval is in, shape (l,)."""
     order: Order
@@ -86,22 +87,29 @@ class Intervals(Frozen):
     """Center and half-diameters of the circle after each interval, shape (l, 3, 3), mm."""
 
 
-def intervals(curves: Curves, turns: Floats, sides: int) -> Intervals:
-    """Return the intervals of curves, which turn by 2π / sides at most.
+def intervals_of(curves: Curves, sides: int) -> Ints:
+    """Return how many intervals each piece has, (p,), between rings of `sides` points.
 
-    Parameters
-    ----------
-    turns : (p,) how far pieces turn, rad
-    sides : points of a ring
+    They turn by 2π / sides at most, and chords along them are from the curve at most `AHEAD` times
+    as far as the sides of these polygons are from their circles.
     """
-    step = 2 * np.pi / sides
-    levels = np.maximum(np.ceil(turns / step - 1e-9), 1).astype(np.intp)  # (p,)
+    step, first = 2 * np.pi / sides, curves.pieces
+    span = length(curves.centers[first + 1] - curves.centers[first])
+    radius = np.minimum(curves.outline[first], curves.outline[first + 1])
+    rise = span * curves.turns / 8  # of an arc over its chord, mm
+    least = np.sqrt(rise / (AHEAD * (1 - np.cos(step / 2)) * radius))
+    levels: Ints = np.ceil(np.maximum(curves.turns / step, least) - 1e-9).astype(np.intp)
+    return np.maximum(levels, 1)
+
+
+def intervals(curves: Curves, levels: Ints) -> Intervals:
+    """Return the intervals of curves, for the number of those of each piece, (p,)."""
     piece = np.repeat(np.arange(len(levels)), levels)
     place = steps(levels) + 1
     frames = np.einsum(
         "lj,ljkx->lkx", bernstein(ALONG, place / levels[piece]), curves.frames[piece]
     )
-    return Intervals(levels, piece, Order(curves.curve_of_piece[piece], curves.closed), frames)
+    return Intervals(piece, Order(curves.curve_of_piece[piece], curves.closed), frames)
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints, Points, Triangles, read_only
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.struts.curves.rings import CurveRings, curve_rings
+from scaffold_cad.struts.curves.rings import CurveRings, curve_rings, intervals_of
 from scaffold_cad.struts.hollow.sockets import socket_triangles
 from scaffold_cad.struts.meshes.bands import (
     band_triangles,
@@ -257,18 +257,18 @@ def _add_curves(parts: _Parts, struts: RoundStruts, own: Points) -> CurveRings:
     at_ends = curves.half_runs[~curves.closed].reshape(-1)
     parts.rings[at_ends] = parts.placed(own[at_ends])
     rings = own[at_ends].reshape(-1, 2, sides, 3)
-    passed = curve_rings(curves, _turns(struts), parts.rings, rings, parts.count)
+    passed = curve_rings(curves, _intervals(struts, sides), parts.rings, rings, parts.count)
     parts.placed(passed.points)
     triangles = ring_triangles(np.concatenate(parts.points), passed.low, passed.high)
     parts.add(triangles, -1 - curves.run[curves.pieces][passed.piece])
     return passed
 
 
-def _turns(struts: RoundStruts) -> Floats:
-    """Return the turns of pieces of curves that their intervals go by, those of the first model."""
+def _intervals(struts: RoundStruts, sides: int) -> Ints:
+    """Return how many intervals the pieces of curves have: those of the first model."""
     while struts.like is not None:
         struts = struts.like
-    return struts.curves.turns
+    return intervals_of(struts.curves, sides)
 
 
 def _blocks(struts: RoundStruts, fineness: Fineness) -> tuple[Ints, int]:

@@ -24,6 +24,17 @@ def test_a_circle_has_the_volume_of_its_torus(sides: int, error: float) -> None:
     assert mesh.signed_volume == pytest.approx(2 * np.pi**2 * 10, rel=error)
 
 
+@pytest.mark.parametrize("radius", [5.0, 24.0, 200.0])  # of the circle, for a wire of 1 mm
+@pytest.mark.parametrize("sides", [8, 16, 48])
+def test_wide_circles_have_chords_as_near_as_the_polygons_of_struts(
+    radius: float, sides: int
+) -> None:
+    mesh = round_mesh(round_struts(circle(18, radius), joints="curve"), sides)
+    middles = mesh.vertices[mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]]].mean(axis=2).reshape(-1, 3)
+    from_axis = np.hypot(np.hypot(middles[:, 0], middles[:, 1]) - radius, middles[:, 2])
+    assert np.abs(from_axis - 1).max() < 4 * (1 - np.cos(np.pi / sides)) + 2e-5 * radius
+
+
 @pytest.mark.parametrize("sides", [8, 16, 32])
 def test_a_helix_has_the_volume_of_its_wire(sides: int) -> None:
     way = 2 * np.hypot(2 * np.pi * 10, 6)
