@@ -163,7 +163,7 @@ def curve_bodies(struts: RoundStruts, sides: int, chosen: Bools) -> TriangleMesh
     circles[count:] = _rings_at(cut, struts.runs.nodes[cut.nodes], sides)
     own = circles[ends]  # (2 c', sides, 3)
     at_ends = own.reshape(-1, 2, sides, 3)
-    levels = intervals_of(curves, sides)
+    levels = intervals_of(curves, sides, struts.options.wall)
     made = curve_rings(curves, levels, rings, at_ends, len(ends) * sides)
     points = np.concatenate([own.reshape(-1, 3), made.points, own.mean(axis=1)])
     middle = len(ends) * sides + len(made.points) + np.arange(len(ends))[:, None]

@@ -256,7 +256,7 @@ def _curve_span(
     hubs : (2 k,) of these
     """
     curves = straight.curves
-    found = intervals(curves, intervals_of(curves, frames.sides))
+    found = intervals(curves, intervals_of(curves, frames.sides, straight.options.wall))
     order, circles = found.order, found.frames[found.order.is_own]
     radius = np.sqrt(dot(circles[:, 1], circles[:, 1]))
     hub = np.empty(len(found.piece), dtype=np.intp)

@@ -26,6 +26,9 @@ from scaffold_cad.struts.meshes.volumes import triangle_volumes
 
 T = TypeVar("T", bound=np.generic)
 
+OF_WALL = 0.02
+"""How far chords along hollow curves are from these at most, over the wall."""
+
 ROUNDS = 3
 """Times that the volume of curves is looked at."""
 
@@ -87,17 +90,22 @@ class Intervals(Frozen):
     """Center and half-diameters of the circle after each interval, shape (l, 3, 3), mm."""
 
 
-def intervals_of(curves: Curves, sides: int) -> Ints:
+def intervals_of(curves: Curves, sides: int, wall: float | None) -> Ints:
     """Return how many intervals each piece has, (p,), between rings of `sides` points.
 
     They turn by 2π / sides at most, and chords along them are from the curve at most `AHEAD` times
-    as far as the sides of these polygons are from their circles.
+    as far as the sides of these polygons are from their circles, and `OF_WALL` of a wall.
+
+    Parameters
+    ----------
+    wall : of hollow curves, mm
     """
     step, first = 2 * np.pi / sides, curves.pieces
     span = length(curves.centers[first + 1] - curves.centers[first])
     radius = np.minimum(curves.outline[first], curves.outline[first + 1])
     rise = span * curves.turns / 8  # of an arc over its chord, mm
-    least = np.sqrt(rise / (AHEAD * (1 - np.cos(step / 2)) * radius))
+    most = np.minimum(AHEAD * (1 - np.cos(step / 2)) * radius, OF_WALL * (wall or np.inf))
+    least = np.sqrt(rise / most)
     levels: Ints = np.ceil(np.maximum(curves.turns / step, least) - 1e-9).astype(np.intp)
     return np.maximum(levels, 1)
 

@@ -29,9 +29,10 @@ ROUNDS = 12
 """How often circles are shrunk at most."""
 NARROWEST = 0.2
 """What is left of the radius of a circle that is shrunk, at least."""
-SLACK = 0.02
-"""Part of a wall that may be missing for circles to be shrunk no more. Beside straight struts their
-circles stay, and less is aimed at: what is beside those hardly grows with that of the joint."""
+AIMS = (AIM, ENOUGH)
+"""What walls are to be over what is asked for, and the least with which circles shrink no more."""
+BESIDE_STRAIGHT = (0.97, 0.96)
+"""The same beside straight struts, whose circles stay: walls there hardly grow with the joint."""
 PLACE_BYTES = 256
 """What a place on both sides takes while walls are measured."""
 
@@ -78,9 +79,11 @@ def with_walls_along(
     is_joint = inner.nodes >= 0
     narrowest = NARROWEST * inner.radii
     for _ in range(ROUNDS):
-        aims = np.where(_at_straight(made, thin), LEAST + SLACK, AIM)[:, None]
-        lack = aims * wall - walls_along(made, outer, thin)
-        rows = lack.max(axis=1) > SLACK * wall
+        at_straight = _at_straight(made, thin)[:, None]
+        aims, enough = np.where(at_straight, BESIDE_STRAIGHT, AIMS).T[:, :, None] * wall
+        walls = walls_along(made, outer, thin)
+        rows = (walls < enough).any(axis=1)
+        lack = aims - walls
         thin, lack = thin[rows], lack[rows]
         if len(thin) == 0:
             return made, thin

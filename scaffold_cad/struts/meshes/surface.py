@@ -268,7 +268,7 @@ def _intervals(struts: RoundStruts, sides: int) -> Ints:
     """Return how many intervals the pieces of curves have: those of the first model."""
     while struts.like is not None:
         struts = struts.like
-    return intervals_of(struts.curves, sides)
+    return intervals_of(struts.curves, sides, struts.options.wall)
 
 
 def _blocks(struts: RoundStruts, fineness: Fineness) -> tuple[Ints, int]:
