@@ -46,7 +46,7 @@ build123d = pytest.importorskip("build123d")
 def test_importing_the_package_leaves_build123d_alone() -> None:
     program = "import sys, scaffold_cad.io.write; print({'build123d', 'OCP'} & set(sys.modules))"
     run = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+        [sys.executable, "-c", program], capture_output=True, encoding="utf-8", check=True
     )
     assert run.stdout.strip() == "set()"
 

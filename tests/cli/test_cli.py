@@ -417,7 +417,7 @@ def run(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-m", "scaffold_cad.cli", *arguments],
         capture_output=True,
-        text=True,
+        encoding="utf-8",
         check=False,
     )
 
@@ -437,7 +437,7 @@ def test_commands_that_build_nothing_load_nothing_heavy() -> None:
         f"print(code, sorted({heavy} & sys.modules.keys()), file=sys.stderr)"
     )
     done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+        [sys.executable, "-c", program], capture_output=True, encoding="utf-8", check=True
     )
     assert done.stderr.strip() == "0 []"
 
@@ -449,7 +449,7 @@ def test_meshes_are_written_without_build123d(figure: str, tmp_path: Path) -> No
         "print(code, sorted({'build123d', 'OCP'} & set(sys.modules)))"
     )
     done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+        [sys.executable, "-c", program], capture_output=True, encoding="utf-8", check=True
     )
     assert done.stdout.strip() == "0 []"
 

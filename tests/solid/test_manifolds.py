@@ -36,7 +36,7 @@ def test_importing_the_module_leaves_its_back_ends_alone() -> None:
         "print({'manifold3d', 'trimesh'} & set(sys.modules))"
     )
     run = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+        [sys.executable, "-c", program], capture_output=True, encoding="utf-8", check=True
     )
     assert run.stdout.strip() == "set()"
 
