@@ -8,7 +8,7 @@ Points and faces that are such an array already, as those of other meshes, are k
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sized
+from collections.abc import Callable, Iterable, Iterator, Sized
 from functools import cached_property, wraps
 from typing import Any, TypeAlias, TypeGuard, TypeVar
 
@@ -286,6 +286,7 @@ def as_floats(
     SkeletonError, or another `error`
         If they are not real numbers.
     """
+    values = _listed(values)
     _check_unmasked(values, name, error)
     try:
         raw = _as_one_array(values)
@@ -300,6 +301,11 @@ def as_floats(
     except (TypeError, ValueError, OverflowError) as reason:
         why = _uneven(values) or reason
         raise error(f"{name} is not an array of numbers: {why}") from None
+
+
+def _listed(values: ArrayLike) -> ArrayLike:
+    """Return `values`, or the list of what an iterator gives, if it is one."""
+    return list(values) if isinstance(values, Iterator) else values
 
 
 def _check_unmasked(values: ArrayLike, name: str, error: type[ScaffoldCadError]) -> None:
@@ -384,6 +390,7 @@ def _uneven(values: ArrayLike) -> str:
 
 
 def _as_array(values: ArrayLike, name: str, error: type[ScaffoldCadError]) -> NDArray[Any]:
+    values = _listed(values)
     _check_unmasked(values, name, error)
     try:
         return np.asarray(values)

@@ -28,9 +28,14 @@ AxesLike: TypeAlias = "ArrayLike | Plane | Location"
 
 
 def numbers_of(position: Any) -> Any:
-    """Return where a Vector, Vertex or Location is, (3,), or both corners of a BoundBox, (2, 3)."""
+    """Return where a Vector, Vertex or Location is, (3,).
+
+    GridLocations and the like are (n, 3), and both corners of a BoundBox (2, 3).
+    """
     if _is(position, "BoundBox"):
         return tuple(position.min), tuple(position.max)
+    if _is(position, "LocationList"):
+        return [tuple(location.position) for location in position]
     if _is(position, "Location"):
         return tuple(position.position)
     return tuple(position) if _is(position, "Vector", "Vertex") else position

@@ -55,5 +55,16 @@ def number(path: Path, value: Any, where: str) -> float:
     return float(value)
 
 
+def check_numbers(path: Path, value: Any, name: str) -> None:
+    """Refuse what is no number in a number, a list of numbers or one of rows; `name` names it."""
+    if not isinstance(value, list):
+        number(path, value, name)
+        return
+    for k, row in enumerate(value):
+        for item in row if isinstance(row, list) else (row,):
+            if type(item) not in (int, float):
+                number(path, item, f"a number of {name}[{k}]")
+
+
 def _refuse_constant(name: str) -> NoReturn:
     raise ValueError(f"{name} is not a JSON number")

@@ -27,7 +27,7 @@ from typing import Any
 from scaffold_cad.base.arguments import checks_keywords
 from scaffold_cad.base.arrays import as_points
 from scaffold_cad.errors import FormatError
-from scaffold_cad.io._document import member, read_document
+from scaffold_cad.io._document import check_numbers, member, read_document
 from scaffold_cad.io._raw import RawSkeleton
 from scaffold_cad.io.content import Content
 from scaffold_cad.io.register import register_reader, register_writer
@@ -46,6 +46,9 @@ def _recognizes(head: bytes) -> bool:
 def read_json(path: Path) -> RawSkeleton:
     """Read a skeleton from our JSON format, which this module documents."""
     document = _document(path)
+    for key in ("nodes", "edges", "radii", "edge_radii"):
+        if document.get(key) is not None:
+            check_numbers(path, document[key], key)
     nodes = as_points(document["nodes"], "nodes")
     of_edges = document.get("edge_radii") if document["version"] > 1 else None
     return RawSkeleton(nodes, document["edges"], document.get("radii"), of_edges, unit=UNITS)

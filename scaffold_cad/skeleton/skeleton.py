@@ -80,7 +80,7 @@ class Skeleton(Frozen, Shown, Editing):
     """
 
     nodes: Points
-    """Node positions, shape (n, 3), mm."""
+    """Node positions, shape (n, 3), mm: numbers, or build123d's Vectors, Vertices or Locations."""
     edges: Edges
     """Node pairs, shape (m, 2), each edge once."""
     radii: Radii

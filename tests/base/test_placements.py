@@ -7,7 +7,19 @@ from math import pi
 
 import numpy as np
 import pytest
-from build123d import Axis, Box, Face, Location, Plane, Pos, Rot, Vector, Vertex, split
+from build123d import (
+    Axis,
+    Box,
+    Face,
+    Location,
+    Plane,
+    PolarLocations,
+    Pos,
+    Rot,
+    Vector,
+    Vertex,
+    split,
+)
 
 from scaffold_cad import (
     BoxMap,
@@ -95,6 +107,13 @@ def test_a_place_given_as_the_origin_gives_the_axes_too(place: Plane | Location)
         np.testing.assert_allclose(made.origin, [3, -2, 5], atol=1e-12)
         np.testing.assert_allclose(made.axes, rows, atol=1e-12)
     assert BoxMap([4, 5, 6], place, np.eye(3)).axes.tolist() == np.eye(3).tolist()
+
+
+def test_nodes_may_be_where_locations_are_and_edges_come_from_a_generator() -> None:
+    ring = Skeleton(PolarLocations(10, 6), ((k, (k + 1) % 6) for k in range(6)), 1.0)
+    np.testing.assert_allclose(np.hypot(*ring.nodes[:, :2].T), 10, atol=1e-12)
+    np.testing.assert_allclose(ring.lengths, 10, atol=1e-12)
+    assert ring.edges.tolist() == [[0, 1], [1, 2], [2, 3], [3, 4], [4, 5], [5, 0]]
 
 
 def test_a_location_is_the_direction_of_its_z_axis() -> None:
