@@ -13,6 +13,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import LARGEST_COORDINATE, Floats, Points
 from scaffold_cad.base.backends import need
+from scaffold_cad.base.summaries import counted
 from scaffold_cad.errors import FormatError
 from scaffold_cad.io._curves import flattened
 from scaffold_cad.io._raw import RawSkeleton, joined_polylines
@@ -28,6 +29,10 @@ NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 LENGTH = re.compile(rf"\s*(?:{NUMBER}\s*(?:[a-zA-Z]*|%)|auto|none)?\s*")
 PATH_PIECES = re.compile(rf"{NUMBER}|[MmZzLlHhVvCcSsQqTtAa]|[\s,]+")
 """What path data are made of."""
+COMMAND = re.compile(r"([MmLlTtHhVvSsQqCc])([^MmZzLlHhVvCcSsQqTtAa]*)")
+"""A command of path data and its numbers; the flags of arcs may be one word with what follows."""
+OF_COMMAND = {"H": 1, "V": 1, "M": 2, "L": 2, "T": 2, "S": 4, "Q": 4, "C": 6}
+"""How many numbers are a point or a piece, by command."""
 
 SHAPES = {
     "path": (),
@@ -85,12 +90,12 @@ def read_svg(path: Path) -> RawSkeleton:
 
 
 def _check_numbers(path: Path, root: Element) -> None:
-    """Check that the shapes of a drawing are given in numbers.
+    """Check that the shapes of a drawing are given in numbers, as many as they take.
 
     Raises
     ------
     FormatError
-        If there is another word; it is named, and its shape.
+        If there is another word, or a number is missing; it is named, and its shape.
     """
     counts: Counter[str] = Counter()
     for element in root.iter():
@@ -98,13 +103,34 @@ def _check_numbers(path: Path, root: Element) -> None:
         if tag not in SHAPES:
             continue
         counts[tag] += 1
+        where = f"{path}, {tag} {element.get('id', str(counts[tag]))[:80]},"
         rest = "" if SHAPES[tag] else element.get("d" if tag == "path" else "points", "")
-        bad = [] if rest.strip() == "none" else PATH_PIECES.sub(" ", rest).split()
+        rest = "" if rest.strip() == "none" else rest
+        bad = PATH_PIECES.sub(" ", rest).split()
         words = [element.get(name, "") for name in SHAPES[tag]]
         bad += [word for word in words if not LENGTH.fullmatch(word)]
         if bad:
-            name = element.get("id", str(counts[tag]))
-            raise FormatError(f"{path}, {tag} {name[:80]}, has {bad[0][:80]!r}; need numbers")
+            raise FormatError(f"{where} has {bad[0][:80]!r}; need numbers")
+        _check_counts(where, rest if tag == "path" or not rest else f"L{rest}")
+        if tag == "path" and "d" not in element.attrib:
+            element.set("d", "")  # nothing to draw; svgelements takes no None
+
+
+def _check_counts(where: str, data: str) -> None:
+    """Check that each command of path data has numbers for whole points; `where` names its shape.
+
+    Raises
+    ------
+    FormatError
+        If there are more or fewer; svgelements leaves such pieces out.
+    """
+    for command, numbers in COMMAND.findall(data):
+        count, each = len(re.findall(NUMBER, numbers)), OF_COMMAND[command.upper()]
+        if count == 0 or count % each:
+            shown = f"{command}{numbers}".strip()[:80]
+            raise FormatError(
+                f"{where} has {shown!r}, of {counted(count, 'number')}; need a multiple of {each}"
+            )
 
 
 def _make_plain(root: Element, name: str) -> None:
