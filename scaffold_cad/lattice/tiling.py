@@ -32,7 +32,9 @@ def tile(
 ) -> Skeleton:
     """Return the lattice of `counts` cells along x, y and z from the origin, or cells on a map.
 
-    Nodes and struts that cells share appear once.
+    Nodes and struts that cells share appear once. Struts that leave their cell stay whole: those of
+    `weaire_phelan` and `triangular_prism` reach past the last cells by 0.16 and 0.5 of one; `fill`
+    cuts them.
 
     Parameters
     ----------

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from scaffold_cad.base.arrays import Floats, Points
 from scaffold_cad.errors import OptionError, SkeletonError
+from scaffold_cad.filling import fill
 from scaffold_cad.lattice import UnitCell, cells, mapped, tile, unit_cell
 from scaffold_cad.skeleton import Skeleton, check_skeleton
 
@@ -101,6 +102,16 @@ def test_a_block_is_the_union_of_its_moved_cells(
     assert len(found) == len(expected)
     assert set(found) == expected
     assert len(lattice.nodes) == len({node for strut in expected for node in strut})
+
+
+@pytest.mark.parametrize(("name", "beyond"), [("weaire_phelan", 5 / 32), ("triangular_prism", 0.5)])
+def test_struts_that_leave_their_cell_stay_whole_unless_a_box_is_filled(
+    name: str, beyond: float
+) -> None:
+    assert tile(name, 10.0, counts=3, radius=0.3).nodes[:, 0].max() == pytest.approx(
+        30 + 10 * beyond, abs=0.01
+    )
+    assert fill([[0] * 3, [30] * 3], name, 10.0, 0.3).nodes.max() == pytest.approx(30)
 
 
 def test_struts_have_the_length_of_their_cell() -> None:

@@ -30,7 +30,7 @@ from tests.solids import contains
 
 Random = np.random.Generator
 BOX = ((0.0, 0.0, 0.0), (40.0, 40.0, 40.0))
-LEAST_INSIDE = {"round": 0.99, "square": 0.98}
+LEAST_INSIDE = 0.98
 """Share of points deep in the struts that are inside a solid. Curves pass beside the middles of
 their edges. Of square struts, whose quads are twisted beside branch points, only points inside the
 scaffold count; where they cross themselves, straight struts take their place."""
@@ -250,7 +250,7 @@ def faults(skeleton: Skeleton, kind: str) -> tuple[str, float]:
     inside = contains(TriangleMesh(whole.vertices, whole.faces), points).mean()
     if whole.body_count > skeleton.component_count:
         found = found or f"{whole.body_count} bodies for {skeleton.component_count}"
-    if inside < LEAST_INSIDE[kind]:
+    if inside < LEAST_INSIDE:
         found = found or f"only {inside:.3f} inside"
     return found, float(inside)
 
