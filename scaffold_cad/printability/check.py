@@ -116,7 +116,7 @@ def check_printability(
     if skeleton is not None:
         thickness = thickness_of(skeleton, mesh)
         if given and surface.closed:
-            findings.append(match_finding(skeleton, mesh, thickness.surrounded))
+            findings.append(match_finding(skeleton, mesh, thickness))
         flat = flat_ends(skeleton, mesh)
         findings += strut_findings(skeleton, thickness, process, flat, apothem)
     findings += direction_findings(surface, facets, upwards, process, skeleton, supports)

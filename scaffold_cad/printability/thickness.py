@@ -10,7 +10,7 @@ from scipy.spatial import KDTree
 from scaffold_cad.base.arrays import Bools, Floats, Ints, Points
 from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.ranges import ranges
-from scaffold_cad.base.vectors import any_perpendicular, dot
+from scaffold_cad.base.vectors import any_perpendicular, dot, length
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.skeleton import Skeleton
 
@@ -25,6 +25,10 @@ MOST_STATIONS = 1000
 
 AROUND = 2.0
 """Farthest that a strut's surface is from its axis, in radii asked for."""
+
+SURROUNDED = 0.4
+"""Part of the rays that meet the surface so near where it goes around an axis. Hollow struts that
+overlap have it on one side only; a strut beside another surface meets that along a quarter."""
 
 PAIR_BYTES = 40 * DIRECTIONS
 """What a pair of a station and a triangle takes."""
@@ -42,6 +46,10 @@ class Thickness:
     """Struts that are thinner than was asked for, shape (k,)."""
     surrounded: Bools
     """Whether the mesh goes around each strut's axis at its middle, shape (m,)."""
+    bare: Points
+    """Places on axes, away from nodes, around which no triangle is, shape (b, 3), mm."""
+    of_bare: Ints
+    """The strut of each, shape (b,)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,11 +80,14 @@ def thickness_of(skeleton: Skeleton, mesh: TriangleMesh) -> Thickness:
     thinnest = 2 * skeleton.edge_radii.min(axis=1)
     order = np.lexsort((measured, stations.struts))[first]
     middle = first + np.bincount(stations.struts) // 2
+    bare = np.flatnonzero(np.isinf(distances).all(axis=1) & _away(skeleton, stations))
     return Thickness(
         np.minimum(least, thinnest),
         stations.centers[order],
         np.flatnonzero(np.isfinite(least)),
-        (distances[middle] <= AROUND * stations.radii[middle, None]).all(axis=1),
+        (distances[middle] <= AROUND * stations.radii[middle, None]).mean(axis=1) >= SURROUNDED,
+        stations.centers[bare],
+        stations.struts[bare],
     )
 
 
@@ -84,7 +95,8 @@ def thickness_asked(skeleton: Skeleton) -> Thickness:
     """Return how thick the struts of a skeleton are by their radii, for want of a mesh."""
     end = skeleton.edges[np.arange(len(skeleton.edges)), skeleton.edge_radii.argmin(axis=1)]
     none, all_of_them = np.zeros(0, dtype=np.intp), np.ones(len(end), dtype=np.bool_)
-    return Thickness(2 * skeleton.edge_radii.min(axis=1), skeleton.nodes[end], none, all_of_them)
+    diameters = 2 * skeleton.edge_radii.min(axis=1)
+    return Thickness(diameters, skeleton.nodes[end], none, all_of_them, np.zeros((0, 3)), none)
 
 
 def _stations(skeleton: Skeleton) -> _Stations:
@@ -105,6 +117,13 @@ def _stations(skeleton: Skeleton) -> _Stations:
         strut,
         (lengths / count)[strut],
     )
+
+
+def _away(skeleton: Skeleton, stations: _Stations) -> Bools:
+    """Return which stations are not in the nodes of their strut, (s,)."""
+    ends = skeleton.edges[stations.struts]  # (s, 2)
+    away = length(skeleton.nodes[ends] - stations.centers[:, None])
+    return np.asarray((away > AROUND * skeleton.radii[ends]).all(axis=1))
 
 
 def _crossing_pairs(stations: _Stations, mesh: TriangleMesh) -> tuple[Ints, Ints]:

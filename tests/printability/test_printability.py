@@ -326,10 +326,28 @@ def test_a_skeleton_that_is_not_the_part_s_fails() -> None:
     assert check_printability(mesh, skeleton=JACK)["struts_in_part"].verdict == "ok"
     finding = check_printability(mesh, skeleton=JACK.scaled(3.0))["struts_in_part"]
     assert finding.verdict == "failure"
-    assert finding.value == {"outside": 6, "struts": 6}
+    assert finding.value == {"outside": 6, "cut": 0, "struts": 6}
     assert finding.text == "6 of 6 struts not in the part, strut 0 first"
     assert len(finding.places) == 6
     assert "struts_in_part" not in [one.name for one in check_printability(JACK)]
+
+
+@pytest.mark.parametrize(("gap", "cut"), [(0.0, 0), (1.0, 1)])
+@pytest.mark.parametrize("share", [0.3, 0.8])
+def test_a_strut_that_is_cut_through_beside_its_middle_fails(
+    share: float, gap: float, cut: int
+) -> None:
+    bars = [[0, 0, 0], [20, 0, 0], [20, 10, 0], [0, 10, 0]]
+    frame = Skeleton(bars, [[0, 1], [1, 2], [2, 3], [3, 0]], 0.9)
+    saw = to_solid(box(gap, 4, 4, -2)).translate((20 * share, 0, 0)) if gap else None
+    whole = to_solid(round_struts(frame))
+    part = whole if saw is None else whole - saw
+    finding = check_printability(part, skeleton=frame)["struts_in_part"]
+    assert finding.value == {"outside": 0, "cut": cut, "struts": 4}
+    assert finding.verdict == ("failure" if cut else "ok")
+    if cut:
+        assert finding.text.startswith("1 of 4 struts cut through, strut 0 near [")
+        np.testing.assert_allclose(finding.places, [[20 * share, 0, 0]], atol=0.5)
 
 
 def test_slender_struts_are_warned_of() -> None:
@@ -943,7 +961,7 @@ def test_a_notch_in_a_slender_strut_is_found_wherever_it_is() -> None:
 def test_struts_whose_axes_are_in_a_bore_are_in_the_part() -> None:
     pipe = round_struts(ELBOW, wall=0.4, ends="open")
     report = check_printability(solidified(pipe), "sls", skeleton=ELBOW)
-    assert report["struts_in_part"].value == {"outside": 0, "struts": 2}
+    assert report["struts_in_part"].value == {"outside": 0, "cut": 0, "struts": 2}
     beside = ELBOW.moved_by([0, 0, 2.5])
     value = check_printability(solidified(pipe), "sls", skeleton=beside)["struts_in_part"].value
     assert value["outside"] == 2
