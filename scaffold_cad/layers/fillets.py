@@ -1,4 +1,4 @@
-"""Fillets at crowded nodes: sections of the filleted union of the struts there.
+"""Fillets of what overlaps: sections of the filleted union of the struts there.
 
 What a mesh has there is the surface of a field solid, see `solid.field`. Its section at a height is
 where the same function of space is negative, looked for on a grid in the plane: only where two
@@ -15,11 +15,9 @@ from scaffold_cad.base.ranges import steps
 from scaffold_cad.layers.contours import contours, keys_of, unpacked, widened
 from scaffold_cad.layers.loops import Loops
 from scaffold_cad.layers.rounds import crossed
-from scaffold_cad.layers.sweep import Sweep, count_at
-from scaffold_cad.solid.clusters.growth import balls_at
-from scaffold_cad.solid.field import FieldStruts, field_struts
+from scaffold_cad.layers.sweep import Sweep, sum_at
+from scaffold_cad.solid.field import FieldStruts
 from scaffold_cad.solid.field.union import Lists, filleted_union, values
-from scaffold_cad.struts import RoundStruts
 
 SQUARE = 0.15
 """Side of the squares of the grid, in radii of the thinnest strut."""
@@ -31,31 +29,42 @@ BULGE = 0.3
 PIECE = 4.0
 """Length of the pieces that struts are looked at in, in their radii and fillets."""
 
-AS_PARTS = 16
-"""Time of a section of a piece, in sections of struts, roughly."""
+SQUARES_AS_PART = 50.0
+"""Squares that take as long as a section of a strut, roughly."""
+
+MOST_SQUARES = 2.0**21
+"""Squares at a height, about: beside thick struts they are larger than a part of thin ones, whose
+fillets are then left out or coarse."""
 
 
 class FilletSections:
     """The sections of the fillets between the struts of crowded nodes, from the lowest up."""
 
-    def __init__(self, struts: RoundStruts, fillets: Floats, own: Bools | None = None) -> None:
-        """Take struts.
+    def __init__(self, fields: FieldStruts, run: Ints, own: Bools | None = None) -> None:
+        """Take the struts of a field.
 
         Parameters
         ----------
-        fillets : (n,) fillet radius that each node is asked for, mm
+        run : (q,) that of each, -1 for balls
         own : (k,) runs some of which are at each fillet that is wanted; by default all
         """
-        fields, run = crowded_struts(struts, fillets)
         self._union = filleted_union(fields, np.zeros(3), np.zeros(len(run)))
-        self._cell = SQUARE * float(fields.radii.min(initial=np.inf))
         self._own = np.ones(len(run), dtype=np.bool_)
         if own is not None:
             self._own = np.where(run >= 0, own[run], own.any())
         low, high, strut = _pieces(fields)
         near = _meeting(low, high, strut)
         self._low, self._high, self._strut = low[near], high[near], strut[near]
-        self._sweep = Sweep(self._low[:, 2], self._high[:, 2])
+        self._sweep = Sweep(*self._levels)
+        self._areas = (self._high - self._low)[:, :2].prod(axis=1)
+        most = sum_at(self._low[:, 2], *self._levels, self._areas).max(initial=0.0)
+        thin = SQUARE * float(fields.radii.min(initial=np.inf))
+        self._cell = max(thin, float(np.sqrt(most / MOST_SQUARES)))
+
+    @property
+    def _levels(self) -> tuple[Floats, Floats]:
+        """Where pieces begin and end, (p,) each, mm."""
+        return self._low[:, 2], self._high[:, 2]
 
     @property
     def box(self) -> Floats:
@@ -66,7 +75,8 @@ class FilletSections:
 
     def count(self, heights: Floats) -> Ints:
         """Return how many sections of struts take as long at each height, about, shape (h,)."""
-        return AS_PARTS * count_at(heights, self._low[:, 2], self._high[:, 2])
+        squares = sum_at(heights, *self._levels, self._areas) / self._cell**2
+        return np.ceil(squares / SQUARES_AS_PART).astype(np.intp)
 
     def loops(self, heights: Floats) -> list[Loops]:
         """Return the sections at ascending heights (h,), above those before."""
@@ -139,41 +149,6 @@ class FilletSections:
         """Return where grid points are, (p, 3), mm."""
         level, places = unpacked(keys)
         return np.column_stack([(places + first) * self._cell, heights[level]])
-
-
-def crowded_struts(struts: RoundStruts, fillets: Floats) -> tuple[FieldStruts, Ints]:
-    """Return what comes to crowded nodes as struts of a field, up to the blends of other nodes.
-
-    Parameters
-    ----------
-    fillets : (n,) fillet radius that each node is asked for, mm
-
-    Returns
-    -------
-    The struts and the balls of thicker nodes; the run of each, -1 for balls, shape (q,)
-    """
-    runs = struts.runs
-    crowded = struts.crowded[runs.edges]  # (k, 2)
-    chosen = np.flatnonzero(crowded.any(axis=1) | struts.crowded_runs)
-    is_end = (runs.valency[runs.edges] == 1)[chosen]
-    half = np.stack([2 * chosen, 2 * chosen + 1], axis=1)  # (q, 2)
-    begin = np.where(crowded[chosen] | is_end, 0.0, struts.collar[half])
-    ends = runs.nodes[runs.edges[chosen]] + begin[..., None] * runs.directions[half]
-    radii = np.stack([runs.radii_at(half[:, k], begin[:, k]) for k in (0, 1)], axis=1)
-    flat = (is_end & (struts.options.ends != "round")) | (begin > 0)
-    at_nodes = np.where(crowded[chosen], fillets[runs.edges[chosen]], np.inf).min(axis=1)
-    blend = np.where(np.isfinite(at_nodes), at_nodes, fillets[runs.edges[chosen]].min(axis=1))
-    rows, sizes = balls_at(struts, struts.crowded)
-    made = field_struts(
-        ends,
-        radii,
-        flat=flat,
-        balls=runs.nodes[rows],
-        ball_radii=sizes,
-        blend=blend,
-        ball_blend=fillets[rows],
-    )
-    return made, np.concatenate([chosen, np.full(len(rows), -1)])
 
 
 def _pieces(fields: FieldStruts) -> tuple[Points, Points, Ints]:

@@ -20,7 +20,7 @@ from scaffold_cad.lattice.repetition import further_layers
 from scaffold_cad.layers.layer import Layer
 from scaffold_cad.layers.slabs import runs_of_equals, slabs_solid
 from scaffold_cad.layers.stamps import Stamp
-from scaffold_cad.layers.struts import StrutSections, inside_sections, struts_solid
+from scaffold_cad.layers.struts import StrutSections, sections_of, struts_solid
 from scaffold_cad.layers.uniting import Solid, layer_of, united
 from scaffold_cad.struts import round_struts
 
@@ -85,7 +85,7 @@ class RepeatedLattice:
         reach = further_layers(lattice.cell.motif)
         self._stamp = Stamp(lattice.origin[:2], steps[:2, :2], made[:2], counts[:2], reach)
         self._kept: dict[int, tuple[Floats, Ints]] = {}
-        parts = StrutSections(self._struts, sides)
+        parts, _ = sections_of(self._struts, sides)
         low, high = parts.bounds
         self.bounds = low, high + self._more * float(self._rise[2])
         """Lowest and highest point, mm."""
@@ -149,9 +149,7 @@ class RepeatedLattice:
 
     def _parts(self) -> list[StrutSections]:
         """Return the struts, and what is taken out of hollow ones, from the lowest up."""
-        hollow = inside_sections(self._struts, self._sides)
-        whole = StrutSections(self._struts, self._sides)
-        return [whole] if hollow is None else [whole, hollow]
+        return [each for each in sections_of(self._struts, self._sides) if each is not None]
 
     def _united(self, parts: list[StrutSections], plane: float) -> tuple[Floats, Ints]:
         """Return the polygons at a height where some go on from cell to cell without an end."""

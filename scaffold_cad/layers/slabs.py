@@ -11,7 +11,7 @@ from scaffold_cad.lattice import PeriodicLattice
 from scaffold_cad.lattice.repetition import further_layers
 from scaffold_cad.layers.loops import Loops
 from scaffold_cad.layers.rounds import swell
-from scaffold_cad.layers.struts import StrutSections, inside_sections
+from scaffold_cad.layers.struts import StrutSections, sections_of
 from scaffold_cad.layers.uniting import Solid
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.struts import round_struts
@@ -92,8 +92,8 @@ class SlabSections:
         """Return the sections of a slab, with enough around it."""
         skeleton = self._skeleton(number, self._around)
         struts = round_struts(skeleton, **self._lattice.strut_options)
-        inside = inside_sections(struts, self._sides) if self._is_inside else None
-        return StrutSections(struts, self._sides) if inside is None else inside
+        outside, inside = sections_of(struts, self._sides)
+        return inside if self._is_inside and inside is not None else outside
 
     def _skeleton(self, number: int, around: int) -> Skeleton:
         """Return the struts of a slab and of some layers of cells above and below it."""

@@ -7,7 +7,7 @@ the thickest one around it, and what is between them comes from `fillets`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from scaffold_cad.layers.rounds import Balls, Cones, swell
 from scaffold_cad.layers.sweep import Sweep, count_at
 from scaffold_cad.layers.uniting import Solid
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
-from scaffold_cad.solid.clusters.stumps import wanted_fillets
+from scaffold_cad.solid.clusters.parts import Parts, parts_of
 from scaffold_cad.struts import RoundStruts
 from scaffold_cad.struts.bodies import NodeBodies, beside_crowded, curve_bodies, sharp_bodies
 from scaffold_cad.struts.meshes.ends import end_spheres
@@ -33,26 +33,6 @@ OPENING = 0.1
 """How far the inside of hollow struts reaches beyond an open end, in its radii."""
 
 
-def struts_solid(struts: RoundStruts, sides: int) -> Solid:
-    """Return round struts, solid or hollow, to be cut.
-
-    Parameters
-    ----------
-    sides : of the polygons that stand for circles, a multiple of 4
-    """
-    return Solid(StrutSections(struts, sides), inside_sections(struts, sides))
-
-
-def inside_sections(
-    struts: RoundStruts, sides: int, own: Own | None = None
-) -> StrutSections | None:
-    """Return the sections of what is taken out of hollow struts; None of solid ones."""
-    if struts.inner is None:
-        return None
-    fillets = wanted_fillets(struts) + (struts.options.wall or 0.0)
-    return StrutSections(struts.inner, sides, inside_fillets=fillets, own=own)
-
-
 @dataclass(frozen=True, eq=False)
 class Own(Frozen):
     """The runs and nodes whose sections are wanted."""
@@ -63,15 +43,40 @@ class Own(Frozen):
     """Shape (n,)."""
 
 
+def struts_solid(struts: RoundStruts, sides: int) -> Solid:
+    """Return round struts, solid or hollow, to be cut.
+
+    Parameters
+    ----------
+    sides : of the polygons that stand for circles, a multiple of 4
+    """
+    return Solid(*sections_of(struts, sides))
+
+
+def sections_of(
+    struts: RoundStruts, sides: int, own: Own | None = None
+) -> tuple[StrutSections, StrutSections | None]:
+    """Return the sections of round struts, and of what is taken out of hollow ones.
+
+    Parameters
+    ----------
+    sides : of the polygons that stand for circles, a multiple of 4
+    own : the runs and nodes that are wanted; by default all
+    """
+    outside, inside = parts_of(struts, sides)
+    solid = StrutSections(outside, sides, own=own)
+    return solid, None if inside is None else StrutSections(inside, sides, is_inside=True, own=own)
+
+
 class StrutSections:
     """The sections of solid round struts, from the lowest up."""
 
     def __init__(
         self,
-        struts: RoundStruts,
+        parts: Parts,
         sides: int,
         *,
-        inside_fillets: Floats | None = None,
+        is_inside: bool = False,
         own: Own | None = None,
     ) -> None:
         """Take struts.
@@ -79,11 +84,11 @@ class StrutSections:
         Parameters
         ----------
         sides : of the polygons that stand for circles, a multiple of 4
-        inside_fillets : (n,) fillet radius of each node, mm, of what is taken out of hollow struts
+        is_inside : whether they are what is taken out of hollow struts
         own : the runs and nodes that are wanted; by default all
         """
         self._sides = sides
-        is_inside = inside_fillets is not None
+        struts = replace(parts.struts, crowded=parts.nodes)
         nodes = ~struts.crowded if own is None else own.nodes & ~struts.crowded
         self._cones, self._balls = cones_of(struts, is_inside, own), balls_of(struts, own)
         self._cone_sweep = Sweep(*self._cones.extents())
@@ -101,9 +106,9 @@ class StrutSections:
         bodies = [curve_bodies(struts, sides, every), sharp_bodies(struts, sides, nodes)]
         self._meshes = [MeshSections(body) for body in bodies if len(body.triangles)]
         self._fillets: FilletSections | None = None
-        if struts.crowded.any() or struts.crowded_runs.any():
-            wanted = wanted_fillets(struts) if inside_fillets is None else inside_fillets
-            self._fillets = FilletSections(struts, wanted, None if own is None else own.runs)
+        if parts.fields is not None:
+            runs = None if own is None else own.runs
+            self._fillets = FilletSections(parts.fields, parts.run, runs)
 
     def count(self, heights: Floats) -> Ints:
         """Return how many parts there are at each height, about, shape (h,)."""

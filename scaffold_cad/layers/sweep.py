@@ -32,3 +32,13 @@ def count_at(heights: Floats, low: Floats, high: Floats) -> Ints:
     below = np.searchsorted(np.sort(low), heights)
     count: Ints = below - np.searchsorted(np.sort(high), heights)
     return count
+
+
+def sum_at(heights: Floats, low: Floats, high: Floats, values: Floats) -> Floats:
+    """Return the sum of the values (k,) of the things that are at each height, shape (h,)."""
+    found = np.zeros(len(heights))
+    for bound, sign in ((low, 1.0), (high, -1.0)):
+        order = np.argsort(bound, kind="stable")
+        sums = np.concatenate([[0.0], np.cumsum(values[order])])
+        found += sign * sums[np.searchsorted(bound[order], heights)]
+    return np.maximum(found, 0.0)

@@ -19,7 +19,7 @@ from scaffold_cad.layers.layer import Layer, Layers
 from scaffold_cad.layers.loops import Loops
 from scaffold_cad.layers.regions import Region
 from scaffold_cad.layers.slicing import ENOUGH
-from scaffold_cad.layers.struts import Own, StrutSections, inside_sections
+from scaffold_cad.layers.struts import Own, sections_of
 from scaffold_cad.layers.uniting import Solid
 from scaffold_cad.struts import round_struts
 from scaffold_cad.tiles.tile import Tile
@@ -86,8 +86,7 @@ def sliced(tile: Tile, planes: Planes, options: dict[str, object], sides: int) -
     """
     struts = round_struts(tile.skeleton, **{**tile.strut_options, **options})
     own = Own(tile.own_runs(struts.runs.run_of_edge), tile.own_nodes)
-    outside = StrutSections(struts, sides, own=own)
-    inside = inside_sections(struts, sides, own)
+    outside, inside = sections_of(struts, sides, own)
     low, high = outside.bounds
     numbers = planes.within(low, high)
     heights = planes.heights(numbers)

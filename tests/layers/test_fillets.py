@@ -15,6 +15,7 @@ from scaffold_cad.layers import fillets
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters import whole_struts
 from scaffold_cad.solid.field import field_solid
+from scaffold_cad.solid.rounds import round_mesh
 
 SIDES = 48
 """Of polygons that stand for circles."""
@@ -29,6 +30,13 @@ def star(directions: list[list[float]], radii: Any) -> Skeleton:
 
 NARROW = [[1, 0, 0.1], [1, 0.12, 0.3], [1, -0.1, 0.2], [-1, 0.2, -0.2], [0, -1, 0.6]]
 CROSS = Skeleton([[-9, 0, 0], [9, 0, 0], [0, -9, 1], [0, 9, 1]], [[0, 1], [2, 3]], 0.8)
+TOUCHING = Skeleton([[0, 0, 0], [0, 0, 9], [2, 0, 0], [2, 0, 9]], [[0, 1], [2, 3]], 1.0)
+SWALLOWED = star([[1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, -1, -1]], [3, 1, 1, 1, 1])
+CURVE = Skeleton(
+    [[5 * np.cos(a), 5 * np.sin(a), 0.35 * a] for a in np.linspace(0, 8, 33)],
+    [[k, k + 1] for k in range(32)],
+    1.2,
+)
 CASES = [
     ("narrow", star(NARROW, 1.0), {"ends": "round"}, (-0.7, 0.8), 0.004),
     ("cones", star(NARROW, [1.2, 1, 0.8, 0.5, 0.6, 0.7]), {"ends": "round"}, (-0.7, 0.8), 0.002),
@@ -76,6 +84,43 @@ def test_crowded_nodes_have_the_sections_of_the_field_solid(
     monkeypatch.setattr(fillets.FilletSections, "loops", nothing)
     without = np.array([layer.area for layer in slices(struts, heights, sides=SIDES)])
     assert (1 - without / wanted).max() > share
+
+
+@pytest.mark.parametrize(
+    ("skeleton", "options"),
+    [
+        (TOUCHING, {}),
+        (SWALLOWED, {}),
+        (SWALLOWED, {"nodes": "ball"}),
+        (CURVE, {"joints": "curve"}),
+        (star(NARROW, 1.0), {"nodes": "sharp"}),
+    ],
+    ids=["touching", "swallowed", "ball", "curve", "sharp"],
+)
+def test_layers_are_the_sections_of_meshes(skeleton: Skeleton, options: dict[str, Any]) -> None:
+    struts = round_struts(skeleton, **options)
+    mesh = round_mesh(struts, 64)
+    low, high = mesh.vertices[:, 2].min(), mesh.vertices[:, 2].max()
+    heights = low + (high - low) * np.array([0.31, 0.44, 0.72])
+    found = [layer.area for layer in slices(struts, heights, sides=64)]
+    wanted = [area_at(mesh, height) for height in heights.tolist()]
+    np.testing.assert_allclose(found, wanted, rtol=0.005)
+
+
+def test_webs_between_hollow_struts_are_a_little_thicker_than_in_meshes() -> None:
+    struts = round_struts(TOUCHING, wall=0.3, ends="open")
+    (layer,) = slices(struts, [4.5], sides=16)
+    assert 0.99 < layer.area / area_at(round_mesh(struts, 16), 4.5) < 1.07
+
+
+def test_fillets_of_thin_struts_beside_thick_ones_are_found_on_a_few_squares() -> None:
+    spike = Skeleton([[0, 0, 0], [30, 5, 0], [60, 0, 5]], [[0, 1], [1, 2]], [5.0, 0.005, 4.0])
+    struts = round_struts(spike)
+    heights = np.array([-2.0, 0.0, 3.0])
+    found = [layer.area for layer in slices(struts, heights, sides=SIDES)]
+    mesh = round_mesh(struts, SIDES)
+    wanted = [area_at(mesh, height) for height in heights.tolist()]
+    np.testing.assert_allclose(found, wanted, rtol=0.005)
 
 
 def test_the_wall_of_hollow_struts_is_as_thick_at_crowded_nodes() -> None:

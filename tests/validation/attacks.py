@@ -1,8 +1,9 @@
 """Random skeletons of kinds that are hard on solids, as their STL files are read back.
 
 ``python -m tests.validation.attacks [--count 2000] [--seed 1] [--kinds NAME …]`` makes the square
-and the round solid of each in turn, and prints what CGAL finds in the file, what was refused and
-why, and where too few of the points inside struts are inside the solid.
+and the round solid of each in turn, or those of ``--solids ball sharp``, and prints what CGAL finds
+in the file, what was refused and why, and where too few of the points inside struts are inside the
+solid.
 """
 
 from __future__ import annotations
@@ -24,12 +25,16 @@ from scaffold_cad.base.arrays import Points
 from scaffold_cad.errors import ScaffoldCadError
 from scaffold_cad.filling import delaunay_foam, voronoi_foam
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.struts.options import Nodes
 from tests.crossings import faults_by_cgal
 from tests.skeletons import polyline
 from tests.solids import contains
 
 Random = np.random.Generator
 BOX = ((0.0, 0.0, 0.0), (40.0, 40.0, 40.0))
+SOLIDS: dict[str, Nodes] = {"round": "blend", "ball": "ball", "sharp": "sharp"}
+"""Kinds of round solids, and their nodes; the other kind is square."""
+
 LEAST_INSIDE = 0.98
 """Share of points deep in the struts that are inside a solid. Curves pass beside the middles of
 their edges. Of square struts, whose quads are twisted beside branch points, only points inside the
@@ -237,7 +242,9 @@ KINDS: dict[str, Callable[[Random], Skeleton]] = {
 
 def faults(skeleton: Skeleton, kind: str) -> tuple[str, float]:
     """Return what is wrong with the file of a solid, and the share of struts inside it."""
-    made = round_struts(skeleton) if kind == "round" else build_scaffold(skeleton)
+    made = (
+        build_scaffold(skeleton) if kind == "square" else round_struts(skeleton, nodes=SOLIDS[kind])
+    )
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "solid.stl"
         write(made, path)
@@ -276,7 +283,9 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=len(KINDS) * 4)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--kinds", nargs="*", choices=KINDS, default=list(KINDS))
-    parser.add_argument("--solids", nargs="*", default=["square", "round"])
+    parser.add_argument(
+        "--solids", nargs="*", choices=["square", *SOLIDS], default=["square", "round"]
+    )
     options = parser.parse_args()
     logging.disable(logging.WARNING)
     done: Counter[tuple[str, str, str]] = Counter()

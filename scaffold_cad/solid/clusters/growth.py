@@ -43,6 +43,10 @@ from scaffold_cad.struts.pieces import (
 )
 from scaffold_cad.struts.runs import Runs, balls_of
 
+MOST_FIELD = 0.8
+"""Where the struts of clusters have a larger part of the area than this, all becomes one field:
+then cuts save nothing."""
+
 SETTLED = 0.01
 """By how much spans may still grow where clusters have settled, in radii."""
 
@@ -72,6 +76,10 @@ class Core(Frozen):
     wall, shape (p,)."""
     spans: Spans
     """Stretches of runs: those that are a field on the other side of a wall."""
+
+    def joined(self, other: Core) -> Core:
+        """Return the same with the nodes and pieces of another."""
+        return replace(self, nodes=self.nodes | other.nodes, pieces=self.pieces | other.pieces)
 
     def with_nodes(self, nodes: Bools) -> Core:
         """Return the same with more nodes (n,)."""
@@ -250,8 +258,7 @@ class _Found:
         pairs, kinds = pairs[~idle], kinds[~idle]
         found = pairs[kinds == NODE]
         at, folded = np.zeros_like(self.nodes), np.zeros_like(self.zone)
-        is_ball = self.struts.runs.valency[pieces.nodes[found, 0]] == 1
-        at[pieces.nodes[found[is_ball | (pieces.hull[found] >= 0)], 0]] = True
+        at[pieces.nodes[found[pieces.curve[found] < 0], 0]] = True
         folded[pieces.curve[found[pieces.curve[found] >= 0]]] = True
         both = pairs[(kinds != NODE).all(axis=1)]
         near = [no_spans()]

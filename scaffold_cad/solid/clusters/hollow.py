@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Protocol, TypeVar
 
 import numpy as np
@@ -47,12 +46,8 @@ THIN = 0.9
 _log = logging.getLogger(__name__)
 
 
-class _Made(Protocol):
-    """A surface of solid struts, some of which are in fields."""
-
-    @property
-    def mesh(self) -> TriangleMesh:
-        """Its triangles."""
+class Made(Protocol):
+    """Solid struts, some of which are in fields."""
 
     @property
     def nodes(self) -> Bools:
@@ -70,12 +65,21 @@ class _Made(Protocol):
     def fillets(self) -> Floats:
         """Fillet radius of each node, mm, shape (n,)."""
 
+
+class _Surface(Made, Protocol):
+    """The surface of these."""
+
+    @property
+    def mesh(self) -> TriangleMesh:
+        """Its triangles."""
+
     @property
     def node(self) -> Ints:
         """Nodes that the first triangles are around, shape (t',)."""
 
 
-Surface = TypeVar("Surface", bound=_Made)
+Solid = TypeVar("Solid", bound=Made)
+Surface = TypeVar("Surface", bound=_Surface)
 
 
 def hollow(
@@ -98,11 +102,10 @@ def hollow(
     joined : both surfaces as triangles, those of the outside first, then those of the inside
     """
     inner = inside_of(struts)
-    core, more = core_of(struts), core_of(inner)
-    core = replace(core.with_nodes(more.nodes), pieces=core.pieces | more.pieces)
+    core = core_of(struts).joined(core_of(inner))
     fineness, finer = Fineness(sag=float(struts.options.wall or 0.0) / 4.0), False
     for left in reversed(range(FINER)):
-        outside, inside = _both(struts, inner, make, core, fineness)
+        outside, inside = both_of(struts, inner, make, core, fineness)
         mesh = joined(outside, inside)
         written = TriangleMesh(in_single_precision(mesh.vertices, factor), mesh.triangles)
         crossing = np.unique(self_intersections(written))
@@ -126,7 +129,7 @@ def hollow(
     )
 
 
-def tell_closed(struts: RoundStruts, outside: _Made) -> None:
+def tell_closed(struts: RoundStruts, outside: Made) -> None:
     """Warn of open ends that came to be closed, as they are in fields, and say why."""
     runs = struts.runs
     is_end = (runs.valency == 1) & ~ball_ends(struts.skeleton, runs)
@@ -185,7 +188,7 @@ def _folds_beside(struts: RoundStruts, ends: Ints, in_field: Bools) -> Ints:
     return found
 
 
-def _nodes_of(triangles: Ints, outside: _Made, inside: _Made) -> Ints:
+def _nodes_of(triangles: Ints, outside: _Surface, inside: _Surface) -> Ints:
     """Return the nodes that triangles of walls are around, -1 where they are around none."""
     node = np.full(len(triangles), -1)
     for surface, first in ((outside, 0), (inside, len(outside.mesh.triangles))):
@@ -195,7 +198,7 @@ def _nodes_of(triangles: Ints, outside: _Made, inside: _Made) -> Ints:
     return node
 
 
-def _thin_places(outside: _Made, struts: RoundStruts, inner: RoundStruts) -> Points:
+def _thin_places(outside: _Surface, struts: RoundStruts, inner: RoundStruts) -> Points:
     """Return points outside (k, 3) at thin walls beside struts that cross by their outsides only.
 
     What is inside these is no field, which could move away. The outside will, by less where its
@@ -260,14 +263,14 @@ def _cross(spans: Spans, runs: Runs) -> Bools:
     return found
 
 
-def _both(
+def both_of(
     struts: RoundStruts,
     inner: RoundStruts,
-    make: Callable[[RoundStruts, Floats, Core, Fineness, Surface | None], Surface],
+    make: Callable[[RoundStruts, Floats, Core, Fineness, Solid | None], Solid],
     core: Core,
     fineness: Fineness,
-) -> tuple[Surface, Surface]:
-    """Return the surfaces outside and inside of hollow struts.
+) -> tuple[Solid, Solid]:
+    """Return the outside and the inside of hollow struts.
 
     What is a field outside around nodes is one inside too: where cells cut off a part of the wall
     the inside can move. Of curves the same pieces are fields on both sides, which follow edges and

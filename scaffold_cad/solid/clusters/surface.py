@@ -23,7 +23,14 @@ from scaffold_cad.solid.clusters.ends import with_flat_ends
 from scaffold_cad.solid.clusters.fewest import fewest_sides
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
 from scaffold_cad.solid.clusters.fineness import Fineness
-from scaffold_cad.solid.clusters.growth import Clusters, Core, bodies_of, clusters_of, unproved
+from scaffold_cad.solid.clusters.growth import (
+    MOST_FIELD,
+    Clusters,
+    Core,
+    bodies_of,
+    clusters_of,
+    unproved,
+)
 from scaffold_cad.solid.clusters.hollow import hollow, tell_closed
 from scaffold_cad.solid.clusters.remade import Remade
 from scaffold_cad.solid.clusters.seams import seamed
@@ -43,10 +50,6 @@ from scaffold_cad.struts.sharp.surface import without_triangles
 
 MARGIN = 1e-9
 """Least sine of the angle at which the triangles of a node are seen from it."""
-
-MOST_FIELD = 0.8
-"""Where the struts of clusters have a larger part of the area than this, all becomes one field:
-then cuts save nothing."""
 
 TRIES = 8
 """Times that clusters grow where a seam fails, before all becomes one field."""

@@ -10,7 +10,11 @@ from build123d import Cylinder, GeomType, Plane, import_step
 
 from scaffold_cad import Skeleton, round_struts, to_brep, to_solid, write
 from scaffold_cad.errors import OptionError, SkeletonError
-from tests.skeletons import BCC_STAR, ELBOW, JACK, TETRAPOD
+from scaffold_cad.solid.rounds import round_mesh
+from scaffold_cad.struts.options import Nodes
+from tests.crossings import check_as_written
+from tests.skeletons import BCC_STAR, ELBOW, JACK, TETRAPOD, polyline
+from tests.solids import contains
 from tests.struts.stars import random_stars
 
 STARS = {"jack": JACK, "bcc_star": BCC_STAR, "tetrapod": TETRAPOD, "elbow": ELBOW}
@@ -109,3 +113,21 @@ def test_cones_that_widen_as_fast_as_they_part_have_no_ball() -> None:
         SkeletonError, match=r"node 0 at \[0, 0, 0\] mm has no ball: its struts wid"
     ):
         round_struts(fork, nodes="ball")
+
+
+@pytest.mark.parametrize("nodes", ["ball", "sharp"])
+def test_balls_that_overlap_far_along_the_chain_are_united(nodes: Nodes) -> None:
+    places = [[4.2 * k, 19.6 * (k % 2), 0] for k in range(6)]
+    radii = [1, *[5] * 4, 1] if nodes == "sharp" else 1.0
+    zigzag = Skeleton(places, polyline(6), radii, np.ones((5, 2)))
+    struts = round_struts(zigzag, nodes=nodes)
+    mesh = round_mesh(struts, 16)
+    check_as_written(mesh)
+    balls = struts.skeleton.radii[1:-1, None]
+    assert (balls > 4.5).all()  # and every other ones are 8.4 mm from each other
+    ways = np.random.default_rng(0).normal(size=(200, 3))
+    ways *= 0.98 / np.linalg.norm(ways, axis=1)[:, None]
+    points = np.concatenate(
+        [place + size * ways for place, size in zip(places[1:-1], balls, strict=True)]
+    )
+    assert contains(mesh, points).all()
