@@ -24,7 +24,7 @@ from tests.validation.fillets import fillet_volume
 from tests.validation.reread import SAG, axes_outside, least_wall, worst_join
 
 KINDS = ("tree", "foam", "truss", "ring")
-SAMPLES = 200_000
+SAMPLES = 1_000_000
 WALL = 0.4
 """Wall of hollow frames, in radii of the thinnest strut."""
 BOX = [[0, 0, 0], [60, 60, 60]]
