@@ -16,6 +16,7 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters import whole_struts
 from scaffold_cad.solid.field import field_solid
 from scaffold_cad.solid.rounds import round_mesh
+from scaffold_cad.struts.sharp.surface import without_triangles
 
 SIDES = 48
 """Of polygons that stand for circles."""
@@ -144,3 +145,21 @@ def test_fillets_between_flat_ends_are_in_the_box() -> None:
     for layer in layers:
         assert (layer.bounds[0] >= layers.box[0]).all()
         assert (layer.bounds[1] <= layers.box[1]).all()
+
+
+def test_sharp_nodes_without_triangles_are_in_layers() -> None:
+    tips = np.array([[1.4, 10, 1.2], [-8.4, 7.1, -5.3], [4.6, 13, 8.2], [5.2, -15.7, -0.6]])
+    radii = np.array([[1.2, 1.3], [0.8, 0.8], [0.6, 0.5], [1.2, 1.3]])
+    nodes, edges = np.vstack([np.zeros(3), tips]), [[0, k + 1] for k in range(4)]
+    struts = round_struts(Skeleton(nodes, edges, edge_radii=radii), nodes="sharp")
+    assert without_triangles(struts, 40).any()
+    (layer,) = slices(struts, [-0.4], sides=40)
+    step = 0.02
+    x, y = np.meshgrid(np.arange(-10, 8, step), np.arange(-18, 12, step))
+    places = np.stack([x, y, np.full_like(x, -0.4)], axis=-1).reshape(-1, 3)
+    inside = (places**2).sum(axis=1) < radii[:, 0].max() ** 2  # the ball behind the struts
+    for tip, (near, far) in zip(tips, radii, strict=True):
+        share = places @ tip / (tip @ tip)
+        away = np.linalg.norm(places - share[:, None] * tip, axis=1)
+        inside |= (share > 0) & (share < 1) & (away < near + share * (far - near))
+    assert layer.area == pytest.approx(inside.sum() * step**2, rel=1e-3)

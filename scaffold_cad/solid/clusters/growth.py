@@ -42,6 +42,7 @@ from scaffold_cad.struts.pieces import (
     with_domes,
 )
 from scaffold_cad.struts.runs import Runs, balls_of
+from scaffold_cad.struts.sharp.surface import without_triangles
 
 MOST_FIELD = 0.8
 """Where the struts of clusters have a larger part of the area than this, all becomes one field:
@@ -189,6 +190,12 @@ def unproved(struts: RoundStruts) -> Core:
     found[runs.edges[used > runs.lengths]] = True
     folded = ~proved(struts.curves)
     return Core(found, folded, np.zeros_like(folded), no_spans())
+
+
+def unmade(struts: RoundStruts, sides: int) -> Core:
+    """Return the nodes and pieces that have no triangles of their own with so many sides."""
+    core = unproved(struts)
+    return replace(core, nodes=core.nodes | without_triangles(struts, sides))
 
 
 def _settled(reaches: Reaches, core: Core, seeds: Spans) -> tuple[Bools, Zones, Spans, Floats]:

@@ -16,7 +16,7 @@ from scaffold_cad.solid.clusters.growth import (
     Core,
     bodies_of,
     clusters_of,
-    unproved,
+    unmade,
 )
 from scaffold_cad.solid.clusters.hollow import both_of
 from scaffold_cad.solid.clusters.spans import Spans, whole_runs
@@ -56,14 +56,15 @@ def parts_of(struts: RoundStruts, sides: int) -> tuple[Parts, Parts | None]:
     sides : of the polygons of struts that are exact, which must not cross
     """
     if struts.inner is None:
-        return _parts(struts, sides, wanted_fillets(struts), unproved(struts)), None
+        return _parts(struts, sides, wanted_fillets(struts), unmade(struts, sides)), None
     inner = inside_of(struts)
     most = 1.0 if struts.options.ends == "open" else MOST_FIELD
 
     def make(own: RoundStruts, fillets: Floats, core: Core, *_: object) -> Parts:
         return _parts(own, sides, fillets, core, most)
 
-    return both_of(struts, inner, make, unproved(struts).joined(unproved(inner)), Fineness())
+    core = unmade(struts, sides).joined(unmade(inner, sides))
+    return both_of(struts, inner, make, core, Fineness())
 
 
 def _parts(

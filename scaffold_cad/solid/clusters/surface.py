@@ -29,7 +29,7 @@ from scaffold_cad.solid.clusters.growth import (
     Core,
     bodies_of,
     clusters_of,
-    unproved,
+    unmade,
 )
 from scaffold_cad.solid.clusters.hollow import hollow, tell_closed
 from scaffold_cad.solid.clusters.remade import Remade
@@ -46,7 +46,6 @@ from scaffold_cad.struts.meshes.bands import polygon_slack, polygon_wall
 from scaffold_cad.struts.meshes.surface import Shell, Triangulated, first_alike, open_ends, shell_of
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.runs import ball_ends
-from scaffold_cad.struts.sharp.surface import without_triangles
 
 MARGIN = 1e-9
 """Least sine of the angle at which the triangles of a node are seen from it."""
@@ -121,7 +120,7 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
     """
     fine, sides = Fineness(sides), fewest_sides(struts, sides)
     if struts.inner is None:
-        fillets, core = wanted_fillets(struts), _unmade(struts, sides)
+        fillets, core = wanted_fillets(struts), unmade(struts, sides)
         made = _surface(struts, sides, fillets, core, factor, fine)
         tell_united(struts, made.spans, made.fillets)
         return made.mesh
@@ -129,8 +128,8 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
     # Ends that come to lie in a field are closed: open ones stay out of it as long as they can.
     most = 1.0 if struts.options.ends == "open" else MOST_FIELD
 
-    def unmade(own: RoundStruts) -> Core:
-        return _unmade(own, sides)
+    def unmade_of(own: RoundStruts) -> Core:
+        return unmade(own, sides)
 
     def make(
         own: RoundStruts, fillets: Floats, core: Core, fineness: Fineness, _: _Surface | None = None
@@ -142,7 +141,7 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
     def joined(outside: _Surface, inside: _Surface) -> TriangleMesh:
         return _walls(struts, outside, inside)
 
-    outside, inside = hollow(struts, unmade, make, joined, factor)
+    outside, inside = hollow(struts, unmade_of, make, joined, factor)
     tell_closed(struts, outside)
     tell_united(struts, outside.spans, outside.fillets)
     mesh, wall = joined(outside, inside), float(struts.options.wall or 0.0)
@@ -173,13 +172,6 @@ def _on_balls(struts: RoundStruts, points: Points) -> Bools:
     sizes = struts.skeleton.radii[rows] - float(struts.options.wall or 0.0)
     far, ball = cKDTree(struts.runs.nodes[rows]).query(points)
     return np.asarray(np.abs(far - sizes[ball]) < ON_BALL * sizes[ball])
-
-
-def _unmade(struts: RoundStruts, sides: int) -> Core:
-    """Return the nodes and pieces that have no triangles of their own."""
-    core = unproved(struts)
-    nodes = core.nodes | without_triangles(struts, sides)
-    return replace(core, nodes=nodes)
 
 
 def _walls(struts: RoundStruts, outside: _Surface, inside: _Surface) -> TriangleMesh:
