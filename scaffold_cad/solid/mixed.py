@@ -23,9 +23,9 @@ from scaffold_cad.brep.joining import (
 )
 from scaffold_cad.mesh.pieces import Pieces, pieces_of
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.solid.clusters.core import Core, unproved
 from scaffold_cad.solid.clusters.facets import FINENESS, SIDES, Faceted, faceted
 from scaffold_cad.solid.clusters.fineness import Fineness
-from scaffold_cad.solid.clusters.growth import Core, unproved
 from scaffold_cad.solid.clusters.hollow import hollow, tell_closed
 from scaffold_cad.solid.clusters.spans import Spans, no_spans, whole_runs
 from scaffold_cad.solid.clusters.stumps import wanted_fillets

@@ -19,9 +19,10 @@ from scaffold_cad.base.ranges import steps
 from scaffold_cad.mesh.decimation import decimated
 from scaffold_cad.mesh.pieces import without_voids
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.solid.clusters.core import Core
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
 from scaffold_cad.solid.clusters.fineness import Fineness
-from scaffold_cad.solid.clusters.growth import Clusters, Core, bodies_of, clusters_of
+from scaffold_cad.solid.clusters.growth import Clusters, bodies_of, clusters_of
 from scaffold_cad.solid.clusters.remade import Remade
 from scaffold_cad.solid.clusters.seams import seamed
 from scaffold_cad.solid.clusters.surface import TRIES, field_of, grown, report_filled

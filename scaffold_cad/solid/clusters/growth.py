@@ -15,6 +15,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Edges, Floats, Frozen, Ints
 from scaffold_cad.base.vectors import length, normalize
+from scaffold_cad.solid.clusters.core import Core
 from scaffold_cad.solid.clusters.nearness import near_spans
 from scaffold_cad.solid.clusters.remainder import Remainder, remainder
 from scaffold_cad.solid.clusters.spans import (
@@ -28,7 +29,6 @@ from scaffold_cad.solid.clusters.spans import (
 from scaffold_cad.solid.clusters.stumps import GAP, Reaches, stumps
 from scaffold_cad.solid.clusters.zones import Lines, Zones, core_of, lines_to, zones_of
 from scaffold_cad.struts.apart import Slack, meeting
-from scaffold_cad.struts.curves.proof import proved
 from scaffold_cad.struts.model import RoundStruts
 from scaffold_cad.struts.pieces import (
     Pieces,
@@ -42,7 +42,6 @@ from scaffold_cad.struts.pieces import (
     with_domes,
 )
 from scaffold_cad.struts.runs import Runs, balls_of
-from scaffold_cad.struts.sharp.surface import without_triangles
 
 MOST_FIELD = 0.8
 """Where the struts of clusters have a larger part of the area than this, all becomes one field:
@@ -62,37 +61,6 @@ STRUT, NODE, SPAN, DUMMY = range(4)
 
 FIELD = (SPAN, SPAN, DUMMY, SPAN)
 """What spans, what leads to cuts of curves, what is cut off, and balls are."""
-
-
-@dataclass(frozen=True, eq=False)
-class Core(Frozen):
-    """What clusters hold in any case."""
-
-    nodes: Bools
-    """Shape (n,)."""
-    pieces: Bools
-    """Pieces of curves, and with them what of the curves beside them a cut takes, shape (p,)."""
-    zone: Bools
-    """Pieces of curves and nothing beside them: those that are a field on the other side of a
-    wall, shape (p,)."""
-    spans: Spans
-    """Stretches of runs: those that are a field on the other side of a wall."""
-
-    def joined(self, other: Core) -> Core:
-        """Return the same with the nodes and pieces of another."""
-        return replace(self, nodes=self.nodes | other.nodes, pieces=self.pieces | other.pieces)
-
-    def with_nodes(self, nodes: Bools) -> Core:
-        """Return the same with more nodes (n,)."""
-        return replace(self, nodes=self.nodes | nodes)
-
-    def with_zone(self, pieces: Bools) -> Core:
-        """Return the same with more pieces (p,) in the zone."""
-        return replace(self, zone=self.zone | pieces)
-
-    def with_spans(self, spans: Spans) -> Core:
-        """Return the same with other spans."""
-        return replace(self, spans=spans)
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +85,14 @@ class Clusters(Frozen):
     """How the axes of the field lead to the cuts of curves."""
     seeds: Spans
     """Spans that they began with, and what came near: with these they are soon found again."""
+
+
+def most_field(struts: RoundStruts) -> float:
+    """Return the part of the area in clusters from which on all becomes one field.
+
+    Ends that come to lie in a field are closed: open ones stay out of it as long as they can.
+    """
+    return 1.0 if struts.options.ends == "open" else MOST_FIELD
 
 
 def bodies_of(struts: RoundStruts) -> Pieces:
@@ -173,29 +149,6 @@ def clusters_of(
             return Clusters(core, inside, zones.pieces, spans, reached, blend, rest, lines, seeds)
         core = replace(core.with_nodes(joining.nodes), pieces=core.pieces | more)
         seeds = Spans.joined([seeds, near])
-
-
-def unproved(struts: RoundStruts) -> Core:
-    """Return the nodes whose blend is not proved, or whose struts have no room, and such pieces."""
-    runs = struts.runs
-    found = np.zeros(len(runs.nodes), dtype=np.bool_)
-    for group in struts.blended:
-        good = group.shapes.sound[group.shape_of]
-        found[group.nodes[~good]] = True
-    if struts.options.is_sharp:
-        found = runs.valency > 1
-        for own in struts.sharp:
-            found[own.nodes] = False
-    used = struts.collar.reshape(-1, 2).sum(axis=1)
-    found[runs.edges[used > runs.lengths]] = True
-    folded = ~proved(struts.curves)
-    return Core(found, folded, np.zeros_like(folded), no_spans())
-
-
-def unmade(struts: RoundStruts, sides: int) -> Core:
-    """Return the nodes and pieces that have no triangles of their own with so many sides."""
-    core = unproved(struts)
-    return replace(core, nodes=core.nodes | without_triangles(struts, sides))
 
 
 def _settled(reaches: Reaches, core: Core, seeds: Spans) -> tuple[Bools, Zones, Spans, Floats]:

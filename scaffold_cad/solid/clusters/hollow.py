@@ -21,8 +21,8 @@ from scaffold_cad.mesh.intersections import self_intersections
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.aims import between
 from scaffold_cad.solid.clusters.closing import shortened
+from scaffold_cad.solid.clusters.core import Core
 from scaffold_cad.solid.clusters.fineness import Fineness
-from scaffold_cad.solid.clusters.growth import Core
 from scaffold_cad.solid.clusters.spans import CUT, Spans
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
 from scaffold_cad.struts.curves.proof import proved

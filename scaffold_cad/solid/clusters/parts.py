@@ -8,16 +8,10 @@ from functools import cache, partial
 import numpy as np
 
 from scaffold_cad.base.arrays import Bools, Floats, Frozen, Ints
+from scaffold_cad.solid.clusters.core import Core, unmade
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
 from scaffold_cad.solid.clusters.fineness import Fineness
-from scaffold_cad.solid.clusters.growth import (
-    MOST_FIELD,
-    Clusters,
-    Core,
-    bodies_of,
-    clusters_of,
-    unmade,
-)
+from scaffold_cad.solid.clusters.growth import Clusters, bodies_of, clusters_of, most_field
 from scaffold_cad.solid.clusters.hollow import both_of
 from scaffold_cad.solid.clusters.spans import Spans, whole_runs
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
@@ -43,7 +37,7 @@ class Parts(Frozen):
     fillets: Floats
     """Fillet radius of each node, mm, shape (n,)."""
     fields: FieldStruts | None
-    """What fields are made of; None where there are none."""
+    """What fields are made of, if there are any."""
     run: Ints
     """The run of each of these, -1 for balls, shape (q,)."""
 
@@ -58,22 +52,19 @@ def parts_of(struts: RoundStruts, sides: int) -> tuple[Parts, Parts | None]:
     if struts.inner is None:
         return _parts(struts, sides, wanted_fillets(struts), unmade(struts, sides)), None
     inner = inside_of(struts)
-    most = 1.0 if struts.options.ends == "open" else MOST_FIELD
 
     def make(own: RoundStruts, fillets: Floats, core: Core, *_: object) -> Parts:
-        return _parts(own, sides, fillets, core, most)
+        return _parts(own, sides, fillets, core)
 
     core = unmade(struts, sides).joined(unmade(inner, sides))
     return both_of(struts, inner, make, core, Fineness())
 
 
-def _parts(
-    struts: RoundStruts, sides: int, fillets: Floats, core: Core, most: float = MOST_FIELD
-) -> Parts:
+def _parts(struts: RoundStruts, sides: int, fillets: Floats, core: Core) -> Parts:
     """Return the parts of solid struts with what is in `core` in fields."""
     slack = Slack(polygon_slack(sides), np.zeros(len(core.nodes)))
     bodies = cache(partial(bodies_of, struts))
-    found = clusters_of(struts, bodies, fillets, slack, core, core.spans, most)
+    found = clusters_of(struts, bodies, fillets, slack, core, core.spans, most_field(struts))
     if found is None:
         every = np.ones_like(core.nodes), np.ones_like(core.pieces)
         spans, whole = whole_runs(struts.runs), whole_struts(struts)

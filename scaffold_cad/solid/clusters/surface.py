@@ -19,18 +19,12 @@ from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import length
 from scaffold_cad.mesh.pieces import without_voids
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
+from scaffold_cad.solid.clusters.core import Core, unmade
 from scaffold_cad.solid.clusters.ends import with_flat_ends
 from scaffold_cad.solid.clusters.fewest import fewest_sides
 from scaffold_cad.solid.clusters.fields import cluster_struts, whole_struts
 from scaffold_cad.solid.clusters.fineness import Fineness
-from scaffold_cad.solid.clusters.growth import (
-    MOST_FIELD,
-    Clusters,
-    Core,
-    bodies_of,
-    clusters_of,
-    unmade,
-)
+from scaffold_cad.solid.clusters.growth import Clusters, bodies_of, clusters_of, most_field
 from scaffold_cad.solid.clusters.hollow import hollow, tell_closed
 from scaffold_cad.solid.clusters.remade import Remade
 from scaffold_cad.solid.clusters.seams import seamed
@@ -109,8 +103,8 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
     """Return the surface of round struts, closed and without crossings in 32-bit coordinates.
 
     Struts that pass each other closely may have more sides, see `fewest_sides`.
-    What is crowded is made as fields, and everything where the struts of these have more than
-    `MOST_FIELD` of the area. The inside of hollow struts is a surface like that outside; open ends
+    What is crowded is made as fields, and everything where the struts of these have most of the
+    area, see `most_field`. The inside of hollow struts is a surface like that outside; open ends
     that come to lie in a field are closed.
 
     Parameters
@@ -125,18 +119,13 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
         tell_united(struts, made.spans, made.fillets)
         return made.mesh
 
-    # Ends that come to lie in a field are closed: open ones stay out of it as long as they can.
-    most = 1.0 if struts.options.ends == "open" else MOST_FIELD
-
     def unmade_of(own: RoundStruts) -> Core:
         return unmade(own, sides)
 
     def make(
         own: RoundStruts, fillets: Floats, core: Core, fineness: Fineness, _: _Surface | None = None
     ) -> _Surface:
-        return _surface(
-            own, sides, fillets, core, factor, replace(fineness, sides=fine.sides), most
-        )
+        return _surface(own, sides, fillets, core, factor, replace(fineness, sides=fine.sides))
 
     def joined(outside: _Surface, inside: _Surface) -> TriangleMesh:
         return _walls(struts, outside, inside)
@@ -196,7 +185,6 @@ def _surface(
     core: Core,
     factor: float,
     fineness: Fineness,
-    most: float = MOST_FIELD,
 ) -> _Surface:
     """Return the surface of solid struts with what is in `core` in clusters.
 
@@ -204,14 +192,13 @@ def _surface(
     ----------
     fillets : (n,) fillet radius wanted at each node, mm
     fineness : of fields
-    most : part of the area in clusters from which on all becomes one field
     """
     count = len(core.nodes)
     slack = Slack(polygon_slack(sides), np.zeros(count))
     seeds, bodies = core.spans, cache(partial(bodies_of, struts))
     remade = Remade(lambda some: field_of(some, sides, fineness, factor))
     for _ in range(TRIES):
-        clusters = clusters_of(struts, bodies, fillets, slack, core, seeds, most)
+        clusters = clusters_of(struts, bodies, fillets, slack, core, seeds, most_field(struts))
         if clusters is None:
             break
         core, seeds, rest = clusters.core, clusters.seeds, clusters.rest

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from scaffold_cad.solid.clusters.growth import bodies_of, clusters_of, unproved
+from scaffold_cad.solid.clusters.core import unproved
+from scaffold_cad.solid.clusters.growth import bodies_of, clusters_of
 from scaffold_cad.solid.clusters.spans import CUT, no_spans
 from scaffold_cad.solid.clusters.stumps import wanted_fillets
 from scaffold_cad.solid.clusters.zones import MARGIN, core_of, zones_of
