@@ -141,6 +141,14 @@ class RoundStruts(Frozen, Shown):
         found[self.curves.nodes[self.curves.nodes >= 0]] = True
         return found & np.isnan(self.bends)
 
+    @property
+    def first(self) -> RoundStruts:
+        """The first of the struts that these are made like, one after another; or themselves."""
+        found = self
+        while found.like is not None:
+            found = found.like
+        return found
+
     @cached_property
     def straight(self) -> RoundStruts:
         """The same with those runs only that are straight somewhere."""

@@ -10,6 +10,7 @@ import pytest
 from scaffold_cad import RoundStruts, Skeleton, read_skeleton, round_struts, self_intersections
 from scaffold_cad.errors import OptionError, PartitionError
 from scaffold_cad.solid.clusters.fewest import fewest_sides
+from scaffold_cad.solid.rounds import round_mesh
 from scaffold_cad.struts.meshes.surface import sized_rings, triangulated
 from scaffold_cad.struts.options import Joints
 from tests.crossings import check_as_written
@@ -49,6 +50,20 @@ def test_a_swaying_tree_keeps_its_triangles() -> None:
     first = round_struts(tree)
     frames = [round_struts(swaying(tree, phase), like=first) for phase in np.linspace(0, 6, 5)]
     check_same(first, frames)
+
+
+def test_triangles_of_moved_blends_are_unfolded_and_stay() -> None:
+    tips = [[12.7, -5.3, -3.1], [-12.1, 13, -1.3], [4.3, -10.6, 9], [-2.7, 19.2, -3.9]]
+    moved = [[12.5, -5.8, -2.6], [-11.8, 12.6, -0.4], [3.7, -10, 10.2], [-2.3, 18.7, -3]]
+    first, second = (
+        Skeleton([[0, 0, 0], *ends], [[0, k + 1] for k in range(5)], 1.0)
+        for ends in ([*tips, [-3.9, 4.8, 8.5]], [*moved, [-3.4, 4.5, 9.4]])
+    )
+    start = round_struts(first, blend=0.14)
+    struts = round_struts(second, blend=0.14, like=start)
+    mesh = round_mesh(struts, 12)
+    assert np.array_equal(mesh.triangles, round_mesh(start, 12).triangles)
+    check_as_written(mesh)
 
 
 def test_another_graph_is_refused() -> None:

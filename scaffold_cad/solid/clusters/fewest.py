@@ -44,7 +44,7 @@ def fewest_sides(struts: RoundStruts, sides: int) -> int:
     crossing = near_runs(struts) if overlap else np.zeros((0, 2), dtype=np.intp)
     given, most = sides, MOST
     if struts.like is not None:
-        given = most = fewest_sides(struts.like, sides)
+        given = most = fewest_sides(struts.first, sides)
     enough, count = given, 2 * len(struts.runs.edges)
     while len(_near(struts, enough, crossing, overlap=overlap)):
         if 2 * enough > most or 2 * enough * count > MOST_CORNERS:

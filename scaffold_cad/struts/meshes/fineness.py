@@ -59,8 +59,7 @@ class Fineness(Frozen):
     @staticmethod
     def of(struts: RoundStruts, sides: int) -> Fineness:
         """Return how the nodes of struts are sampled between polygons of `sides` sides."""
-        while struts.like is not None:
-            struts = struts.like
+        struts = struts.first
         count = len(struts.runs.nodes)
         steps, levels = np.zeros((2, count), dtype=np.intp)
         wall = struts.options.wall or np.inf

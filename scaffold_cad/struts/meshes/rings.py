@@ -81,7 +81,9 @@ class Grid:
         return valency + 2 + 2 * valency * (self.steps - 1)
 
 
-def stacks(group: BlendedNodes, growth: Floats, grid: Grid, slack: float) -> Stacks:
+def stacks(
+    group: BlendedNodes, growth: Floats, grid: Grid, slack: float, given: Ints | None = None
+) -> Stacks:
     """Sample the patches of nodes, and move the samples so that the volume is that of the blends.
 
     Where triangles are not seen from their node then, samples are moved aside.
@@ -93,6 +95,7 @@ def stacks(group: BlendedNodes, growth: Floats, grid: Grid, slack: float) -> Sta
     grid : how many samples patches have
     slack : how far samples are moved, over their distance from their strut's axis: further only
         where that does not make up for the volume
+    given : (M, t, 3) the triangles between samples, see `Stacks`; by default the best ones
     """
     rings = _rings(group.quads, grid)
     u, v = quarter_parameters(grid.steps), graded(grid.levels)
@@ -105,15 +108,19 @@ def stacks(group: BlendedNodes, growth: Floats, grid: Grid, slack: float) -> Sta
     cells = cells_of(group.shapes, np.append(u, 1.0), v)
     lifted = Lifted.of(group.shapes, group.axes, Samples(points, normals, rings), cells)
     rounded = np.rint(growth / SAME)
-    rows = np.concatenate([group.shape_of[:, None], rounded], axis=1)
-    kinds, kind = np.unique(rows, axis=0, return_inverse=True)
+    rows = [group.shape_of[:, None], rounded]
+    if given is not None:
+        rows.append(np.unique(given, axis=0, return_inverse=True)[1].reshape(-1, 1))
+    kinds, first, kind = np.unique(
+        np.concatenate(rows, axis=1), axis=0, return_index=True, return_inverse=True
+    )
     kind = kind.reshape(-1)
-    which = kinds[:, 0].astype(np.intp)
-    moved = lifted.moved(which, SAME * kinds[:, 1:], grid.sides, slack)
+    which = group.shape_of[first]
+    moved = lifted.moved(which, SAME * rounded[first], grid.sides, slack)
     placed = np.empty((len(kinds), grid.block_size(rings.shape[1]), 3))
     # Of the samples at one vertex the last one written stays, for all the same.
     placed[np.arange(len(kinds))[:, None, None, None], rings[which]] = moved.points
-    triangles = _triangles(placed, rings[which])
+    triangles = _triangles(placed, rings[which]) if given is None else given[first]
     collars = rings[:, :, -1, np.unique(grid.nearest, return_index=True)[1]]
     fixed = collars[which].reshape(len(kinds), -1)
     made = faced(placed, triangles, fixed, 4 * grid.steps)

@@ -196,11 +196,11 @@ def shell_of(struts: RoundStruts, sides: int, open_at: Bools | None = None) -> S
     number = np.flatnonzero(np.repeat(~struts.curves.curved, 2))  # of the half-runs left
     owner = -1 - (number[::2] >> 1)  # of the triangles of each run left
     struts = struts.straight
-    model = None if struts.like is None else shell_of(struts.like, sides).made
+    model = None if struts.like is None else shell_of(struts.first, sides).made
     sized = sized_rings(struts, sides, None if model is None else model.shift)
     own = own_rings(struts, np.arange(len(struts.collar)), sized, sides)  # (2 k, sides, 3)
     parts = _Parts(len(own), sides)
-    swell = _add_blended(parts, struts, own, sized.growth)
+    swell = _add_blended(parts, struts, own, sized.growth, model)
     _add_sharp(parts, struts, own)
     ends = np.flatnonzero(struts.runs.valency[struts.runs.tails] == 1)
     parts.rings[ends] = parts.placed(own[ends])
@@ -223,15 +223,25 @@ def shell_of(struts: RoundStruts, sides: int, open_at: Bools | None = None) -> S
     return Shell(made, number[ends[~is_ball]], parts.rings[ends[~is_ball]])
 
 
-def _add_blended(parts: _Parts, struts: RoundStruts, own: Points, growth: Floats) -> Floats:
-    """Add the nodes with blends, all vertices of them by `_blocks`; return the swell, (n,)."""
+def _add_blended(
+    parts: _Parts, struts: RoundStruts, own: Points, growth: Floats, model: Triangulated | None
+) -> Floats:
+    """Add the nodes with blends, all vertices of them by `_blocks`; return the swell, (n,).
+
+    Parameters
+    ----------
+    model : what has their triangles, with other vertices
+    """
     fineness = Fineness.of(struts, own.shape[1])
     starts, count = _blocks(struts, fineness)
     points, swell = np.empty((count, 3)), np.zeros(len(struts.runs.nodes))
     parts.placed(points)
     for group, grid in fineness.parts(struts.blended):
         half_runs = group.half_runs
-        made = node_surface(struts, group, own[half_runs], growth[half_runs], grid)
+        given = None
+        if model is not None:
+            given = _triangles_around(model, group.nodes) - starts[group.nodes][:, None, None]
+        made = node_surface(struts, group, own[half_runs], growth[half_runs], grid, given)
         block = len(made.points) // len(group.nodes)
         place = (starts[group.nodes][:, None] + np.arange(block)).reshape(-1)
         points[place] = made.points
@@ -239,6 +249,14 @@ def _add_blended(parts: _Parts, struts: RoundStruts, own: Points, growth: Floats
         parts.add(place[made.triangles], group.nodes)
         swell[group.nodes] = made.swell
     return swell
+
+
+def _triangles_around(made: Triangulated, nodes: Ints) -> Ints:
+    """Return the triangles around nodes (m,) that have as many each, (m, t, 3)."""
+    order = np.argsort(made.node, kind="stable")
+    first, last = (np.searchsorted(made.node[order], nodes, side) for side in ("left", "right"))
+    rows = order[first[:, None] + np.arange(last[0] - first[0])]
+    return made.mesh.triangles[rows]
 
 
 def _add_sharp(parts: _Parts, struts: RoundStruts, own: Points) -> None:
@@ -266,9 +284,8 @@ def _add_curves(parts: _Parts, struts: RoundStruts, own: Points) -> CurveRings:
 
 def _intervals(struts: RoundStruts, sides: int) -> Ints:
     """Return how many intervals the pieces of curves have: those of the first model."""
-    while struts.like is not None:
-        struts = struts.like
-    return intervals_of(struts.curves, sides, struts.options.wall)
+    first = struts.first
+    return intervals_of(first.curves, sides, first.options.wall)
 
 
 def _blocks(struts: RoundStruts, fineness: Fineness) -> tuple[Ints, int]:
@@ -345,7 +362,12 @@ class NodeSurfaces(Frozen):
 
 
 def node_surface(
-    struts: RoundStruts, group: BlendedNodes, own: Points, growth: Floats, grid: Grid
+    struts: RoundStruts,
+    group: BlendedNodes,
+    own: Points,
+    growth: Floats,
+    grid: Grid,
+    given: Ints | None = None,
 ) -> NodeSurfaces:
     """Return the triangles of nodes.
 
@@ -354,9 +376,10 @@ def node_surface(
     own : (M, N, sides, 3) points of the rings, mm
     growth : (M, N), see `Sized`, mm
     grid : how many samples patches have
+    given : (M, t, 3) the triangles between samples, see `stacks`
     """
     growth = growth / group.shapes.collar_radii[group.shape_of]
-    sampled = stacks(group, growth, grid, polygon_slack(grid.sides))
+    sampled = stacks(group, growth, grid, polygon_slack(grid.sides), given)
     count, block = sampled.points.shape[:2]
     first = block * np.arange(count)[:, None, None]
     rings = sampled.collars + first

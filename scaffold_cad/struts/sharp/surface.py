@@ -137,7 +137,7 @@ def _followed(
 def without_triangles(struts: RoundStruts, sides: int) -> Bools:
     """Return which nodes have a shape, but no triangles, (n,)."""
     found = np.zeros(len(struts.runs.nodes), dtype=np.bool_)
-    for group in _chain(struts)[0].sharp:
+    for group in struts.first.sharp:
         bad = np.array([_triangles(shape, sides) is None for shape in group.shapes])
         found[group.nodes[bad[group.shape_of]]] = True
     return found
