@@ -27,10 +27,20 @@ LARGEST_SVG = 2**26
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 LENGTH = re.compile(rf"\s*(?:{NUMBER}\s*(?:[a-zA-Z]*|%)|auto|none)?\s*")
+GAP = r"[\s,]*"
 PATH_PIECES = re.compile(rf"{NUMBER}|[MmZzLlHhVvCcSsQqTtAa]|[\s,]+")
 """What path data are made of."""
-COMMAND = re.compile(r"([MmLlTtHhVvSsQqCc])([^MmZzLlHhVvCcSsQqTtAa]*)")
-"""A command of path data and its numbers; the flags of arcs may be one word with what follows."""
+COMMAND = re.compile(r"([MmLlTtHhVvSsQqCcAa])([^MmZzLlHhVvCcSsQqTtAa]*)")
+"""A command of path data and its numbers."""
+ARC = "".join(
+    "[01]" + GAP if name == "flag" else rf"(?=(?P<{name}>{NUMBER}))(?P={name}){GAP}"
+    for name in ("rx", "ry", "turn", "flag", "flag", "x", "y")
+)
+ARCS = re.compile(rf"(?:{ARC})+")
+"""The numbers of arcs: flags may be one word with what follows.
+
+A number is found by looking ahead and then repeated, so that none is tried in parts.
+"""
 OF_COMMAND = {"H": 1, "V": 1, "M": 2, "L": 2, "T": 2, "S": 4, "Q": 4, "C": 6}
 """How many numbers are a point or a piece, by command."""
 
@@ -111,26 +121,47 @@ def _check_numbers(path: Path, root: Element) -> None:
         bad += [word for word in words if not LENGTH.fullmatch(word)]
         if bad:
             raise FormatError(f"{where} has {bad[0][:80]!r}; need numbers")
-        _check_counts(where, rest if tag == "path" or not rest else f"L{rest}")
-        if tag == "path" and "d" not in element.attrib:
-            element.set("d", "")  # nothing to draw; svgelements takes no None
+        if tag == "path":
+            _check_path(where, rest)
+            element.set("d", rest)  # svgelements takes no None
+        elif rest:
+            _check_count(where, "", rest, 2)
 
 
-def _check_counts(where: str, data: str) -> None:
-    """Check that each command of path data has numbers for whole points; `where` names its shape.
+def _check_path(where: str, data: str) -> None:
+    """Check that path data begin at a point, and that each command has numbers for whole pieces.
 
     Raises
     ------
     FormatError
-        If there are more or fewer; svgelements leaves such pieces out.
+        If not; svgelements leaves such pieces out. `where` names the shape.
     """
+    if data.strip() and data.strip()[0] not in "Mm":
+        raise FormatError(f"{where} begins with {data.strip()[:80]!r}; need M and a point")
     for command, numbers in COMMAND.findall(data):
-        count, each = len(re.findall(NUMBER, numbers)), OF_COMMAND[command.upper()]
-        if count == 0 or count % each:
+        if command not in "Aa":
+            _check_count(where, command, numbers, OF_COMMAND[command.upper()])
+        elif not ARCS.fullmatch(numbers.strip()):
             shown = f"{command}{numbers}".strip()[:80]
             raise FormatError(
-                f"{where} has {shown!r}, of {counted(count, 'number')}; need a multiple of {each}"
+                f"{where} has {shown!r}; need seven numbers an arc, two of them 0 or 1"
             )
+
+
+def _check_count(where: str, command: str, numbers: str, each: int) -> None:
+    """Check that there are numbers for whole points or pieces.
+
+    Raises
+    ------
+    FormatError
+        If there are more or fewer.
+    """
+    count = len(re.findall(NUMBER, numbers))
+    if count == 0 or count % each:
+        shown = f"{command}{numbers}".strip()[:80]
+        raise FormatError(
+            f"{where} has {shown!r}, of {counted(count, 'number')}; need a multiple of {each}"
+        )
 
 
 def _make_plain(root: Element, name: str) -> None:
