@@ -52,6 +52,22 @@ def sides_of(faces: Ints) -> Edges:
     return np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2)
 
 
+def neighbors(triangles: Ints, count: int) -> Ints:
+    """Return the triangle beyond each side of a closed mesh, (t, 3).
+
+    Parameters
+    ----------
+    triangles : (t, 3) vertices; side k goes from corner k to the next
+    count : of vertices
+    """
+    start, end = sides_of(triangles).T
+    key = np.minimum(start, end) * count + np.maximum(start, end)
+    order = np.argsort(key, kind="stable")
+    across = np.empty_like(order)
+    across[order[0::2]], across[order[1::2]] = order[1::2] // 3, order[0::2] // 3
+    return across.reshape(-1, 3)
+
+
 def edges_of_sides(sides: Edges) -> tuple[Edges, Ints]:
     """Return the edges that sides (s, 2) run along, lower end first (e, 2), and that of each, (s,).
 

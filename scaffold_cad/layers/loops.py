@@ -10,7 +10,7 @@ import numpy as np
 
 from scaffold_cad.base.arrays import Floats, Frozen, Ints
 from scaffold_cad.base.ranges import ranges
-from scaffold_cad.base.topology import sides_of
+from scaffold_cad.base.topology import neighbors
 from scaffold_cad.layers.sweep import Sweep, count_at
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
@@ -130,22 +130,6 @@ class MeshSections(Surface):
         """Return the sections at ascending heights (h,), above those before."""
         active = self._sweep.between(float(heights[0]), float(heights[-1]))
         return [self.cut(heights, active)]
-
-
-def neighbors(triangles: Ints, count: int) -> Ints:
-    """Return the triangle beyond each side of a closed mesh, (t, 3).
-
-    Parameters
-    ----------
-    triangles : (t, 3) vertices; side k goes from corner k to the next
-    count : of vertices
-    """
-    start, end = sides_of(triangles).T
-    key = np.minimum(start, end) * count + np.maximum(start, end)
-    order = np.argsort(key, kind="stable")
-    across = np.empty_like(order)
-    across[order[0::2]], across[order[1::2]] = order[1::2] // 3, order[0::2] // 3
-    return across.reshape(-1, 3)
 
 
 def cycles(after: Ints) -> tuple[Ints, Ints]:

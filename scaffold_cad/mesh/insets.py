@@ -12,8 +12,8 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 FLAT = 1e-5
 """Least eigenvalue, relative to the largest, at which the planes at a vertex fix a direction."""
 
-UNEVEN = 0.2
-"""Most that the wall at a triangle may be off the thickness asked for, as a fraction of it."""
+THINNEST, THICKEST = 0.98, 1.2
+"""Least and most wall at a triangle, as fractions of the thickness asked for."""
 
 
 def inset(mesh: TriangleMesh, thickness: float) -> TriangleMesh | None:
@@ -31,17 +31,17 @@ def inset(mesh: TriangleMesh, thickness: float) -> TriangleMesh | None:
     corners = mesh.vertices[mesh.triangles]
     normals = normalize(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
     steps = _steps(mesh, corners, normals)
-    off = dot(steps[mesh.triangles], np.broadcast_to(normals[:, None], corners.shape)) + 1.0
-    has_area = normals.any(axis=1)
-    if np.abs(off[has_area]).max(initial=0.0) > UNEVEN:
+    wall = -dot(steps[mesh.triangles], np.broadcast_to(normals[:, None], corners.shape))
+    wall = wall[normals.any(axis=1)]  # (t, 3), of thickness 1, where a triangle has area
+    if wall.min(initial=1.0) < THINNEST or wall.max(initial=1.0) > THICKEST:
         return None
     inner = TriangleMesh(mesh.vertices + thickness * steps, mesh.triangles)
-    wall = TriangleMesh(
+    both = TriangleMesh(
         np.concatenate([mesh.vertices, inner.vertices]),
         np.concatenate([mesh.triangles, inner.triangles[:, ::-1] + len(mesh.vertices)]),
     )
     # A surface turned inside out by the move has a volume of its own sign, or crosses the other.
-    whole = inner.signed_volume > 0 and len(self_intersections(wall, limit=1)) == 0
+    whole = inner.signed_volume > 0 and len(self_intersections(both, limit=1)) == 0
     return inner if whole else None
 
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from scaffold_cad.base.arguments import check_kind
-from scaffold_cad.base.arrays import Points
+from scaffold_cad.base.arrays import Points, UnitVectors
 from scaffold_cad.base.backends import need
 from scaffold_cad.errors import MeshError
 from scaffold_cad.mesh.quadmesh import QuadMesh
@@ -18,23 +17,6 @@ from scaffold_cad.mesh.trianglemesh import TriangleMesh
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
-
-BALL_SEGMENTS = 12
-"""Sides of the great circles of the ball that an eroded wall is as thick as."""
-
-SIMPLER = 0.05
-"""How far a body may be simplified for an eroded wall, in thicknesses of the wall."""
-
-EROSION_TIME = 0.0035
-"""Time that a triangle takes in the erosion, s."""
-
-MOST_TO_ERODE = 100_000
-"""Most triangles that are eroded: some minutes."""
-
-SOON = 1.0
-"""What takes no longer needs no word, s."""
-
-_log = logging.getLogger(__name__)
 
 
 def to_manifold(mesh: QuadMesh | TriangleMesh) -> Manifold:
@@ -116,32 +98,11 @@ def union(solids: Sequence[Manifold], hulls: Sequence[Points]) -> Manifold:
     return manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add)
 
 
-def eroded(manifold: Manifold, thickness: float) -> Manifold:
-    """Return what lies at least `thickness` inside the surface, about; for any shape, but slow.
-
-    Triangles that the shape does not need within `SIMPLER` of the thickness are left out first.
-
-    Raises
-    ------
-    MeshError
-        If it would take too long.
-    """
+def ball_corners(segments: int) -> UnitVectors:
+    """Return points evenly on the unit sphere, with `segments` on its great circles, (n, 3)."""
     import manifold3d
 
-    simpler = manifold.simplify(SIMPLER * thickness)
-    count = simpler.num_tri()
-    if count > MOST_TO_ERODE:
-        raise MeshError(
-            f"a wall of {thickness:g} mm in a curved body has {count} triangles to be made from; "
-            f"need {MOST_TO_ERODE} or fewer (a coarser mesh of the body)"
-        )
-    seconds = count * EROSION_TIME
-    level = logging.INFO if seconds > SOON else logging.DEBUG
-    _log.log(
-        level, "a wall of %g mm is made from %d triangles: some %.0f s", thickness, count, seconds
-    )
-    ball = manifold3d.Manifold.sphere(thickness, BALL_SEGMENTS)
-    return simpler.minkowski_difference(ball)
+    return manifold_triangles(manifold3d.Manifold.sphere(1.0, segments)).vertices
 
 
 def filled_share(manifold: Manifold, corners: Points) -> float:

@@ -10,6 +10,7 @@ from scaffold_cad.errors import OptionError
 from scaffold_cad.mesh.insets import inset
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid import manifolds
+from scaffold_cad.solid.erosion import eroded
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -34,7 +35,7 @@ def inside_of(surface: TriangleMesh, outer: Manifold, skin: float) -> Manifold:
     if 2 * skin >= np.ptp(surface.vertices, axis=0).min():  # which erosion takes long to find
         raise full
     inner = inset(surface, skin)
-    solid = manifolds.eroded(outer, skin) if inner is None else manifolds.to_manifold(inner)
+    solid = eroded(outer, skin) if inner is None else manifolds.to_manifold(inner)
     if solid.is_empty():
         raise full
     return solid

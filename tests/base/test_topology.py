@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given
 
 from scaffold_cad.base.arrays import Edges
-from scaffold_cad.base.topology import chains, component_labels, incidence, valencies
+from scaffold_cad.base.topology import chains, component_labels, incidence, neighbors, valencies
 from scaffold_cad.skeleton import Skeleton
+from tests.meshes import CUBE
 from tests.skeletons import (
     FIGURE_EIGHT,
     K4,
@@ -160,3 +161,12 @@ def test_two_nodes_joined_twice_are_a_ring() -> None:
     found = chains(np.array([[0, 1], [0, 1]]), 2)
     assert found.closed.tolist() == [True]
     assert found.half_edges.tolist() == [0, 3]
+
+
+def test_neighbors_share_the_side() -> None:
+    triangles = CUBE.triangles
+    across = neighbors(triangles, 8)
+    for triangle, corners in enumerate(triangles.tolist()):
+        for side in range(3):
+            shared = {corners[side], corners[(side + 1) % 3]}
+            assert shared <= set(triangles[across[triangle, side]].tolist())

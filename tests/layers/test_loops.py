@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from scaffold_cad.layers.loops import MeshSections, cycles, neighbors
+from scaffold_cad.layers.loops import MeshSections, cycles
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from tests.meshes import CUBE
 
@@ -41,15 +41,6 @@ def test_cycles_of_a_random_permutation(seed: int) -> None:
             assert (label[item], rank[item]) == (start, step)
             item = after[item]
         assert item == start
-
-
-def test_neighbors_share_the_side() -> None:
-    triangles = box().triangles
-    across = neighbors(triangles, 8)
-    for triangle, corners in enumerate(triangles.tolist()):
-        for side in range(3):
-            shared = {corners[side], corners[(side + 1) % 3]}
-            assert shared <= set(triangles[across[triangle, side]].tolist())
 
 
 def test_a_box_has_rectangles_for_sections_also_at_its_vertices() -> None:

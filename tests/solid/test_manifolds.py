@@ -13,7 +13,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaffold_cad.base.vectors import length
 from scaffold_cad.errors import MeshError, MissingBackendError
 from scaffold_cad.mesh.quadmesh import QuadMesh
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
@@ -21,7 +20,7 @@ from scaffold_cad.products import to_trimesh
 from scaffold_cad.scaffold import build_scaffold
 from scaffold_cad.skeleton import Skeleton
 from scaffold_cad.solid import to_solid
-from scaffold_cad.solid.manifolds import eroded, manifold_triangles, to_manifold
+from scaffold_cad.solid.manifolds import manifold_triangles, to_manifold
 from scaffold_cad.struts import round_struts
 from tests.meshes import CUBE, INSIDE_OUT_CUBE, OPEN_CUBE, TORUS, TWO_CUBES, torus
 
@@ -149,22 +148,3 @@ def test_without_a_back_end_the_error_says_how_to_get_it(monkeypatch, convert, m
     monkeypatch.setattr("scaffold_cad.base.backends.find_spec", lambda _: None)
     with pytest.raises(MissingBackendError, match=message):
         convert(CUBE)
-
-
-def test_fine_bodies_are_simplified_for_an_even_wall(caplog: pytest.LogCaptureFixture) -> None:
-    caplog.set_level("INFO")
-    fine = manifold3d.Manifold.sphere(10.0, 200)
-    inner = manifold_triangles(eroded(fine, 4.0))
-    inner.check_closed()
-    assert 5.6 < length(inner.vertices).min() < length(inner.vertices).max() < 6.4
-    (record,) = caplog.records
-    message = r"a wall of 4 mm is made from (\d+) triangles: some \d+ s"
-    found = re.fullmatch(message, record.getMessage())
-    assert found
-    assert int(found[1]) < 0.2 * fine.num_tri()
-
-
-def test_walls_that_would_take_hours_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("scaffold_cad.solid.manifolds.MOST_TO_ERODE", 10)
-    with pytest.raises(MeshError, match=r"a wall of 0.1 mm .* 12 triangles .*; need 10 or fewer"):
-        eroded(to_manifold(CUBE), 0.1)
