@@ -96,11 +96,11 @@ def mixed_brep(struts: RoundStruts) -> AnalyticBrep:
     """
     if struts.inner is None:
         part = _part(struts, wanted_fillets(struts), unproved(struts))
-        tell_united(struts, part.spans, part.fillets)
+        tell_united(struts, part.spans, part.fillets, part.mesh)
         return _told(_solids(_faces(part).faces))
     outside, inside = hollow(struts, unproved, _part, _together)
     tell_closed(struts, outside)
-    tell_united(struts, outside.spans, outside.fillets)
+    tell_united(struts, outside.spans, outside.fillets, outside.mesh)
     wall = float(struts.options.wall or 0.0)
     outside = _moved_out(outside, inside, wall)
     if inside.made is not None:

@@ -156,6 +156,29 @@ def test_struts_that_others_overlap_keep_their_gaps_or_are_named(
     assert not named or "edges 0 and 1, near [0, 0, 1." in caplog.text
 
 
+@pytest.mark.parametrize(("other", "gap"), [(0.05, 0.02), (0.05, 0.55), (2.0, 0.55), (2.0, 1.4)])
+def test_gaps_are_named_where_fillets_of_different_radii_close_them(
+    other: float, gap: float, caplog: pytest.LogCaptureFixture
+) -> None:
+    """A strut across another of its own fillet radius, and a third one that overlaps the first."""
+    nodes = [[-5, 0, 0], [14, 0, 0], [0.3, 9, 2 + gap], [0, -9, 2 + gap], [2, 9, -0.5], [2, -9, -1]]
+    crossing = Skeleton(nodes, [[0, 1], [2, 3], [4, 5]], 1.0)
+    blend = [2.0, 2.0, other, other, 0.2, 0.2]
+    mesh = round_mesh(round_struts(crossing, blend=blend))
+    closed = gap <= 2.0 + other - np.hypot(2.0, other)  # a quarter of an ellipse touches there
+    middle = [[0.15, 0.0, 1 + gap * part] for part in np.linspace(0.05, 0.95, 19)]
+    assert contains(mesh, np.array(middle)).all() == closed
+    assert ("united, though they do not touch: edges 0 and 1" in caplog.text) == closed
+
+
+def test_gaps_beside_flat_ends_are_not_named(caplog: pytest.LogCaptureFixture) -> None:
+    """A strut that ends flat above another, and a third one that overlaps the lower one."""
+    nodes = [[-5, 0, 0], [14, 0, 0], [0, 0, 1.5], [0, 0.1, 9], [2, 9, -0.5], [2, -9, -1]]
+    struts = round_struts(Skeleton(nodes, [[0, 1], [2, 3], [4, 5]], 1.0), blend=2.0)
+    assert not contains(round_mesh(struts), np.array([[0.1, 0.2, z] for z in (1.2, 1.3)])).any()
+    assert "united" not in caplog.text
+
+
 @pytest.mark.parametrize(("radius", "named"), [(0.8, False), (0.9, True)])
 def test_long_gaps_that_fillets_close_are_named_though_a_short_strut_joins_their_ends(
     radius: float, named: bool, caplog: pytest.LogCaptureFixture

@@ -116,7 +116,7 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
     if struts.inner is None:
         fillets, core = wanted_fillets(struts), unmade(struts, sides)
         made = _surface(struts, sides, fillets, core, factor, fine)
-        tell_united(struts, made.spans, made.fillets)
+        tell_united(struts, made.spans, made.fillets, made.mesh)
         return made.mesh
 
     def unmade_of(own: RoundStruts) -> Core:
@@ -132,7 +132,7 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
 
     outside, inside = hollow(struts, unmade_of, make, joined, factor)
     tell_closed(struts, outside)
-    tell_united(struts, outside.spans, outside.fillets)
+    tell_united(struts, outside.spans, outside.fillets, outside.mesh)
     mesh, wall = joined(outside, inside), float(struts.options.wall or 0.0)
     count, first = len(outside.mesh.triangles), len(outside.mesh.vertices)
     outer, inner = np.split(np.arange(count + len(inside.mesh.triangles)), [count])

@@ -13,7 +13,9 @@ from scaffold_cad.base.arrays import Bools, Edges, Floats, Ints, Points, place_t
 from scaffold_cad.base.blocks import blocks
 from scaffold_cad.base.segments import distance_to_side, nearest_on_segments
 from scaffold_cad.base.summaries import counted
-from scaffold_cad.base.vectors import length
+from scaffold_cad.base.vectors import dot, length
+from scaffold_cad.lattice.boxgrid import BoxGrid
+from scaffold_cad.mesh.trianglemesh import TriangleMesh
 from scaffold_cad.solid.clusters.spans import Spans, radii_at
 from scaffold_cad.struts.apart import EXACT, Slack, crossings, meeting
 from scaffold_cad.struts.model import RoundStruts
@@ -26,6 +28,9 @@ axes at which they are united."""
 
 CLOSED = 2.0 - 2.0**0.5
 """Gap between two struts that a fillet closes, over its radius ρ: there ρ = √2 (ρ - gap / 2)."""
+
+BEYOND = 1e-3
+"""How far beyond both axes the way between them begins, in its length: one may end flat there."""
 
 PLACES = 9
 """How many places of a span are looked at, whether it is near another there."""
@@ -56,8 +61,8 @@ def among(pairs: Edges, others: Edges, count: int) -> Bools:
     return np.isin(keys, known)
 
 
-def tell_united(struts: RoundStruts, spans: Spans, fillets: Floats) -> None:
-    """Warn of struts that keep apart, but not by more than the fillet of the field they are in.
+def tell_united(struts: RoundStruts, spans: Spans, fillets: Floats, mesh: TriangleMesh) -> None:
+    """Warn of struts that keep apart, but are one body in a mesh: fillets of fields close the gap.
 
     Those that a short way along struts joins do not count: they are one body where they are near.
 
@@ -65,6 +70,7 @@ def tell_united(struts: RoundStruts, spans: Spans, fillets: Floats) -> None:
     ----------
     spans : stretches of runs that are in fields
     fillets : (n,) fillet radius of each node, mm
+    mesh : triangles near the surface, those of fields as they are
     """
     if len(spans) == 0:
         return
@@ -81,7 +87,7 @@ def tell_united(struts: RoundStruts, spans: Spans, fillets: Floats) -> None:
     first, second = of_curve[pairs].T
     other = (first < 0) | (first != second)
     other &= ~among(pairs, near_runs(struts), len(runs.edges))
-    left, places = _near_each_other(runs, spans, pieces, i[other], j[other], start, end)
+    left, places = _near_each_other(runs, spans, pieces, i[other], j[other], start, end, mesh)
     if len(left) == 0:
         return
     edges = [int((runs.run_of_edge == run).argmax()) for run in left[0]]
@@ -96,9 +102,18 @@ def tell_united(struts: RoundStruts, spans: Spans, fillets: Floats) -> None:
 
 
 def _near_each_other(
-    runs: Runs, spans: Spans, pieces: Pieces, i: Ints, j: Ints, start: Points, end: Points
+    runs: Runs,
+    spans: Spans,
+    pieces: Pieces,
+    i: Ints,
+    j: Ints,
+    start: Points,
+    end: Points,
+    mesh: TriangleMesh,
 ) -> tuple[Edges, Points]:
-    """Return the pairs of runs (p, 2) that are near where nothing joins them, and where, (p, 3).
+    """Return the pairs of runs (p, 2) that are one body where nothing joins them, and where.
+
+    The places are of shape (p, 3).
 
     Parameters
     ----------
@@ -119,8 +134,29 @@ def _near_each_other(
     pairs = np.sort(spans.run[np.stack([i, j], axis=1)[row]], axis=1)
     middles: Points = (on_i + on_j)[row, place] / 2
     free = ~_in_another(runs, middles, pairs)
+    free[free] = _are_within(mesh, on_i[row, place][free], on_j[row, place][free])
     left, here = np.unique(pairs[free], axis=0, return_index=True)
     return left, middles[free][here]
+
+
+def _are_within(mesh: TriangleMesh, start: Points, end: Points) -> Bools:
+    """Return which ways between places on axes (k, 3) stay inside of a mesh, (k,)."""
+    free = np.ones(len(start), dtype=np.bool_)
+    if len(free) == 0:
+        return free
+    more = BEYOND * (end - start)
+    start, end = start - more, end + more
+    corners = mesh.vertices[mesh.triangles]  # (t, 3, 3)
+    for row, triangle in BoxGrid(corners).near(np.minimum(start, end), np.maximum(start, end)):
+        spokes = corners[triangle] - start[row, None]  # (p, 3, 3)
+        ahead = end[row] - start[row]
+        normal = np.cross(spokes[:, 1] - spokes[:, 0], spokes[:, 2] - spokes[:, 0])
+        height = dot(spokes[:, 0], normal)
+        facing = (height > 0) != (height > dot(ahead, normal))
+        around = dot(np.cross(spokes, np.roll(spokes, -1, axis=1)), ahead[:, None])  # (p, 3)
+        over = (around >= 0).all(axis=1) | (around <= 0).all(axis=1)
+        free[row[facing & over]] = False
+    return free
 
 
 def _in_another(runs: Runs, places: Points, pairs: Edges) -> Bools:
