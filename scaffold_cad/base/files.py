@@ -64,12 +64,14 @@ def make_folder(path: Path) -> None:
 
 
 def check_there(path: Path) -> None:
-    """Raise a FormatError if a file that is to be read is missing or a folder."""
+    """Raise a FormatError if what is to be read is missing, or is no file."""
     check_name(path, f"{path} cannot be read")
     if path.is_dir():
         raise FormatError(f"{path} is a folder; need a file")
     if not path.exists():
         raise FormatError(f"{path} cannot be read: there is no such file")
+    if not path.is_file():  # it would be empty when it is read again, or never end
+        raise FormatError(f"{path} is a pipe or a device; need a file")
 
 
 @contextmanager
@@ -79,7 +81,7 @@ def reading(path: Path) -> Iterator[None]:
     Raises
     ------
     FormatError
-        If the file is missing, is a folder, or cannot be read.
+        If it is missing, is no file, or cannot be read.
 
     Examples
     --------

@@ -24,6 +24,7 @@ from scaffold_cad.cli import (
     lattice,
     running,
     slicing,
+    streams,
     strength,
     view,
 )
@@ -40,6 +41,7 @@ LOGGING = ("-q", "--quiet", "-v", "--verbose")
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
+    streams.open_closed()
     parser, commands = parsers()
     words = list(sys.argv[1:] if arguments is None else arguments)
     if not words:

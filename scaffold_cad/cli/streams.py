@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import shutil
 import sys
 from collections import Counter
@@ -17,6 +18,13 @@ from scaffold_cad.errors import OptionError
 
 STREAM = "-"
 """What stands for standard input, or output."""
+
+
+def open_closed() -> None:
+    """Let standard streams that are closed be empty, and take what is written."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:  # in this order they get their numbers, which no file gets
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: PTH123, SIM115
 
 
 def add_output(parser: argparse.ArgumentParser, about: str) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from scaffold_cad.base.files import check_target, remove_unfinished, replacing
+from scaffold_cad.base.files import check_target, check_there, remove_unfinished, replacing
 from scaffold_cad.errors import FormatError
 
 
@@ -141,3 +141,10 @@ def test_what_killed_processes_left_is_removed(tmp_path: Path) -> None:
         remove_unfinished(tmp_path, [os.getpid()])
         assert not fresh.exists()
         fresh.touch()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="pipes are those of POSIX")
+def test_a_pipe_is_refused_before_it_is_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.json")
+    with pytest.raises(FormatError, match="is a pipe or a device; need a file"):
+        check_there(tmp_path / "pipe.json")

@@ -141,6 +141,20 @@ def test_standard_streams(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "/" not in said.getvalue()
 
 
+def test_closed_streams_are_empty_ones(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "stdin", None)
+    assert main(["info", "-", "--from", "json"]) == 2
+    assert "stdin.json is empty; need nodes and edges" in capsys.readouterr().err
+    monkeypatch.setattr(sys, "stdout", None)
+    monkeypatch.setattr(sys, "stderr", None)
+    assert main(["convert", "strut.json", "-o", "again.json"]) == 0
+    for stream in (sys.stdin, sys.stdout, sys.stderr):
+        stream.close()
+    assert Path("again.json").read_bytes() == Path("strut.json").read_bytes()
+
+
 def test_a_pipe_of_two_commands() -> None:
     command = f"{sys.executable} -m scaffold_cad"
     line = (
