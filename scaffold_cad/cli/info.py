@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
+import json
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,6 +26,14 @@ THIN = 1e-6
 """Least radius in place of those that a file does not have, mm."""
 
 
+class Row(NamedTuple):
+    """What is told of a file under one name."""
+
+    text: str
+    value: Any
+    """The same as JSON holds it, lengths in mm."""
+
+
 def add_parser(
     commands: argparse._SubParsersAction[argparse.ArgumentParser], common: argparse.ArgumentParser
 ) -> None:
@@ -32,6 +43,7 @@ def add_parser(
     source.add_units(parser)
     source.add_max_nodes(parser)
     source.add_strict(parser)
+    parser.add_argument("--json", action="store_true", help="print a line of JSON for each file")
     parser.set_defaults(run=run)
 
 
@@ -46,13 +58,17 @@ def run(options: argparse.Namespace) -> None:
         rows = _solid_counts(solid)
     else:
         rows = _skeleton_rows(options, raw)
+    if options.json:
+        values = {name.replace(" ", "_"): row.value for name, row in rows.items()}
+        print(json.dumps({"name": Path(options.input).name} | values, allow_nan=False))
+        return
     width = max(len(name) for name in rows)
-    for name, value in rows.items():
-        print(f"{name:<{width}}  {value}")
+    for name, row in rows.items():
+        print(f"{name:<{width}}  {row.text}")
 
 
-def _skeleton_rows(options: argparse.Namespace, raw: RawSkeleton) -> dict[str, str]:
-    """Return what is printed of a file with a skeleton, in order."""
+def _skeleton_rows(options: argparse.Namespace, raw: RawSkeleton) -> dict[str, Row]:
+    """Return what is told of a file with a skeleton, in order."""
     has_radii = raw.has_radii
     radius = None if has_radii else _thin
     told = replace(raw, left_out=(), flat_ends=0)  # in a row of its own
@@ -62,17 +78,16 @@ def _skeleton_rows(options: argparse.Namespace, raw: RawSkeleton) -> dict[str, s
         cleaning = with_repairs(
             options.input, told, radius, units=options.units, scale=options.scale
         )
-    rows = _counts(cleaning.skeleton)
+    skeleton, repairs = cleaning.skeleton, cleaning.repairs
+    rows = _counts(skeleton)
     rows["radius"] = (
-        range_text(cleaning.skeleton.radii)
-        if has_radii
-        else "none in the file: build needs --radius"
+        _range(skeleton.radii) if has_radii else Row("none in the file: build needs --radius", None)
     )
-    if cleaning.skeleton.has_member_radii:
-        rows["strut radius"] = range_text(cleaning.skeleton.edge_radii)
-    rows["repairs"] = str(cleaning.repairs)
+    if skeleton.has_member_radii:
+        rows["strut radius"] = _range(skeleton.edge_radii)
+    rows["repairs"] = Row(str(repairs), {k: n for k, n in asdict(repairs).items() if n})
     if raw.beyond_skeleton:
-        rows["beside it"] = ", ".join(raw.beyond_skeleton)
+        rows["beside it"] = Row(", ".join(raw.beyond_skeleton), list(raw.beyond_skeleton))
     return rows
 
 
@@ -93,35 +108,50 @@ def _solid(options: argparse.Namespace) -> TriangleMesh | None:
         return None
 
 
-def _solid_counts(solid: TriangleMesh) -> dict[str, str]:
-    """Return what is printed of a solid, in order."""
+def _solid_counts(solid: TriangleMesh) -> dict[str, Row]:
+    """Return what is told of a solid, in order."""
     mesh = welded(solid)
     surface = TriangleTopology(mesh)
     volume = f"{mesh.signed_volume:.6g} mm³"
+    if not surface.closed:
+        volume += ", of a surface that is open"
     return {
-        "skeleton": "none: a solid, see scaffold-cad check",
-        "triangles": str(len(mesh.triangles)),
-        "vertices": str(len(mesh.vertices)),
-        "shells": str(surface.shell_count),
-        "open edges": str(len(surface.open_edges)),
-        "volume": volume if surface.closed else f"{volume}, of a surface that is open",
-        "size": size_text(mesh.vertices),
+        "skeleton": Row("none: a solid, see scaffold-cad check", None),
+        "triangles": _count(len(mesh.triangles)),
+        "vertices": _count(len(mesh.vertices)),
+        "shells": _count(surface.shell_count),
+        "open edges": _count(len(surface.open_edges)),
+        "volume": Row(volume, mesh.signed_volume),
+        "size": _size(mesh.vertices),
     }
 
 
-def _counts(skeleton: Skeleton) -> dict[str, str]:
-    """Return what is printed of a skeleton, in order."""
+def _counts(skeleton: Skeleton) -> dict[str, Row]:
+    """Return what is told of a skeleton, in order."""
     kinds = np.bincount(skeleton.valency[skeleton.branch_points])
-    by_valency = [f"{count} of valency {n}" for n, count in enumerate(kinds.tolist()) if count]
+    by_valency = {n: count for n, count in enumerate(kinds.tolist()) if count}
+    kinds_text = ", ".join(f"{count} of valency {n}" for n, count in by_valency.items())
+    branches = len(skeleton.branch_points)
     return {
-        "nodes": str(len(skeleton.nodes)),
-        "edges": str(len(skeleton.edges)),
-        "components": str(skeleton.component_count),
-        "loops": str(skeleton.loop_count),
-        "branch points": f"{len(skeleton.branch_points)}"
-        + (f" ({', '.join(by_valency)})" if by_valency else ""),
-        "joints": str(len(skeleton.joints)),
-        "extremities": str(len(skeleton.extremities)),
-        "edge length": range_text(skeleton.lengths),
-        "size": size_text(skeleton.nodes),
+        "nodes": _count(len(skeleton.nodes)),
+        "edges": _count(len(skeleton.edges)),
+        "components": _count(skeleton.component_count),
+        "loops": _count(skeleton.loop_count),
+        "branch points": Row(f"{branches} ({kinds_text})" if branches else "0", by_valency),
+        "joints": _count(len(skeleton.joints)),
+        "extremities": _count(len(skeleton.extremities)),
+        "edge length": _range(skeleton.lengths),
+        "size": _size(skeleton.nodes),
     }
+
+
+def _count(count: int) -> Row:
+    return Row(str(count), count)
+
+
+def _range(values: Floats) -> Row:
+    return Row(range_text(values), [float(values.min()), float(values.max())])
+
+
+def _size(points: Points) -> Row:
+    return Row(size_text(points), np.ptp(points, axis=0).tolist() if len(points) else [0.0] * 3)

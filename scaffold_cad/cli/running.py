@@ -148,7 +148,7 @@ def _end_quietly() -> None:
 def _run_one(options: argparse.Namespace, folder: str, several: bool = False) -> int:
     """Run a command for one file and return its exit code."""
     log_to_stderr(options, folder)
-    if several and not hasattr(options, "output"):
+    if several and not hasattr(options, "output") and not getattr(options, "json", False):
         print(f"{options.input}:")
 
     def work() -> int:

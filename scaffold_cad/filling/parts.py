@@ -74,7 +74,8 @@ def lattice_part(
     cell, size, radius, origin, axes, on : as for `fill`
     skin : thickness of the closed wall at the body's surface, mm; none by default. Where the body
         is more tightly curved than that, making it takes some 3 ms per triangle
-    section : of the struts, "square" or "round"; by default as `sides` say, else square
+    section : of the struts, "square" or "round"; by default as `sides` say, else square, while
+        those of `lattice_solid` are round
     sides : of the struts: 4 for square ones, 8 or another multiple of 4 for round ones; by default
         16 where the section is round
     drain : diameter of holes through the skin, mm, for powder and resin to get out; none by

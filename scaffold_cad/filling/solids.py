@@ -144,7 +144,8 @@ def lattice_solid(
     body : a build123d solid
     cell, size, radius : as for `fill`
     skin : thickness of the closed wall at the body's surface, mm
-    section : of the struts, "round" or "square"
+    section : of the struts, "round" or "square"; round by default, while those of `lattice_part`
+        are square
     origin, axes, on : as for `fill`
     overlaps : what becomes of struts that overlap, "refuse" or "unite" as for `to_brep`: round ones
         get plane facets where they overlap, each of which takes OCCT 1 to 2 ms

@@ -125,7 +125,7 @@ LINES = {
         "tripod.json --strict --to-units cm --jobs 1 --output b.csv",
     ],
     "formats": ["--quiet"],
-    "info": ["bare.obj --quiet --strict --units cm --scale 0.5 --max-nodes 9"],
+    "info": ["bare.obj --quiet --strict --units cm --scale 0.5 --max-nodes 9 --json"],
 }
 """Command lines, all flags of each command among them."""
 

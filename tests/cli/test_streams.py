@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import os
 import shlex
 import signal
@@ -22,6 +23,7 @@ import trimesh
 from scaffold_cad import Skeleton, read_skeleton, write
 from scaffold_cad.cli import main
 from scaffold_cad.cli.running import INTERRUPTED, _end_quietly
+from tests.meshes import CUBE
 
 ANGLE = Skeleton([[0, 0, 0], [10, 0, 0], [0, 20, 0]], [[0, 1], [0, 2]], 1.0)
 STRUT = Skeleton([[0, 0, 0], [10, 0, 0]], [[0, 1]], 1.0)
@@ -139,6 +141,23 @@ def test_standard_streams(monkeypatch: pytest.MonkeyPatch) -> None:
     assert mesh.volume == pytest.approx(10 * np.pi, rel=1e-6)
     assert "stdin.json: 2 nodes" in said.getvalue()
     assert "/" not in said.getvalue()
+
+
+def test_info_of_several_files_as_json(capsys: pytest.CaptureFixture[str]) -> None:
+    write(CUBE, "cube.stl")
+    assert main(["info", "angle.json", "cube.stl", "--json", "--scale", "2"]) == 0
+    angle, cube = map(json.loads, capsys.readouterr().out.splitlines())
+    assert (angle["name"], angle["nodes"], angle["edges"], angle["joints"]) == (
+        "angle.json",
+        3,
+        2,
+        1,
+    )
+    assert angle["edge_length"] == [20.0, 40.0]
+    assert (angle["size"], angle["radius"]) == ([20.0, 40.0, 0.0], [2.0, 2.0])
+    assert (angle["branch_points"], angle["repairs"]) == ({}, {})
+    assert (cube["nodes"], cube["edges"], cube["branch_points"]) == (8, 12, {"3": 8})
+    assert cube["radius"] is None
 
 
 def test_closed_streams_are_empty_ones(
