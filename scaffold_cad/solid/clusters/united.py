@@ -147,7 +147,8 @@ def _are_within(mesh: TriangleMesh, start: Points, end: Points) -> Bools:
     more = BEYOND * (end - start)
     start, end = start - more, end + more
     corners = mesh.vertices[mesh.triangles]  # (t, 3, 3)
-    for row, triangle in BoxGrid(corners).near(np.minimum(start, end), np.maximum(start, end)):
+    ways = BoxGrid(np.stack([start, end, end], axis=1))  # triangles without area
+    for triangle, row in ways.near(corners.min(axis=1), corners.max(axis=1)):
         spokes = corners[triangle] - start[row, None]  # (p, 3, 3)
         ahead = end[row] - start[row]
         normal = np.cross(spokes[:, 1] - spokes[:, 0], spokes[:, 2] - spokes[:, 0])
