@@ -14,6 +14,9 @@ loads build123d for the part classes. Further names can be imported one by one: 
 
 from typing import TYPE_CHECKING, Any
 
+from scaffold_cad.base import starting  # noqa: F401  (it ends the command on Ctrl-C: so first)
+
+# isort: split
 from scaffold_cad import webpage  # noqa: F401  (it registers what notebooks show)
 from scaffold_cad.base.fields import Field as Field
 from scaffold_cad.base.fields import PointField

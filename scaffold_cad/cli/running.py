@@ -18,13 +18,13 @@ from typing import NoReturn, TextIO
 
 from scaffold_cad.base.arguments import as_count
 from scaffold_cad.base.files import remove_unfinished
+from scaffold_cad.base.starting import INTERRUPTED, started
 from scaffold_cad.cli.fields import with_contents
 from scaffold_cad.cli.flags import with_flags, with_measures
 from scaffold_cad.cli.streams import each_file, streamed
 from scaffold_cad.errors import FormatError, ScaffoldCadError
 
 BAD_INPUT = 2
-INTERRUPTED = 130
 
 _interrupted = Event()
 """Whether a signal has come that ends the work."""
@@ -63,6 +63,7 @@ def _interruptible() -> Iterator[None]:
         yield
         return
     _interrupted.clear()
+    started()
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     heeded = {signal.SIGTERM, signal.SIGINT}
     if before[signal.SIGINT] is not signal.default_int_handler:
