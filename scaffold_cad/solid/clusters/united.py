@@ -75,8 +75,7 @@ def tell_united(struts: RoundStruts, spans: Spans, fillets: Floats, mesh: Triang
     if len(spans) == 0:
         return
     runs, curves = struts.runs, struts.curves
-    tail, ahead = runs.nodes[runs.edges[spans.run, 0]], runs.directions[2 * spans.run]
-    start, end = (tail + bound[:, None] * ahead for bound in (spans.low, spans.high))
+    start, end = _axes(runs, spans)
     radius = np.maximum(*(radii_at(runs, spans.run, bound) for bound in (spans.low, spans.high)))
     gap = CLOSED * fillets[runs.edges[spans.run]].min(axis=1)
     pieces = capsules(start, end, radius + gap / 2, runs.edges[spans.run], spans.run)
@@ -87,7 +86,9 @@ def tell_united(struts: RoundStruts, spans: Spans, fillets: Floats, mesh: Triang
     first, second = of_curve[pairs].T
     other = (first < 0) | (first != second)
     other &= ~among(pairs, near_runs(struts), len(runs.edges))
-    left, places = _near_each_other(runs, spans, pieces, i[other], j[other], start, end, mesh)
+    near, on_one, on_other = _near_each_other(runs, spans, pieces, i[other], j[other])
+    closed = _are_within(mesh, on_one, on_other)
+    left, here = np.unique(near[closed], axis=0, return_index=True)
     if len(left) == 0:
         return
     edges = [int((runs.run_of_edge == run).argmax()) for run in left[0]]
@@ -96,31 +97,31 @@ def tell_united(struts: RoundStruts, spans: Spans, fillets: Floats, mesh: Triang
         "need more room between them, more sides, or a smaller blend",
         counted(len(left), "pair of struts is", "pairs of struts are"),
         *edges,
-        place_text(places[0]),
+        place_text((on_one + on_other)[closed][here[0]] / 2),
         ", first" if len(left) > 1 else "",
     )
 
 
-def _near_each_other(
-    runs: Runs,
-    spans: Spans,
-    pieces: Pieces,
-    i: Ints,
-    j: Ints,
-    start: Points,
-    end: Points,
-    mesh: TriangleMesh,
-) -> tuple[Edges, Points]:
-    """Return the pairs of runs (p, 2) that are one body where nothing joins them, and where.
+def _axes(runs: Runs, spans: Spans) -> tuple[Points, Points]:
+    """Return where the axes of spans begin and end, both (s, 3)."""
+    tail, ahead = runs.nodes[runs.edges[spans.run, 0]], runs.directions[2 * spans.run]
+    start, end = (tail + bound[:, None] * ahead for bound in (spans.low, spans.high))
+    return start, end
 
-    The places are of shape (p, 3).
+
+def _near_each_other(
+    runs: Runs, spans: Spans, pieces: Pieces, i: Ints, j: Ints
+) -> tuple[Edges, Points, Points]:
+    """Return pairs of runs that are near where nothing joins them, and where, nearest first.
+
+    They are of shapes (p, 2), (p, 3) and (p, 3), on both axes; a pair may come more than once.
 
     Parameters
     ----------
     pieces : of spans, thicker than these by half of what is closed between two of them
     i, j : (q,) spans that meet so
-    start, end : (s, 3) of the axes of spans
     """
+    start, end = _axes(runs, spans)
     on_i, on_j = _places(start[i], end[i], start[j], end[j])
     reach = (pieces.radius[i] + pieces.radius[j])[:, None]
     apart = length(on_i - on_j)
@@ -132,11 +133,9 @@ def _near_each_other(
     order = np.argsort(apart[row, place], kind="stable")
     row, place = row[order], place[order]
     pairs = np.sort(spans.run[np.stack([i, j], axis=1)[row]], axis=1)
-    middles: Points = (on_i + on_j)[row, place] / 2
-    free = ~_in_another(runs, middles, pairs)
-    free[free] = _are_within(mesh, on_i[row, place][free], on_j[row, place][free])
-    left, here = np.unique(pairs[free], axis=0, return_index=True)
-    return left, middles[free][here]
+    on_one, on_other = on_i[row, place], on_j[row, place]
+    free = ~_in_another(runs, (on_one + on_other) / 2, pairs)
+    return pairs[free], on_one[free], on_other[free]
 
 
 def _are_within(mesh: TriangleMesh, start: Points, end: Points) -> Bools:
