@@ -23,6 +23,7 @@ from scaffold_cad.brep.joining import (
 )
 from scaffold_cad.mesh.pieces import Pieces, pieces_of
 from scaffold_cad.mesh.trianglemesh import TriangleMesh
+from scaffold_cad.solid.clusters.changed import tell_changed
 from scaffold_cad.solid.clusters.core import Core, unproved
 from scaffold_cad.solid.clusters.facets import FINENESS, SIDES, Faceted, faceted
 from scaffold_cad.solid.clusters.fineness import Fineness
@@ -97,10 +98,12 @@ def mixed_brep(struts: RoundStruts) -> AnalyticBrep:
     if struts.inner is None:
         part = _part(struts, wanted_fillets(struts), unproved(struts))
         tell_united(struts, part.spans, part.fillets, part.mesh)
+        tell_changed(struts, part.spans)
         return _told(_solids(_faces(part).faces))
     outside, inside = hollow(struts, unproved, _part, _together)
     tell_closed(struts, outside)
     tell_united(struts, outside.spans, outside.fillets, outside.mesh)
+    tell_changed(struts, outside.spans, inside.spans)
     wall = float(struts.options.wall or 0.0)
     outside = _moved_out(outside, inside, wall)
     if inside.made is not None:

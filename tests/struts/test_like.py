@@ -233,3 +233,19 @@ def test_a_bend_between_branches_may_go_through_straight_to_the_other_side() -> 
         struts = round_struts(frame(aside), joints="blend", like=first)
         twist = sized_rings(struts, 16, shift).twist
         np.testing.assert_allclose(twist, before, atol=np.radians(10))
+
+
+def test_struts_that_overlap_name_themselves_where_triangles_change(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    nodes = np.array([[-9, 0, 0], [9, 0, 0], [0, -9, 1.5], [0, 9, 1.5]], float)
+    start = round_struts(Skeleton(nodes, [[0, 1], [2, 3]], 1.0))
+    moved = round_struts(Skeleton(nodes * [1, 1, 0.8], [[0, 1], [2, 3]], 1.0), like=start)
+    one, other = (round_mesh(struts, 12).triangles for struts in (start, moved))
+    assert not np.array_equal(one, other)
+    (said,) = [line for line in caplog.messages if "`like`" in line]
+    assert said.startswith("2 struts are crowded or overlap, whose triangles are not those of")
+    caplog.clear()
+    apart = round_struts(Skeleton(nodes * [1, 1, 2], [[0, 1], [2, 3]], 1.0))
+    round_mesh(round_struts(Skeleton(nodes * [1, 1, 3], [[0, 1], [2, 3]], 1.0), like=apart), 12)
+    assert not caplog.messages

@@ -19,6 +19,7 @@ from scaffold_cad.base.summaries import counted
 from scaffold_cad.base.vectors import length
 from scaffold_cad.mesh.pieces import without_voids
 from scaffold_cad.mesh.trianglemesh import TriangleMesh, compacted
+from scaffold_cad.solid.clusters.changed import tell_changed
 from scaffold_cad.solid.clusters.core import Core, unmade
 from scaffold_cad.solid.clusters.ends import with_flat_ends
 from scaffold_cad.solid.clusters.fewest import fewest_sides
@@ -117,6 +118,7 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
         fillets, core = wanted_fillets(struts), unmade(struts, sides)
         made = _surface(struts, sides, fillets, core, factor, fine)
         tell_united(struts, made.spans, made.fillets, made.mesh)
+        tell_changed(struts, made.spans)
         return made.mesh
 
     def unmade_of(own: RoundStruts) -> Core:
@@ -133,6 +135,7 @@ def surface_of(struts: RoundStruts, sides: int, factor: float = 1.0) -> Triangle
     outside, inside = hollow(struts, unmade_of, make, joined, factor)
     tell_closed(struts, outside)
     tell_united(struts, outside.spans, outside.fillets, outside.mesh)
+    tell_changed(struts, outside.spans, inside.spans)
     mesh, wall = joined(outside, inside), float(struts.options.wall or 0.0)
     count, first = len(outside.mesh.triangles), len(outside.mesh.vertices)
     outer, inner = np.split(np.arange(count + len(inside.mesh.triangles)), [count])
