@@ -18,13 +18,21 @@ CANDIDATES = 150
 """Directions spread over the sphere that are tried, beside the axes and the largest faces."""
 LARGEST_FACES = 20
 """Directions that put one of the largest flat parts on the plate are tried too."""
-SAME_AREA = 0.01
-"""Support areas that differ by less than this part of the surface are taken as equal."""
+NEARBY = 16
+"""Directions that are tried around each of the best."""
+BEST = 3
+"""How many of the best directions others are tried around."""
+SPREADS = (0.3, 0.1)
+"""How far around, first and then, rad: about the steps between those tried before."""
+SAME_AREA = 0.002
+"""Support areas that are this part of the surface from the least are taken as equal."""
 SAME_NORMAL = 1e-4
 """Step to which normals are rounded to tell which faces face the same way."""
 STEEP_ENOUGH = 3e-4
 """What is this much below the limit of what hangs over is steep enough, rad: 32-bit coordinates
 turn small triangles by as much, and files of few digits struts."""
+GOLDEN = math.pi * (1.0 + math.sqrt(5.0))
+"""Turn from one direction of a spiral to the next, rad: none comes beside another."""
 UP: UnitVectors = np.array([0.0, 0.0, 1.0])
 """The direction that wins over its equals where none is given."""
 
@@ -162,17 +170,22 @@ def best_direction(facets: Facets, process: Process, given: UnitVectors = UP) ->
     """Return the direction that needs least support, of one given and many that are tried.
 
     Those in which the part fits into the printer come first, if there are any, and those that need
-    no more support than the one given. Among directions of nearly the same support the one of the
+    no more support than the one given. Among directions of nearly the least support the one of the
     lowest part, and among those the one with the largest hold on the plate. The one given wins over
     its equals.
     """
     tried = np.concatenate([[given], _axes(), _onto_faces(facets), _spiral(CANDIDATES)])
     stands = [standing(facets, direction, process) for direction in tried]
-    step = max(SAME_AREA * facets.area, 1e-300)
+    for spread in SPREADS:
+        best = np.argsort([stand.support_area for stand in stands], kind="stable")[:BEST]
+        nearby = np.concatenate([_around(direction, spread) for direction in tried[best]])
+        tried = np.concatenate([tried, nearby])
+        stands += [standing(facets, direction, process) for direction in nearby]
+    least = min(stand.support_area for stand in stands) + SAME_AREA * facets.area
     keys = [
         (
             stand.support_area > stands[0].support_area,
-            round(stand.support_area / step),
+            max(stand.support_area, least),
             round(stand.height, 3),
             -round(stand.contact_area, 3),
         )
@@ -181,8 +194,8 @@ def best_direction(facets: Facets, process: Process, given: UnitVectors = UP) ->
     order = sorted(range(len(keys)), key=keys.__getitem__)
     room = process.build_volume
     fitting = (row for row in order if _fits(facets, tried[row], room))
-    best: UnitVectors = tried[next(fitting, order[0])]
-    return best
+    found: UnitVectors = tried[next(fitting, order[0])]
+    return found
 
 
 def _fits(facets: Facets, direction: UnitVectors, room: tuple[float, float, float]) -> bool:
@@ -208,11 +221,21 @@ def _onto_faces(facets: Facets) -> UnitVectors:
     return -facets.kinds[largest] / areas[largest, None]
 
 
+def _around(direction: UnitVectors, spread: float) -> UnitVectors:
+    """Return directions evenly within an angle of one, rad, shape (n, 3)."""
+    number = np.arange(NEARBY) + 0.5
+    tilt, turn = spread * np.sqrt(number / NEARBY), GOLDEN * number
+    side = any_perpendicular(direction)
+    sideways = np.stack([np.cos(turn), np.sin(turn)], axis=1) @ [side, np.cross(direction, side)]
+    near: UnitVectors = np.cos(tilt)[:, None] * direction + np.sin(tilt)[:, None] * sideways
+    return near
+
+
 def _spiral(count: int) -> UnitVectors:
     """Return directions spread evenly over the sphere along a golden spiral, shape (count, 3)."""
     number = np.arange(count) + 0.5
     z = 1.0 - 2.0 * number / count
-    turn = np.pi * (1.0 + math.sqrt(5.0)) * number
+    turn = GOLDEN * number
     flat = np.sqrt(1.0 - z * z)
     return np.stack([flat * np.cos(turn), flat * np.sin(turn), z], axis=1)
 

@@ -522,6 +522,21 @@ def test_the_best_direction_needs_no_more_support_than_the_one_given(seed: int) 
         assert least <= needed * (1 + 1e-9)
 
 
+@pytest.mark.parametrize("seed", [3, 7, 13, 19])
+def test_of_many_directions_none_needs_much_less_support_than_the_best(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    mesh = to_trimesh(round_struts(star((rng.normal(size=(5, 3)) * 20).tolist())), sides=8)
+
+    def support(up: np.ndarray) -> float:
+        slope = -mesh.face_normals @ up
+        return float((mesh.area_faces * slope)[slope > math.cos(math.radians(45))].sum())
+
+    report = check_printability(mesh, "fdm", direction="best")
+    others = rng.normal(size=(300, 3))
+    least = min(support(other / np.linalg.norm(other)) for other in others)
+    assert report["supports"].value["area_mm2"] < least + 0.002 * mesh.area
+
+
 def test_the_best_direction_is_one_in_which_the_part_fits() -> None:
     rod = box(10, 10, 290)
     assert check_printability(rod, POWDER)["build_volume"].verdict == "ok"
