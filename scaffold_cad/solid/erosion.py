@@ -26,7 +26,7 @@ HOLLOW = 0.3
 HALVED = 2
 """How often the turn at a hollow edge is halved: what is between is 2 % off at right angles."""
 
-SIMPLER = 0.02
+SIMPLER = 0.03
 """How far a body may be simplified for an eroded wall, in thicknesses of the wall."""
 
 EROSION_TIME = 0.0035
