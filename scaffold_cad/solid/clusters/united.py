@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
@@ -37,6 +38,9 @@ PLACES = 9
 
 PAIR_BYTES = 200
 """What a place and a run take where they are looked at."""
+
+TRIANGLE_BYTES = 256
+"""What a triangle takes where it is looked at."""
 
 _log = logging.getLogger(__name__)
 
@@ -145,10 +149,8 @@ def _are_within(mesh: TriangleMesh, start: Points, end: Points) -> Bools:
         return free
     more = BEYOND * (end - start)
     start, end = start - more, end + more
-    corners = mesh.vertices[mesh.triangles]  # (t, 3, 3)
-    ways = BoxGrid(np.stack([start, end, end], axis=1))  # triangles without area
-    for triangle, row in ways.near(corners.min(axis=1), corners.max(axis=1)):
-        spokes = corners[triangle] - start[row, None]  # (p, 3, 3)
+    for corners, row in _close(mesh, start, end):
+        spokes = corners - start[row, None]  # (p, 3, 3)
         ahead = end[row] - start[row]
         normal = np.cross(spokes[:, 1] - spokes[:, 0], spokes[:, 2] - spokes[:, 0])
         height = dot(spokes[:, 0], normal)
@@ -157,6 +159,24 @@ def _are_within(mesh: TriangleMesh, start: Points, end: Points) -> Bools:
         over = (around >= 0).all(axis=1) | (around <= 0).all(axis=1)
         free[row[facing & over]] = False
     return free
+
+
+def _close(mesh: TriangleMesh, start: Points, end: Points) -> Iterator[tuple[Floats, Ints]]:
+    """Yield triangles and ways (k, 3) close to each other: corners (p, 3, 3) and ways (p,).
+
+    Most triangles are small and not near any way: a corner of theirs tells.
+    """
+    ways = np.stack([start, end, end], axis=1)  # triangles without area
+    small = float(length(end - start).mean())
+    near, around = BoxGrid(ways), BoxGrid(ways, margin=small)
+    is_around = np.append(~around.is_empty.reshape(-1), False)  # the last for those in no cell
+    for rows in blocks(len(mesh.triangles), TRIANGLE_BYTES):
+        a, b, c = (mesh.vertices[corner] for corner in mesh.triangles[rows].T)  # (t, 3) each
+        low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+        close = is_around[around.cell_of(a)] | (high - low > small).any(axis=1)
+        corners = np.stack([a[close], b[close], c[close]], axis=1)
+        for triangle, row in near.near(low[close], high[close]):
+            yield corners[triangle], row
 
 
 def _in_another(runs: Runs, places: Points, pairs: Edges) -> Bools:
